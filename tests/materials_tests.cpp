@@ -106,8 +106,8 @@ TEST_CASE("an invalid table is refused") {
           "material 'a': reflectance_905 must be 0..1, is 10");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "retro": "much"}]})", "retro must be 0..1000000");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "name": "b"}]})", "'name' is there twice");
-  // 64 levels may lie within one another, of which the object and the list of materials are two. Text that nests much
-  // deeper overflowed the stack when the message quoted it.
+  // The limit is 64 levels; the object and its list of materials are two of these. A message that quoted a million
+  // levels overflowed the stack.
   const auto nested = [](size_t depth) {
     return "{\"materials\": [" + std::string(depth, '[') + std::string(depth, ']') + "]}";
   };

@@ -12,14 +12,7 @@ using nlohmann::json;
 
 namespace {
 
-struct TooDeep : json::exception {
-  TooDeep() : exception(0, "[json.exception.depth] it nests deeper than 64 levels") {
-    static_assert(kMaximumJsonDepth == 64);
-  }
-};
-
-}  // namespace
-
+// Returns whether the lists and objects of a text nest deeper than kMaximumJsonDepth.
 bool nestsTooDeep(std::string_view text) {
   int depth = 0;
   bool inString = false;
@@ -39,10 +32,17 @@ bool nestsTooDeep(std::string_view text) {
   return false;
 }
 
+}  // namespace
+
+JsonTooDeep::JsonTooDeep()
+    : exception(
+          0, ("[json.exception.depth] it nests deeper than " + std::to_string(kMaximumJsonDepth) + " levels").c_str()) {
+}
+
 template <typename Json>
 Json parseJson(std::string_view text, bool throws) {
   if (nestsTooDeep(text)) {
-    if (throws) throw TooDeep();
+    if (throws) throw JsonTooDeep();
     return Json(Json::value_t::discarded);
   }
   return Json::parse(text, nullptr, throws);
@@ -68,7 +68,7 @@ json parseStrict(std::string_view text, const std::string& source) {
     return true;
   };
   try {
-    if (nestsTooDeep(text)) throw TooDeep();
+    if (nestsTooDeep(text)) throw JsonTooDeep();
     return json::parse(text, refuseTwins);
   } catch (const json::exception& problem) {
     throw Error(ErrorCode::format, source + ": is not JSON: " + readable(problem));

@@ -10,14 +10,15 @@
 namespace gnosphere {
 
 /// The most lists and objects of a text that may lie within one another. Values are copied and written by recursion,
-/// so a text that nests without end would overflow the stack. Real files nest about ten levels.
+/// so a value with a million levels would overflow the stack. Real files nest about ten levels.
 constexpr int kMaximumJsonDepth = 64;
 
-/// Whether a text nests deeper than kMaximumJsonDepth.
-bool nestsTooDeep(std::string_view text);
+struct JsonTooDeep : nlohmann::json::exception {
+  JsonTooDeep();
+};
 
-/// Reads JSON, in the type nlohmann::json or nlohmann::ordered_json. If the text is not JSON or nests too deep, throws
-/// nlohmann::json::exception, or returns a discarded value.
+/// Reads JSON, in the type nlohmann::json or nlohmann::ordered_json. Throws nlohmann::json::exception if the text is
+/// not JSON, and JsonTooDeep if it nests deeper than kMaximumJsonDepth, or returns a discarded value for both.
 template <typename Json = nlohmann::json>
 Json parseJson(std::string_view text, bool throws = true);
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/hash.hpp"
 #include "drive/fingerprint.hpp"
-#include "drive/hash.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive {

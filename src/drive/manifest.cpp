@@ -10,8 +10,8 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/hash.hpp"
 #include "base/json_text.hpp"
-#include "drive/hash.hpp"
 
 namespace gnosphere::drive {
 namespace {

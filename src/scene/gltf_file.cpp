@@ -386,8 +386,6 @@ void checkVersion(const Json& json, const Source& source) {
 GltfFile parseGltf(Bytes bytes, const Source& source) {
   const bool isGlb = bytes.size() >= 4 && word(bytes, 0) == kGlbMagic;
   const Container container = isGlb ? splitGlb(bytes, source) : Container{text(bytes), {}};
-  if (nestsTooDeep(container.json))
-    source.fail("its JSON nests deeper than " + std::to_string(kMaximumJsonDepth) + " levels");
 
   GltfFile file;
   std::string stripped;
@@ -395,6 +393,8 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
     Json json;
     try {
       json = parseJson(container.json);
+    } catch (const JsonTooDeep&) {
+      source.fail("its JSON nests deeper than " + std::to_string(kMaximumJsonDepth) + " levels");
     } catch (const Json::exception& error) {
       source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " + error.what());
     }

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "base/hash.hpp"
 #include "base/threads.hpp"
 #include "bin.spv.h"
 #include "bin_int64.spv.h"
@@ -163,19 +164,11 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
 }
 
 KernelDigest digestOf(const Variant& variant, const KernelCode& code) {
-  KernelDigest digest = {0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F};
-  const auto add = [&](std::span<const uint32_t> words) {
-    for (const uint32_t word : words)
-      for (uint64_t& half : digest) {
-        half = (half ^ word) * (&half == digest.data() ? 0xFF51AFD7ED558CCD : 0xC4CEB9FE1A85EC53);
-        half ^= half >> 32;
-      }
-  };
-  add(code.words);
-  if (!code.specialised) add(code.constants);
-  const uint32_t settings[] = {code.lanes, usesSubgroups(variant.kernel), variant.options.LISTED};
-  add(settings);
-  return digest;
+  Hasher hasher;
+  hasher.add(code.words);
+  if (!code.specialised) hasher.add(code.constants);
+  hasher.add(std::vector<uint32_t>{code.lanes, usesSubgroups(variant.kernel), variant.options.LISTED});
+  return hasher.hex();
 }
 
 Kernels::Kernels(const Device& device, const PipelineCache& cache, Specialise specialise)
@@ -219,7 +212,9 @@ void Kernels::prepare(std::span<const Variant> variants) {
 }
 
 VkPipeline Kernels::of(const Variant& variant) {
-  if (!pipelines_.contains(variant)) prepare({&variant, 1});
+  const auto found = pipelines_.find(variant);
+  if (found != pipelines_.end()) return found->second->pipeline.get();
+  prepare({&variant, 1});
   return pipelines_.at(variant)->pipeline.get();
 }
 

@@ -2,9 +2,9 @@
 // Compute pipelines from the SPIR-V modules.
 #pragma once
 
-#include <array>
 #include <map>
 #include <span>
+#include <string>
 
 #include "gnosphere/plan.hpp"
 #include "pipeline/kernels.hpp"
@@ -30,8 +30,9 @@ struct KernelCode : Code {
 };
 KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise = codeOf);
 
-/// Stands for what the driver gets: 128 bits, so that no two kernels of a process are taken for one.
-using KernelDigest = std::array<uint64_t, 2>;
+/// A hash of the code and the settings with which a driver compiles a kernel. Kernels of equal digests share a
+/// pipeline.
+using KernelDigest = std::string;
 KernelDigest digestOf(const Variant& variant, const KernelCode& code);
 
 /// The compiled kernels of a simulator; each is compiled once. Kernels that are the same module once their options are

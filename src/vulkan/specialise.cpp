@@ -116,7 +116,8 @@ bool isScalarConstant(Instruction instruction) {
   return op == spv::OpConstant || op == spv::OpConstantTrue || op == spv::OpConstantFalse;
 }
 
-// Returns for each id whether an instruction may use it. Numbers and text that look like an id count as uses.
+// Returns for each id whether an instruction may use it. A literal number or text with the value of an id counts as a
+// use.
 std::vector<bool> usedIds(const Globals& globals, const std::vector<LiveFunction>& functions, uint32_t bound) {
   std::vector<bool> used(bound);
   const auto use = [&](Instruction instruction) {
@@ -144,7 +145,8 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   std::vector<LiveFunction> functions = functionsOf({split, instructions.end()}, values, bound);
   keepCalled(functions, globals.entryPoint());
 
-  // Constants that only decided branches are left out, so that values that lead to the same code give the same words.
+  // The module loses the constants that no instruction uses any more, so that constants of different values which leave
+  // the same branches give the same words.
   const std::vector<bool> used = usedIds(globals, functions, bound);
   const auto stays = [&](Instruction instruction) { return !isScalarConstant(instruction) || used[instruction[2]]; };
   std::vector<bool> defined(bound);

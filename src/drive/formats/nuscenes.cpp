@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/hash.hpp"
 #include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
-#include "drive/hash.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive {

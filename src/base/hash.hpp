@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes that tell whether a file or a drive has changed (XXH3 of 128 bits; not against forgery).
+// Hashes that tell whether files, drives and kernels are equal (XXH3 of 128 bits; not against forgery).
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gnosphere::drive {
+namespace gnosphere {
 
 class Hasher {
  public:
@@ -30,4 +30,4 @@ class Hasher {
 
 std::string hashOf(std::string_view bytes);
 
-}  // namespace gnosphere::drive
+}  // namespace gnosphere

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drive/hash.hpp"
+#include "base/hash.hpp"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <cstdio>
 
-namespace gnosphere::drive {
+namespace gnosphere {
 namespace {
 
 std::string hexOf(const XXH128_hash_t& hash) {
@@ -45,4 +45,4 @@ std::string hashOf(std::string_view bytes) {
   return hexOf(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
-}  // namespace gnosphere::drive
+}  // namespace gnosphere
