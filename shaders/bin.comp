@@ -16,7 +16,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "motion.glsl"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Declares the arrays of arrays.h for a kernel, by the addresses in its job. In CUDA they are plain pointers.
-#include "arrays.h"
-#include "effects/parameters.h"
+#include "common/arrays.h"
+#include "common/effects/parameters.h"
 
 #ifdef VULKAN
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices and boxes of deformable meshes. A vertex is the sum of where its joints take it, in the order of the joints,
 // so it gets the same bytes in every cluster.
-#include "deform.h"
+#include "common/deform.h"
 
 // True if the mesh is deformable. A mesh that is not has a record of zeros.
 bool isDeformable(Deformer deformer) { return deformer.joints + deformer.targets > 0; }

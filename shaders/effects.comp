@@ -8,14 +8,14 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/vector.h"
-#include "beam.h"
+#include "common/effects/vector.h"
+#include "common/beam.h"
 #include "beams.glsl"
 #include "runs.glsl"
-#include "effects/doppler.h"
+#include "common/effects/doppler.h"
 #include "motion.glsl"
 #include "owner.glsl"
 #include "strays.glsl"
@@ -63,7 +63,7 @@ bool isDead(uint beam) {
   return (deadBeams.at[beam / 32] >> (beam % 32) & 1) != 0;
 }
 
-#include "effects/signal.h"
+#include "common/effects/signal.h"
 
 Echo loadEcho(uint k) {
   if (many) {

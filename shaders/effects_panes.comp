@@ -7,12 +7,12 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/vector.h"
-#include "effects/intensity.h"
-#include "effects/returns.h"
+#include "common/effects/vector.h"
+#include "common/effects/intensity.h"
+#include "common/effects/returns.h"
 #include "motion.glsl"
 #include "to_sensor.glsl"
 #include "inside.glsl"

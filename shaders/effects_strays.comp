@@ -6,11 +6,11 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/noise.h"
-#include "beam.h"
+#include "common/effects/noise.h"
+#include "common/beam.h"
 #include "beams.glsl"
 #include "runs.glsl"
 

@@ -13,7 +13,7 @@ struct Triangle {
 // comparison is saved: by `exact`, whose ranges are expensive, and before a surface is searched for holes.
 float farthestOf(uint index);
 
-#include "beam.h"
+#include "common/beam.h"
 #include "beams.glsl"
 #include "strays.glsl"
 #include "inside_plain.glsl"

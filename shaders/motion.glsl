@@ -3,7 +3,7 @@
 // sensor's frame at the middle of the scan; corners of moving instances are at their positions at the start of the
 // scan.
 
-#include "laser.h"
+#include "common/laser.h"
 
 // Applies the rotation without the shift. Calling through() with w = 0 is not the same: adding 0 turns -0 into 0, and
 // some compilers omit the addition.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Specialisation constants of the pipelines, in the order of Options in src/pipeline/kernels.hpp.
-#include "effects/bits.h"
+#include "common/effects/bits.h"
 
 layout(constant_id = 0) const uint BOUNDS = kBoundsExact;
 layout(constant_id = 1) const uint CULL = kCullNearestPoint;

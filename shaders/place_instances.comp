@@ -6,7 +6,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #define OUTSIDE_OF_SCANS
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "limits.glsl"

@@ -7,7 +7,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "motion.glsl"

@@ -16,13 +16,13 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
-#include "beam.h"
+#include "common/beam.h"
 #include "lanes.glsl"
 #include "to_sensor.glsl"
 #include "views.glsl"

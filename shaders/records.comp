@@ -8,12 +8,12 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/incidence.h"
+#include "common/effects/incidence.h"
 #include "to_sensor.glsl"
-#include "beam.h"
+#include "common/beam.h"
 #include "beams.glsl"
 #include "motion.glsl"
 #include "owner.glsl"

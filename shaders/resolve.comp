@@ -10,7 +10,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_scalar_block_layout : require
-#include "shared.h"
+#include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "motion.glsl"

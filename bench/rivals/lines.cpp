@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "effects/bits.h"
+#include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "effects/trajectory.hpp"
 #include "rivals/packets.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels and their launch, in namespace GNO_MODE, see kernels.hpp. The included files are those of shaders/,
-// translated by glsl.sed.
+// The kernels and their launch, in namespace GNO_MODE, see kernels.hpp. The included files are those of common/ and
+// shaders/, translated by glsl.sed.
 #include "cuda/kernels.hpp"
 
 // The header that maps GLSL's built-ins to invocations. Tests may name another one.
@@ -42,22 +42,22 @@
 namespace gnosphere::cuda::GNO_MODE {
 namespace {
 
-#include "glsl/shared.h"
+#include "glsl/common/shared.h"
 // The formulas of beams and effects stand outside of the stages, so that each is included once.
-#include "glsl/beam.h"
-#include "glsl/deform.h"
-#include "glsl/effects/arithmetic.h"
-#include "glsl/effects/bits.h"
-#include "glsl/effects/detection.h"
-#include "glsl/effects/doppler.h"
-#include "glsl/effects/intensity.h"
-#include "glsl/effects/noise.h"
-#include "glsl/effects/parameters.h"
-#include "glsl/effects/random.h"
-#include "glsl/effects/returns.h"
-#include "glsl/effects/vector.h"
-#include "glsl/effects/weather.h"
-#include "glsl/laser.h"
+#include "glsl/common/beam.h"
+#include "glsl/common/deform.h"
+#include "glsl/common/effects/arithmetic.h"
+#include "glsl/common/effects/bits.h"
+#include "glsl/common/effects/detection.h"
+#include "glsl/common/effects/doppler.h"
+#include "glsl/common/effects/intensity.h"
+#include "glsl/common/effects/noise.h"
+#include "glsl/common/effects/parameters.h"
+#include "glsl/common/effects/random.h"
+#include "glsl/common/effects/returns.h"
+#include "glsl/common/effects/vector.h"
+#include "glsl/common/effects/weather.h"
+#include "glsl/common/laser.h"
 
 // Options that are known when a kernel is compiled remove the code that they do not need.
 struct Nothing {

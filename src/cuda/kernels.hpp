@@ -6,9 +6,9 @@
 #pragma nv_diagnostic push
 #pragma nv_diag_suppress 20012
 #endif
-#include "arrays.h"
+#include "common/arrays.h"
+#include "common/shared.h"
 #include "pipeline/kernels.hpp"
-#include "shared.h"
 #ifdef __CUDACC__
 #pragma nv_diagnostic pop
 #endif

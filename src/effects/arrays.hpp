@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "arrays.h"
+#include "common/arrays.h"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 

@@ -2,7 +2,7 @@
 #include "effects/decide.hpp"
 
 #include "base/limits.hpp"
-#include "effects/bits.h"
+#include "common/effects/bits.h"
 #include "effects/effect_table.hpp"
 
 namespace gnosphere {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "effects/bits.h"
+#include "common/effects/bits.h"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts a request into the numbers and tables that the formulas of shaders/effects read.
+// Converts a request into the numbers and tables that the formulas of common/effects read.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "effects/parameters.h"
+#include "common/effects/parameters.h"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/sensor.hpp"

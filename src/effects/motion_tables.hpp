@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "common/shared.h"
 #include "effects/trajectory.hpp"
 #include "sensor/beams.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

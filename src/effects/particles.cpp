@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "effects/weather.h"
+#include "common/effects/weather.h"
 
 namespace gnosphere {
 namespace {

@@ -2,7 +2,7 @@
 // Effects of weather on light: published formulas that give the parameters of the device's formulas.
 #pragma once
 
-#include "effects/parameters.h"
+#include "common/effects/parameters.h"
 
 namespace gnosphere {
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common/effects/noise.h"
 #include "effects/decide.hpp"
-#include "effects/noise.h"
 #include "gnosphere/error.hpp"
 #include "scan/columns.hpp"
 #include "sensor/beams.hpp"

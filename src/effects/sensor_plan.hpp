@@ -5,7 +5,7 @@
 #include <array>
 #include <memory>
 
-#include "effects/bits.h"
+#include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "gnosphere/plan.hpp"
 #include "gnosphere/simulator.hpp"

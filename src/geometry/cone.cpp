@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "shared.h"
+#include "common/shared.h"
 
 namespace gnosphere {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "deform.h"
+#include "common/deform.h"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {

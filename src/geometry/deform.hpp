@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The maps of joints as the formulas of shaders/deform.h take them.
+// The maps of joints as the formulas of common/deform.h take them.
 #pragma once
 
 #include <array>

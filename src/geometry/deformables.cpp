@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "deform.h"
+#include "common/deform.h"
 #include "geometry/deform.hpp"
 
 namespace gnosphere {

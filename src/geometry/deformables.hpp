@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "common/shared.h"
 #include "geometry/flatten.hpp"
 #include "geometry/ranges.hpp"
 #include "geometry/scene_memory.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/shared.h"
 #include "geometry/partition.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 namespace {

@@ -9,9 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/shared.h"
 #include "geometry/transform_sources.hpp"
 #include "gnosphere/simulator.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "arrays.h"
+#include "common/arrays.h"
 
 namespace gnosphere {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/shared.h"
 #include "gnosphere/scene.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

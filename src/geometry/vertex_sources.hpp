@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "common/shared.h"
 #include "geometry/flatten.hpp"
 #include "geometry/ranges.hpp"
 #include "geometry/scene_memory.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

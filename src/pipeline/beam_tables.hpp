@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "common/shared.h"
 #include "gnosphere/sensor.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

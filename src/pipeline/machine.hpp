@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "arrays.h"
+#include "common/arrays.h"
 #include "gnosphere/simulator.hpp"
 #include "pipeline/device_memory.hpp"
 #include "pipeline/steps.hpp"

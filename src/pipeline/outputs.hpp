@@ -2,7 +2,7 @@
 // The arrays of a scan that the host reads back.
 #pragma once
 
-#include "arrays.h"
+#include "common/arrays.h"
 #include "effects/sensor_plan.hpp"
 
 namespace gnosphere {

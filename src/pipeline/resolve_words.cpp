@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "beam.h"
-#include "laser.h"
+#include "common/beam.h"
+#include "common/laser.h"
 
 namespace gnosphere {
 namespace {

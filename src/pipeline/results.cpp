@@ -9,7 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/threads.hpp"
-#include "effects/incidence.h"
+#include "common/effects/incidence.h"
 #include "effects/trajectory.hpp"
 #include "pipeline/resolve_words.hpp"
 #include "scan/columns.hpp"

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "arrays.h"
+#include "common/arrays.h"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 #include "geometry/instance_table.hpp"

@@ -6,7 +6,7 @@
 namespace gnosphere {
 namespace {
 
-// The enumerations of the public API have the values of the constants in shared.h.
+// The enumerations of the public API have the values of the constants in options.h.
 static_assert(static_cast<uint32_t>(AccuracyParts::Bounds::exact) == gpu::kBoundsExact);
 static_assert(static_cast<uint32_t>(AccuracyParts::Cull::nearestPoint) == gpu::kCullNearestPoint);
 static_assert(static_cast<uint32_t>(AccuracyParts::Inside::exact) == gpu::kInsideExact);

@@ -2,11 +2,11 @@
 // Translates the options of a simulator into the options of the kernels, for every kind of device.
 #pragma once
 
+#include "common/shared.h"
 #include "effects/decide.hpp"
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/simulator.hpp"
 #include "pipeline/kernels.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

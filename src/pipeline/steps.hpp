@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "arrays.h"
+#include "common/arrays.h"
+#include "common/shared.h"
 #include "geometry/instance_table.hpp"
 #include "pipeline/kernels.hpp"
 #include "pipeline/still_image.hpp"
 #include "pipeline/tuning.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

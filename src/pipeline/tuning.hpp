@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/shared.h"
 #include "gnosphere/simulator.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

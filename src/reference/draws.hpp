@@ -6,7 +6,7 @@
 #include <array>
 #include <numbers>
 
-#include "effects/random.h"
+#include "common/effects/random.h"
 #include "effects/sensor_plan.hpp"
 #include "reference/bounded.hpp"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/room.hpp"
+#include "common/records.h"
 #include "gnosphere/scene.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "shared.h"
+#include "common/shared.h"
 #include "vulkan/instance.hpp"
 
 namespace gnosphere::vulkan {

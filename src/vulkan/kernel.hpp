@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 
+#include "common/shared.h"
 #include "gnosphere/plan.hpp"
 #include "pipeline/kernels.hpp"
-#include "shared.h"
 #include "vulkan/pipeline_cache.hpp"
 #include "vulkan/specialise.hpp"
 

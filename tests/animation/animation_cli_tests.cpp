@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "animation/made_model.hpp"
-#include "cli_support.hpp"
+#include "tools/cli_support.hpp"
 
 using namespace gnosphere::test;
 

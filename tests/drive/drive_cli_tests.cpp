@@ -5,8 +5,8 @@
 
 #include <catch2/matchers/catch_matchers_string.hpp>
 
-#include "cli_support.hpp"
 #include "drive_support.hpp"
+#include "tools/cli_support.hpp"
 
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
-#include "cli_support.hpp"
 #include "drive_support.hpp"
 #include "ros2/listening.hpp"
+#include "tools/cli_support.hpp"
 
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "effects/arithmetic.h"
+#include "common/effects/arithmetic.h"
 #include "every_formula.spv.h"
 
 using namespace gnosphere;

@@ -4,11 +4,11 @@
 
 #include <span>
 
-#include "effects/detection.h"
-#include "effects/intensity.h"
-#include "effects/noise.h"
-#include "effects/returns.h"
-#include "effects/weather.h"
+#include "common/effects/detection.h"
+#include "common/effects/intensity.h"
+#include "common/effects/noise.h"
+#include "common/effects/returns.h"
+#include "common/effects/weather.h"
 
 namespace gnosphere::gpu {
 
@@ -27,7 +27,7 @@ struct BeamSignal {
 
   static constexpr uint MOST_ECHOES = kMaxEchoes;
 #define RETURNS uint(returns.size())
-#include "effects/signal.h"
+#include "common/effects/signal.h"
 #undef RETURNS
 };
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "arrays.h"
+#include "common/arrays.h"
 #include "effects/effect_table.hpp"
 #include "pipeline/kernels.hpp"
 

@@ -2,8 +2,8 @@
 // Effects that are not planned appear in no pipeline, constant, buffer or dispatch.
 #include <catch2/catch_test_macros.hpp>
 
+#include "common/effects/bits.h"
 #include "cuda/twin.hpp"
-#include "effects/bits.h"
 #include "scan_support.hpp"
 
 namespace gnosphere::test {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects/doppler.h"
+#include "common/effects/doppler.h"
+#include "common/effects/noise.h"
 #include "effects/formula_inputs.hpp"
-#include "effects/noise.h"
 
 using namespace gnosphere;
 using Catch::Approx;

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "effects/random.h"
+#include "common/effects/random.h"
 
 using namespace gnosphere;
 

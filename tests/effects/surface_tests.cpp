@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects/detection.h"
+#include "common/effects/detection.h"
+#include "common/effects/intensity.h"
+#include "common/effects/random.h"
 #include "effects/formula_inputs.hpp"
-#include "effects/intensity.h"
-#include "effects/random.h"
 
 using namespace gnosphere;
 using Catch::Approx;

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inputs and outputs of the formulas of the effects: parameters of a scan, materials, volumes, echoes and returns. The
+// layout rules of types.h apply to structs that are stored in buffers.
+#ifndef GNOSPHERE_EFFECTS_PARAMETERS_H
+#define GNOSPHERE_EFFECTS_PARAMETERS_H
+
+#include "arithmetic.h"
+#include "bits.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+#endif
+
+// These values match the enums of effects.hpp and scan.hpp.
+GNO_CONST uint kModelPhysical = 0;
+GNO_CONST uint kModelCarla = 1;
+GNO_CONST uint kScaleRaw = 0;
+GNO_CONST uint kScaleUnit = 1;
+GNO_CONST uint kScaleByte = 2;
+GNO_CONST uint kAngleAtBeam = 0;
+GNO_CONST uint kAngleAtPoint = 1;
+
+GNO_CONST uint kModeFirst = 0;
+GNO_CONST uint kModeSecond = 1;
+GNO_CONST uint kModeLast = 2;
+GNO_CONST uint kModeStrongest = 3;
+GNO_CONST uint kModeSecondStrongest = 4;
+GNO_CONST uint kModeFirstSecond = 5;
+GNO_CONST uint kModeFirstLast = 6;
+GNO_CONST uint kModeFirstStrongest = 7;
+GNO_CONST uint kModeLastStrongest = 8;
+GNO_CONST uint kModeStrongestSecondStrongest = 9;
+GNO_CONST uint kModeAll = 10;
+
+GNO_CONST uint kCauseReturned = 0;
+GNO_CONST uint kCauseNoSurface = 1;
+GNO_CONST uint kCauseWeak = 2;
+GNO_CONST uint kCauseAttenuated = 3;
+GNO_CONST uint kCauseDroppedOut = 4;
+GNO_CONST uint kCauseDead = 5;
+
+GNO_CONST uint kLabelNone = 0;
+GNO_CONST uint kLabelSolid = 1;
+GNO_CONST uint kLabelScatter = 2;
+
+// Most echoes kept per beam; farther ones are lost. A sensor reports at most 5, and a sixth helps to find the
+// strongest.
+GNO_CONST uint kMaxEchoes = 6;
+
+// Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.
+struct Particles {
+  vec4 countsNear;  // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
+  vec4 countsFar;   // (5)..(8)
+  float firstRange, lastRange;
+  float slope;        // 1/m: the share of particles larger than D is exp(-slope * D)
+  float reflectance;  // of a particle, as a Lambertian disc of its diameter
+};
+
+// All parameters of the effects for one sensor's scan. Units are metres, radians and 1/m; powers are relative to a
+// Lambertian target of reflectance 1, square to the beam, at 1 m.
+struct EffectParameters {
+  Particles rain, snow;
+  uint seedLow, seedHigh, sensor, frame;
+  uint subRays, volumeCount, deadBeams;
+  uint returnsMode, returnsPerBeam, intensityModel, intensityScale;
+  uint angleNoiseAt;
+  float attenuation;  // of CARLA's intensity
+  float threshold;    // least relative power that is detected
+  float softness;
+  float dropRate, dropLimit, dropSlope, dropAtZero;  // as in CARLA; below the limit dropAtZero - dropSlope * intensity
+  float rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep;
+  float azimuthSigma, elevationSigma, intensitySigma;
+  float extinction;  // of fog, rain and snow together
+  float fogExtinction, fogScatter;
+  float separation, pulseWidth;
+  float tanHorizontal, tanVertical;        // of half the angles of the sub-ray footprint; 0: the beam is a line
+  float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
+  float rangeMin, rangeMax;
+  uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
+  float padding0, padding1;
+};
+
+// Optical properties of one material.
+struct Optics4 {
+  vec4 reflection;  // reflectance, gloss, roughness, retro
+  vec3 passage;     // transmission, alpha cut-off, factor of the texture's alpha
+  uint alphaImage;  // kNone: the material has none
+};
+
+// A box of dust or spray: box frame = rows * (sensor frame, 1), and the box spans -1..1 in its frame.
+struct VolumeBox {
+  vec4 row0, row1, row2;
+  float extinction, scatter;  // 1/m; relative power that one pulse length scatters back at 1 m
+  float padding0, padding1;
+};
+
+// The light returned from one depth of a beam, before attenuation by the medium.
+struct Echo {
+  float range;
+  float energy;  // sum over sub-rays of weight * reflected * transmitted shares; divided by range^2 it is the power
+  float width;   // m
+  float cosIncidence;
+  uint index;  // an index chosen by the including file; kNone: the medium
+};
+
+struct Return {
+  float range;      // NaN: no return
+  float trueRange;  // without noise
+  float intensity;
+  float width;
+  uint label;
+  uint echo;    // Echo::index; kNone for the medium and for no return
+  uint number;  // 1 for the first return of its beam, 0 for no return
+  uint count;   // number of returns of its beam
+  uint cause;   // of its beam, if it is the beam's first entry
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(Particles) == 48 && sizeof(EffectParameters) == 256 && sizeof(Optics4) == 32 &&
+              sizeof(VolumeBox) == 64);
+}  // namespace gnosphere::gpu
+#endif
+#endif

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every effect planned, left out and refused, each with its reason.
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+
+#include "common/effects/bits.h"
+#include "effects/decide.hpp"
+#include "effects/effect_table.hpp"
+#include "gnosphere/error.hpp"
+
+using namespace gnosphere;
+
+namespace {
+
+/// Two triangles of two materials; a third material is on no triangle, a fourth on a mesh without instances.
+Scene sampleScene() {
+  Scene scene;
+  scene.materials.resize(4);
+  for (size_t i = 0; i < scene.materials.size(); ++i) scene.materials[i].name = "material " + std::to_string(i);
+  Mesh mesh;
+  mesh.positions = {1, 0, 0, 1, 1, 0, 1, 0, 1};
+  mesh.indices = {0, 1, 2, 0, 2, 1};
+  mesh.parts = {{0, 1, 0}, {1, 1, 1}, {2, 0, 2}};
+  scene.meshes.push_back(mesh);
+  mesh.parts = {{0, 2, 3}};
+  scene.meshes.push_back(mesh);
+  scene.instances.push_back({});
+  return scene;
+}
+
+Sensor plainSensor() {
+  Sensor sensor;
+  sensor.name = "plain";
+  sensor.columns = 10;
+  sensor.channels = {{-1}, {1}};
+  sensor.rangeMax = 100;
+  return sensor;
+}
+
+/// Inputs of a decision, of which each test changes one.
+struct Asked {
+  Effects effects;
+  Sensor sensor = plainSensor();
+  Scene scene = sampleScene();
+  std::vector<Field> fields;
+  MaterialTable table;
+
+  std::vector<Plan::Decision> all() const { return decide({sensor, effects, fields}, scene, table); }
+  Plan::Decision of(const std::string& effect) const {
+    for (const Plan::Decision& decision : all())
+      if (decision.effect == effect) return decision;
+    FAIL("no decision on " << effect);
+    return {};
+  }
+};
+
+void checkIn(const Asked& asked, const std::string& effect, const std::string& reason) {
+  const Plan::Decision decision = asked.of(effect);
+  INFO(effect);
+  CHECK(decision.in);
+  CHECK(decision.reason == reason);
+}
+
+void checkOut(const Asked& asked, const std::string& effect, const std::string& reason) {
+  const Plan::Decision decision = asked.of(effect);
+  INFO(effect);
+  CHECK_FALSE(decision.in);
+  CHECK(decision.reason == reason);
+}
+
+void checkRefused(const Asked& asked, const std::string& message) {
+  CHECK_THROWS_MATCHES(asked.all(), Error, Catch::Matchers::Message(message));
+}
+
+}  // namespace
+
+TEST_CASE("the bits of effects are in the order of the names") {
+  for (size_t i = 0; i < effectTable().size(); ++i) CHECK(effectTable()[i].bit == 1u << i);
+  CHECK(gpu::kFootprint >> effectTable().size() > 0);
+  Asked asked;
+  asked.effects.fog.visibility = 200;
+  asked.sensor.rotationPeriod = 0.1;
+  CHECK(bitsOf(asked.all()) == (gpu::kIntensity | gpu::kSensorMotion | gpu::kObjectMotion | gpu::kFog));
+  const auto decisions = asked.all();
+  for (size_t i = 0; i < decisions.size(); ++i) CHECK(decisions[i].effect == effectNames()[i]);
+}
+
+TEST_CASE("a plain sensor in a plain scene is planned with geometry alone") {
+  const Asked asked;
+  CHECK(bitsOf(asked.all()) == 0);
+  checkOut(asked, "intensity", "nothing asks for it");
+  checkOut(asked, "detection", "not asked for");
+  checkOut(asked, "divergence", "the sensor states no divergence");
+  checkOut(asked, "returns", "the sensor reports one return per beam");
+  checkOut(asked, "transmission", "no material that is seen lets light through");
+  checkOut(asked, "cut-outs", "no material that is seen has holes");
+  checkOut(asked, "sensor-motion", "the sensor fires all beams at once");
+  checkOut(asked, "object-motion", "the sensor fires all beams at once");
+  checkOut(asked, "fog", "no visibility is given");
+  checkOut(asked, "rain", "no rate is given");
+  checkOut(asked, "snow", "no rate is given");
+  checkOut(asked, "volumes", "no box is given");
+  checkOut(asked, "radial-speed", "no field asks for it");
+}
+
+TEST_CASE("Effects::none() plans geometry alone") {
+  Asked asked;
+  asked.effects = Effects::none();
+  asked.effects.fog.visibility = 200;
+  asked.sensor.maxReturns = 3;
+  asked.sensor.divergenceHorizontal = 3e-3;
+  asked.scene.materials[0].transmission = 0.5f;
+  CHECK(bitsOf(asked.all()) == 0);
+  checkOut(asked, "divergence", "off in the request");
+  checkOut(asked, "range-noise", "not asked for");
+}
+
+TEST_CASE("properties that the sensor states enable effects") {
+  Asked asked;
+  asked.sensor.divergenceHorizontal = 3e-3;
+  asked.sensor.divergenceVertical = 1.5e-3;
+  asked.sensor.maxReturns = 2;
+  asked.sensor.rotationPeriod = 0.1;
+  const std::string why = ", 19 sub-rays, the default: with 7, twice as many beams have a wrong number of returns";
+  checkIn(asked, "divergence", "the sensor states 3 x 1.5 mrad" + why);
+  checkIn(asked, "returns", "the sensor reports up to 2 returns per beam");
+  checkIn(asked, "sensor-motion", "the sensor takes 0.1 s for a turn");
+  checkIn(asked, "object-motion", "the sensor takes 0.1 s for a turn");
+  checkIn(asked, "intensity", "needed by divergence, returns");
+
+  asked.effects.returns.count = 3;  // replaces the number that the sensor states
+  checkIn(asked, "returns", "the request takes up to 3 returns per beam");
+  asked.effects.divergence.vertical = 2e-3;
+  asked.effects.divergence.use = EffectUse::on;
+  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad" + why);
+  asked.effects.divergence.subRays = 7;
+  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 7 sub-rays");
+}
+
+TEST_CASE("materials that are visible enable transmission and cut-outs") {
+  Asked asked;
+  asked.scene.materials[2].transmission = 1;
+  asked.scene.materials[3].transmission = 1;
+  checkOut(asked, "transmission", "no material that is seen lets light through");
+  asked.scene.materials[1].alphaMode = AlphaMode::blend;
+  checkOut(asked, "transmission", "no material that is seen lets light through");
+  asked.scene.materials[1].baseColor[3] = 0.5f;
+  checkIn(asked, "transmission", "1 of 2 materials let light through");
+  checkIn(asked, "intensity", "needed by transmission");
+  asked.table.rows.push_back({"MATERIAL 0", -1, -1, -1, -1, 0.1f});
+  checkIn(asked, "transmission", "2 of 2 materials let light through");
+
+  Material& mask = asked.scene.materials[0];
+  mask.alphaMode = AlphaMode::mask;
+  checkOut(asked, "cut-outs", "no material that is seen has holes");
+  mask.alphaImage = 0;
+  asked.scene.alphaImages.push_back({2, 1, {255, 200}});
+  checkOut(asked, "cut-outs", "no material that is seen has holes");
+  asked.scene.alphaImages[0].alpha[0] = 127;
+  checkIn(asked, "cut-outs", "1 of 2 materials have holes");
+  asked.scene.instances.clear();
+  checkOut(asked, "cut-outs", "no material that is seen has holes");
+}
+
+TEST_CASE("parameters of the request enable effects") {
+  Asked asked;
+  Effects& effects = asked.effects;
+  effects.fog.visibility = 200;
+  effects.rain.rate = 5;
+  effects.snow.rate = 2.5;
+  effects.volumes.boxes.resize(2);
+  effects.detection.use = effects.dropOut.use = effects.rangeNoise.use = effects.angleNoise.use =
+      effects.intensityNoise.use = effects.radialSpeed.use = EffectUse::on;
+  effects.dropOut.generalRate = 0.45;
+  effects.dropOut.zeroIntensityRate = 0.4;
+  effects.dropOut.intensityLimit = 0.8;
+  effects.dropOut.deadBeams = {19};
+  effects.rangeNoise.sigma = 0.02;
+  effects.rangeNoise.sigmaPerMetre = 1e-4;
+  effects.rangeNoise.bias = -0.01;
+  effects.angleNoise.azimuth = 1e-4;
+  effects.intensityNoise.sigma = 0.05;
+  checkIn(asked, "fog", "visibility 200 m");
+  checkIn(asked, "rain", "5 mm/h");
+  checkIn(asked, "snow", "2.5 mm/h, melted");
+  checkIn(asked, "volumes", "2 boxes");
+  checkIn(asked, "detection", "asked for: as strong as 10 % at 100 m");
+  checkIn(asked, "drop-out", "asked for: 45 % at random, 40 % at intensity 0, none above 0.8, 1 dead beam");
+  checkIn(asked, "range-noise", "asked for: sigma 0.02 m + 0.0001 m per m, bias -0.01 m");
+  checkIn(asked, "angle-noise", "asked for: sigma 0.1 x 0 mrad");
+  checkIn(asked, "intensity-noise", "asked for: sigma 0.05");
+  checkIn(asked, "radial-speed", "asked for");
+  checkIn(asked, "intensity", "needed by detection, drop-out, intensity-noise, fog, rain, snow, volumes");
+}
+
+TEST_CASE("noise left to auto is planned if its size is not 0") {
+  Asked asked;
+  asked.effects.rangeNoise.use = asked.effects.dropOut.use = EffectUse::automatic;
+  checkOut(asked, "range-noise", "its bias, sigma and step are 0");
+  checkOut(asked, "drop-out", "no rate and no dead beam is given");
+  asked.effects.rangeNoise.step = 0.004;
+  asked.effects.dropOut.generalRate = 0.1;
+  checkIn(asked, "range-noise", "sigma 0 m, steps of 0.004 m");
+  checkIn(asked, "drop-out", "10 % at random");
+  checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all returns are lost, whatever their strength
+}
+
+TEST_CASE("requested fields enable the effects that compute them") {
+  Asked asked;
+  asked.fields = {Field::intensity, Field::radialSpeed};
+  checkIn(asked, "intensity", "the field intensity asks for it");
+  checkIn(asked, "radial-speed", "the field radial_speed asks for it");
+  asked.effects.intensity.use = asked.effects.radialSpeed.use = EffectUse::on;
+  checkIn(asked, "intensity", "asked for");
+  checkIn(asked, "radial-speed", "asked for: the field radial_speed asks for it");
+}
+
+TEST_CASE("an effect that is on but cannot be simulated is refused with advice") {
+  const auto refused = [](EffectUse& (*use)(Effects&), const std::string& message) {
+    Asked asked;
+    use(asked.effects) = EffectUse::on;
+    checkRefused(asked, message);
+  };
+  refused([](Effects& e) -> EffectUse& { return e.divergence.use; },
+          "divergence is on, but sensor 'plain' states no divergence; give divergence.horizontal and "
+          "divergence.vertical, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.transmission.use; },
+          "transmission is on, but no material that is seen lets light through; give a material transmission, or "
+          "leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.cutOuts.use; },
+          "cut-outs is on, but no material that is seen has holes; give a material alphaMode MASK and a texture with "
+          "alpha, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.sensorMotion.use; },
+          "sensor-motion is on, but sensor 'plain' fires all beams at once; give the sensor a rotation period, or "
+          "leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.objectMotion.use; },
+          "object-motion is on, but sensor 'plain' fires all beams at once; give the sensor a rotation period, or "
+          "leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.fog.use; },
+          "fog is on, but no visibility is given; give fog.visibility, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.rain.use; },
+          "rain is on, but no rate is given; give rain.rate, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.snow.use; },
+          "snow is on, but no rate is given; give snow.rate, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.volumes.use; },
+          "volumes is on, but no box is given; give volumes.boxes, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.rangeNoise.use; },
+          "range-noise is on, but its bias, sigma and step are 0; give range-noise.sigma, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.angleNoise.use; },
+          "angle-noise is on, but its sigmas are 0; give angle-noise.azimuth or angle-noise.elevation, or leave it to "
+          "auto");
+  refused([](Effects& e) -> EffectUse& { return e.intensityNoise.use; },
+          "intensity-noise is on, but its sigma is 0; give intensity-noise.sigma, or leave it to auto");
+  refused([](Effects& e) -> EffectUse& { return e.dropOut.use; },
+          "drop-out is on, but no rate and no dead beam is given; give drop-out.general_rate, "
+          "drop-out.zero_intensity_rate or drop-out.dead_beams, or leave it to auto");
+
+  Asked asked;
+  asked.effects.dropOut.use = EffectUse::on;
+  asked.effects.dropOut.deadBeams = {0, 20};
+  checkRefused(asked,
+               "drop-out is on, but sensor 'plain' has no beam 20, it has 20; give drop-out.dead_beams from 0 "
+               "to 19, or leave it to auto");
+}
+
+TEST_CASE("an effect that is off but needed is refused, or disables the effects that need it") {
+  Asked asked;
+  asked.effects.intensity.use = EffectUse::off;
+  asked.sensor.maxReturns = 2;
+  checkOut(asked, "returns", "intensity, which it needs, is off in the request");
+  checkOut(asked, "intensity", "off in the request");
+  asked.effects.returns.use = EffectUse::on;
+  checkRefused(asked, "intensity is off, but returns needs it; leave intensity to auto");
+  asked.fields = {Field::intensity};
+  checkRefused(asked, "intensity is off, but the field intensity is asked for; leave it to auto");
+  asked.effects.radialSpeed.use = EffectUse::off;
+  asked.fields = {Field::radialSpeed};
+  checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+  asked.effects.fog.visibility = -1;
+  checkRefused(asked, "fog.visibility must be 0..1000000 m, is -1");
+}

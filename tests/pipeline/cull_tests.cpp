@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+// Culling: every culling switch leaves the bytes of the cloud unchanged.
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "common/shared.h"
+#include "support.hpp"
+#include "town/town.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+Culling nothing() {
+  return {false, false, false, false, Culling::Occlusion::never};
+}
+
+struct Switch {
+  const char* name;
+  Culling culling;
+};
+
+std::vector<Switch> switches() {
+  using O = Culling::Occlusion;
+  return {{"range", {true, false, false, false, O::never}},        {"rows", {false, true, false, false, O::never}},
+          {"columns", {false, false, true, false, O::never}},      {"cones", {false, false, false, true, O::never}},
+          {"occlusion", {false, false, false, false, O::always}},  {"all", {true, true, true, true, O::always}},
+          {"all but range", {false, true, true, true, O::always}}, {"automatic", {}}};
+}
+
+TestOptions optionsWith(Accuracy accuracy, Culling culling) {
+  TestOptions options = vulkanOptions();
+  options.accuracy = accuracy;
+  options.tuning.culling = culling;
+  return options;
+}
+
+Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accuracy accuracy, Culling culling) {
+  return scanOf(scene, sensor, pose, optionsWith(accuracy, culling));
+}
+
+// A round wall of `segments` quads, in `rings` rows, without the segment `leftOut`.
+Mesh wallAround(double radius, uint32_t segments, uint32_t rings, uint32_t leftOut) {
+  Mesh mesh;
+  for (uint32_t i = 0; i < segments; ++i)
+    for (uint32_t j = 0; j <= rings; ++j) {
+      // Segment i is centred on the azimuth of column i of a sensor with `segments` columns.
+      const double azimuth = -std::numbers::pi + 2 * std::numbers::pi * (i - 0.5) / segments;
+      mesh.positions.push_back(static_cast<float>(radius * std::cos(azimuth)));
+      mesh.positions.push_back(static_cast<float>(radius * std::sin(azimuth)));
+      mesh.positions.push_back(static_cast<float>(radius * (double(j) / rings - 0.5)));
+    }
+  for (uint32_t i = 0; i < segments; ++i)
+    for (uint32_t j = 0; j < rings && i != leftOut; ++j) {
+      const uint32_t a = i * (rings + 1) + j, b = (i + 1) % segments * (rings + 1) + j;
+      for (uint32_t corner : {a, b, a + 1, b, b + 1, a + 1}) mesh.indices.push_back(corner);
+    }
+  mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("culling: every switch leaves the cloud of a town unchanged", "[combinations]") {
+  needVulkan();
+  const Scene town = makeTown({60'000, 3});
+  const Accuracy accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
+  const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
+  // The channels have azimuth offsets, and the columns do not fill the last entry of the farthest-range table.
+  Sensor shifted = builtinSensor("VLP-16");
+  shifted.columns = 1237;
+  for (size_t j = 0; j < shifted.channels.size(); ++j) shifted.channels[j].azimuthOffsetDeg = 37.0 * double(j % 5) - 60;
+  const std::vector<Sensor> sensors = {builtinSensor("VLP-32"), shifted};
+  Simulator without = makeSimulator(town, sensors, optionsWith(accuracy, nothing()));
+  const Scan full[] = {without.scan(pose, 0), without.scan(pose, 1)};
+  for (const Scan& scan : full) CHECK(scan.counters.culledByCluster == 0);
+  for (const auto& [name, culling] : switches()) {
+    // The accuracy has no part in culling, but for the corners that it rounds.
+    if (accuracy == Accuracy::exact && std::string(name) != "all" && !everyCombination()) continue;
+    Simulator simulator = makeSimulator(town, sensors, optionsWith(accuracy, culling));
+    for (size_t i = 0; i < sensors.size(); ++i) {
+      INFO(sensors[i].name << ", " << name);
+      CHECK(sameBytes(full[i], simulator.scan(pose, i)));
+    }
+  }
+}
+
+TEST_CASE("culling: many shells leave the cloud of a town unchanged") {
+  needVulkan();
+  const Scene town = makeTown({60'000, 3});
+  const Sensor sensor = gridSensor(2603, 200, -30, 30, 80);
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::slabs;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  Simulator shells = makeSimulator(town, sensor, options);
+  const std::vector<Plan::Stage> stages = shells.plan().stages;
+  REQUIRE(stages[0].dispatches == 2 + 2 * gpu::kMostShells);
+  const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
+  const Scan scan = shells.scan(pose);
+  CHECK(scan.counters.culledHidden > 0);
+  CHECK(sameBytes(scan, scanWith(town, sensor, pose, Accuracy::standard, nothing())));
+}
+
+TEST_CASE("culling: a mesh of one cluster that reaches through several shells is projected once") {
+  needVulkan();
+  // Walls that lead away from the sensor, each from another distance on; none hides another one.
+  Scene scene;
+  for (uint32_t i = 0; i < 8; ++i) {
+    const float from = 3.0f + 4.0f * static_cast<float>(i), up = 0.25f * from;
+    Mesh wall;
+    wall.positions = {from, 0, -up, 60, 20, -up, 60, 20, up, from, 0, up};
+    wall.indices = {0, 1, 2, 0, 2, 3};
+    wall.parts = {{0, 2, 0}};
+    scene.meshes.push_back(wall);
+    const double c = std::cos(0.7 * i), s = std::sin(0.7 * i);
+    scene.instances.push_back({"", i, {}});
+    scene.instances.back().transform.rows = {c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0};
+  }
+  scene.materials.push_back({});
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::both;
+  options.tuning.binning = GENERATE(Binning::slabs, Binning::nearest);
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  const Scan scan = scanOf(scene, gridSensor(700, 40, -24, 24, 100), {}, options);
+  CHECK(scan.counters.projected == 16);
+  CHECK(scan.counters.culledByCluster == 0);
+}
+
+TEST_CASE("culling: clusters are bounded by the time in which the beams that see them fire") {
+  needVulkan();
+  const Sensor sensor = builtinSensor("VLP-32C");
+  TestOptions options = vulkanOptions();
+  options.effects.sensorMotion.use = EffectUse::on;
+  Simulator simulator = makeSimulator(makeTown({300'000, 1}), sensor, options);
+  // The sensor drives at 15 m/s and turns at 30 degrees per second.
+  const Pose start = {{-60, 0, 1.8}, {}}, end = {{-58.5, 0, 1.8}, {0, 0, 0.0261769, 0.9996573}};
+  const auto projectedTo = [&](const Pose& last) {
+    Shot shot;
+    shot.motion.stamps = {{0, start}, {sensor.rotationPeriod, last}};
+    uint64_t projected = 0;
+    simulator.scanAll({&shot, 1}, [&](size_t, const Scan& scan) { projected = scan.counters.projected; });
+    return projected;
+  };
+  const uint64_t still = projectedTo(start), moving = projectedTo(end);
+  INFO(still << " triangles projected at rest, " << moving << " in motion");
+  CHECK(moving < 9 * still / 4);  // bounds of the whole scan's motion let three times as many through
+}
+
+TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") {
+  needVulkan();
+  const Scene town = makeTown({40'000, 3});
+  const Pose pose = {{0, 0, 1.8}, {}};
+  Culling culling;
+  const Scan scan = scanWith(town, builtinSensor("VLP-16"), pose, Accuracy::standard, culling);
+  culling.occlusion = Culling::Occlusion::never;
+  const Scan seen = scanWith(town, builtinSensor("VLP-16"), pose, Accuracy::standard, culling);
+  CHECK(scan.counters.culledByCluster > seen.counters.culledByCluster + town.placedTriangleCount() / 20);
+  CHECK(sameBytes(scan, seen));
+}
+
+TEST_CASE("culling: what triangles of the same shell hide is skipped") {
+  needVulkan();
+  // Stage project tries the small triangles of the near wall before it comes to those of the far one.
+  Scene scene = sceneOf(wallAround(10, 360, 20, 360));
+  scene.meshes.push_back(wallAround(40, 360, 20, 360));
+  scene.instances.push_back({"", 1, {}});
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::both;
+  options.tuning.binning = Binning::slabs;
+  const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
+  Simulator oneShell = makeSimulator(scene, sensor, options);
+  REQUIRE(oneShell.plan().stages[0].dispatches == 3);
+  const Scan scan = oneShell.scan({});
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
+  const Scan seen = scanOf(scene, sensor, {}, options);
+  CHECK(seen.counters.culledByCluster == 0);
+  CHECK(scan.counters.culledByCluster > scene.meshes[1].triangleCount() / 4);
+  CHECK(sameBytes(scan, seen));
+}
+
+TEST_CASE("culling: few beams tried on all triangles of a cluster find what each triangle's own beams find") {
+  needVulkan();
+  // Balls of small triangles: a cluster lies between few beams, and most of these pass it.
+  Scene scene;
+  scene.materials.push_back(material(true));
+  for (uint32_t i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i, far = 4 + 0.7 * i;
+    scene.meshes.push_back(
+        ball(24, 48, 0.7, {far * std::cos(angle), far * std::sin(angle), 0.1 * far * std::sin(5.0 * i)}));
+    scene.instances.push_back({"", i, {}});
+  }
+  const std::vector<Sensor> heads = {gridSensor(1800, 16, -15, 15, 100), builtinSensor("Puck")};
+  TestOptions options = vulkanOptions();
+  options.tuning.culling.occlusion = GENERATE(Culling::Occlusion::always, Culling::Occlusion::never);
+  options.tuning.binning = Binning::nearest;
+  Simulator byTriangle = makeSimulator(scene, heads, options);
+  options.tuning.binning = Binning::slabs;
+  Simulator byCluster = makeSimulator(scene, heads, options);
+  for (size_t head = 0; head < heads.size(); ++head)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Pose pose = {{0.3 * k, 0.1, 0.05 * k}, {}};
+      const Scan expected = byTriangle.scan(pose, head), scan = byCluster.scan(pose, head);
+      CHECK(scan.counters.hits > 500);
+      CHECK(sameBytes(expected, scan));
+      CHECK(scan.counters.culledBetweenBeams < expected.counters.culledBetweenBeams / 4);
+    }
+}
+
+TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
+  needVulkan();
+  const Scene town = makeTown({200'000, 1});
+  const Sensor sensor = builtinSensor("HDL-64E");
+  const Pose pose = {{0, 0, 1.8}, {}};
+  const auto culled = [&](Culling culling) {
+    return scanWith(town, sensor, pose, Accuracy::standard, culling).counters.culledByCluster;
+  };
+  using O = Culling::Occlusion;
+  CHECK(culled({true, false, false, false, O::never}) > 0);
+  CHECK(culled({false, true, false, false, O::never}) > 0);
+  CHECK(culled({false, false, false, false, O::always}) > town.placedTriangleCount() / 10);
+  CHECK(culled({true, true, true, true, O::always}) > culled({true, true, true, true, O::never}));
+  const auto hidden = [&](O occlusion) {
+    return scanWith(town, sensor, pose, Accuracy::standard, {true, true, true, true, occlusion}).counters.culledHidden;
+  };
+  CHECK(hidden(O::always) > 0);
+  CHECK(hidden(O::never) == 0);
+}
+
+TEST_CASE("culling: the far side of a one-sided ball is skipped from any side and with any transform") {
+  needVulkan();
+  const Sensor sensor = gridSensor(720, 90, -89, 89, 60);
+  const Culling cones = {false, false, false, true, Culling::Occlusion::never};
+  const Scene scene = sceneOf(ball(60, 90, 3), false);
+  Simulator without = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, nothing()));
+  Simulator with = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, cones));
+  for (const Transform& placed : {translation(9, 1, 0.5), translation(6, -4, 2) * rotationZ(2) * scaling(2, 2, 2),
+                                  translation(0, 8, 1) * scaling(-1, 1, 1), translation(0, 0, 0)}) {
+    without.setTransform(0, placed);
+    with.setTransform(0, placed);
+    const Scan full = without.scan({}), scan = with.scan({});
+    CHECK(sameBytes(full, scan));
+    // From inside every triangle is back-facing, and from the centre the cone of every cluster tells so.
+    CHECK(scan.counters.culledByCluster > scene.placedTriangleCount() / 4);
+  }
+  // A stretched instance has other normals than its cone assumes, so the cone is not used.
+  Scene stretched = sceneOf(ball(60, 90, 3), false);
+  stretched.instances[0].transform = translation(9, 1, 0.5) * scaling(1, 2, 1);
+  const Scan scan = scanWith(stretched, sensor, {}, Accuracy::standard, cones);
+  CHECK(scan.counters.culledByCluster == 0);
+  requireSame(referenceOf(stretched, sensor, {}), scan);
+}
+
+TEST_CASE("culling: geometry visible through one column of a wall is seen, also at the azimuth seam") {
+  needVulkan();
+  // The columns do not fill the table's last entry, so what wraps around lies across a narrower entry.
+  const uint32_t columns = 101;
+  const Sensor sensor = gridSensor(columns, 5, -8, 8, 40);
+  // The clusters of the far wall are narrower or wider than the last entry of the table.
+  const uint32_t segments = GENERATE(404u, 120u);
+  const uint32_t gaps[] = {0, 3, 4, 7, 50, 95, 96, 100};
+  Scene scene = sceneOf(wallAround(20, segments, 4, segments));
+  for (uint32_t gap : gaps) scene.meshes.push_back(wallAround(3, columns, 1, gap));
+  Simulator without = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, nothing()));
+  const Culling occlusion = {false, false, false, false, Culling::Occlusion::always};
+  Simulator with = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, occlusion));
+  for (uint32_t i = 0; i < std::size(gaps); ++i) {
+    INFO("column " << gaps[i]);
+    const size_t near = without.addInstance(1 + i, {});
+    REQUIRE(with.addInstance(1 + i, {}) == near);
+    const Scan full = without.scan({}), scan = with.scan({});
+    CHECK(full.ranges[2 * columns + gaps[i]] > 19);
+    CHECK(sameBytes(full, scan));
+    if (segments == 404) CHECK(scan.counters.culledByCluster > scene.meshes[0].triangleCount() / 4);
+    without.removeInstance(near);
+    with.removeInstance(near);
+  }
+}
+
+TEST_CASE("culling: a near wall hides geometry in every row of a later shell") {
+  needVulkan();
+  // A near wall hides two far ones, one above the horizon and one below it.
+  Scene scene = sceneOf(wallAround(60, 720, 20, 720));
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes.push_back(wallAround(10, 90, 20, 90));
+  scene.instances[0].transform.rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.2, 18};
+  scene.instances.push_back({"", 1, {}});
+  scene.instances[1].transform.rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.2, -18};
+  scene.instances.push_back({"", 2, {}});
+  const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::both;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  const Scan scan = scanOf(scene, sensor, {}, options);
+  CHECK(scan.counters.culledByCluster > 19 * scene.meshes[0].triangleCount() / 10);
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
+  CHECK(sameBytes(scanOf(scene, sensor, {}, options), scan));
+}

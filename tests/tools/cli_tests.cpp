@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line as people and scripts see it: exit status, one-line errors, no incomplete files.
+#include <catch2/generators/catch_generators.hpp>
+#include <nlohmann/json.hpp>
+
+#include "gnosphere/output.hpp"
+#include "gnosphere/sensor.hpp"
+#include "tools/cli_support.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
+using namespace gnosphere::test;
+
+TEST_CASE("a wrong call ends with status 2 and lists the choices") {
+  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
+  checkRefused("look", 2, "look");
+  checkRefused("scan", 2, "SCENE");
+  checkRefused("scan floor.obj --frob", 2, "--frob");
+  checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
+  checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
+  checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
+  checkRefused("scan floor.obj --fields x,y,colour", 2, "x, y, z, range, ring");
+  checkRefused("scan floor.obj --fields x,tie", 2, "--device reference");
+  checkRefused("scan floor.obj --image a.jpg", 2, ".png");
+  checkRefused("scan floor.obj --pose 1,2", 2, "X,Y,Z");
+  checkRefused("scan floor.obj --pose 1,2,nan", 2, "finite");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,0,0", 2, "no length");
+  checkRefused("scan floor.obj --pose 1,2,3,", 2, "X,Y,Z");
+  checkRefused("scan floor.obj --accuracy rough", 2, "paper");
+  checkRefused("scan floor.obj --scale 0", 2, "--scale");
+  checkRefused("scan floor.obj --repeat 0", 2, "--repeat");
+  checkRefused("scan floor.obj -o a.pcd -o a.pcd", 2, "twice");
+  checkRefused("scan floor.obj --stats floor.obj", 2, "the scene itself");
+  checkRefused("sensors VLP-17", 2, "VLP-16");
+  checkRefused("compare a.pcd", 2, "B");
+  checkRefused("compare a.las b.las", 2, "a.las");
+  checkRefused("town -o town.obj", 2, ".glb");
+  checkRefused("town", 2, "--output");
+}
+
+TEST_CASE("scan, plan and accuracy take every option by --set; drives name the place for it") {
+  checkRefused("scan floor.obj --set binning=lists", 2,
+               "--set: no option is called 'binning'; there is tuning.binning");
+  checkRefused("plan floor.obj --set accuracy=rough", 2, "--set: accuracy must be paper, ");
+  checkRefused("accuracy floor.obj --set accuracy=exact", 2, "measures every accuracy");
+  checkRefused("drive a.json --set faces=both", 2, "belongs into");
+  const Workplace place;
+  const std::string scan = "scan floor.obj --stats -" + kQuick;
+  REQUIRE(place.run(scan + "--accuracy exact --faces both -o a.npy").status == 0);
+  const Result set = place.run(scan + "--set accuracy=exact --set faces=both --set tuning.culling.rows=false -o b.npy");
+  CHECK(set.err == "");
+  CHECK_THAT(set.out, ContainsSubstring("\"accuracy\": \"exact\""));
+  CHECK(gnosphere::compare(gnosphere::readCloud(place / "a.npy"), gnosphere::readCloud(place / "b.npy")).same());
+  const Result none = place.run("scan floor.obj --stats -" + kQuick + "--set ignored_instances=[0]");
+  CHECK(nlohmann::json::parse(none.out)["counters"]["hits"] == 0);
+  const Result list = place.run("options");
+  CHECK(list.status == 0);
+  CHECK_THAT(list.out, ContainsSubstring("tuning.binning, default auto") && ContainsSubstring("ignored_instances"));
+}
+
+TEST_CASE("work that fails ends with status 1 and leaves no incomplete file") {
+  checkRefused("scan none.glb -o a.pcd --image a.png --stats a.json", 1, "none.glb");
+  checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
+  checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // fails before the scene is loaded
+  checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
+  checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is of no known family");
+  checkRefused("compare a.pcd b.pcd", 1, "a.pcd: cannot be read: No such file or directory");
+  checkRefused("town -o no/town.glb", 1, "No such file or directory");
+}
+
+TEST_CASE("a scan writes the requested files and lists them") {
+  const Workplace place;
+  const Result result = place.run("scan -o a.pcd -o b.npy floor.obj --image a.png --stats a.json" + kQuick);
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("2 triangles") && ContainsSubstring("of 28,800 beams") &&
+                             ContainsSubstring("at 0, 0, 1.8"));
+  CHECK(place.files() == std::vector<std::string>{"a.json", "a.pcd", "a.png", "b.npy", "floor.obj"});
+  const gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
+  CHECK(scan.columns == 1800);
+  CHECK(scan.channels == 16);
+  CHECK(scan.sensor == "VLP-16");
+}
+
+TEST_CASE("a pose may begin with a minus, and its quaternion need not be normalised") {
+  const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
+  CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
+  CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
+}
+
+TEST_CASE("a scene away from the origin is scanned from its middle by default") {
+  const Workplace place;
+  place.put("far.obj", "v 100 200 50\nv 140 200 50\nv 100 260 50\nf 1 2 3\n");
+  const Result result = place.run("scan far.obj" + kQuick);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("at 120, 230, 51.8"));
+}
+
+TEST_CASE("scan --stats - prints only JSON, with the documented names") {
+  const auto stats = Workplace().runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
+  CHECK(stats.at("device").at("type") == "reference");
+  for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
+    CHECK(stats.at("scene").contains(key));
+  }
+  CHECK(stats.at("sensor").at("beams") == 28800);
+  for (const char* key : {"effects", "stages", "accuracy", "binning", "bytes", "dispatches"})
+    CHECK(stats.at("plan").contains(key));
+  CHECK(stats.at("frame").at("runs") == 3);
+  CHECK(stats.at("frame").at("wall_ms").at("min") <= stats.at("frame").at("wall_ms").at("median"));
+  CHECK(stats.at("frame").contains("gpu_ms"));
+  CHECK(stats.at("frame").at("stages_ms").is_object());
+  const auto& counters = stats.at("counters");
+  CHECK(counters.at("hits").get<uint64_t>() + counters.at("misses").get<uint64_t>() == 28800);
+  for (const char* key : {"beams", "triangles", "non_finite", "degenerate", "culled_by_cluster", "culled_by_range",
+                          "culled_by_face", "culled_between_beams", "projected", "candidates", "retries"}) {
+    CHECK(counters.contains(key));
+  }
+}
+
+TEST_CASE("a scene without triangles gives a cloud of misses and a warning") {
+  const Workplace place;
+  place.put("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
+  const Result result = place.run("scan empty.gltf -o a.pcd" + kQuick);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.err, StartsWith("gnosphere: warning: empty.gltf has no triangle"));
+  CHECK(gnosphere::readCloud(place / "a.pcd").counters.hits == 0);
+  CHECK(gnosphere::readCloud(place / "a.pcd").beamCount() == 28800);
+}
+
+TEST_CASE("fields that can be derived from the sensor need no request before the scan") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.csv --fields beam,return,class,time,azimuth,elevation" + kQuick).status == 0);
+  const std::string text = place.get("a.csv");
+  CHECK_THAT(text, StartsWith("beam,return,class,time,azimuth,elevation\n0,1,0,0,"));
+  CHECK(std::count(text.begin(), text.end(), '\n') == 28801);
+}
+
+TEST_CASE("cut-out materials whose images are missing cause a warning") {
+  const Workplace place;
+  place.put("leaf.gltf", R"({"asset": {"version": "2.0"}, "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":
+      {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}], "images": [{"uri": "leaf.png"}]})");
+  const Result result = place.run("scan leaf.gltf" + kQuick);
+  CHECK(result.status == 0);
+  CHECK_THAT(result.err, ContainsSubstring("1 images of cut-out materials of leaf.gltf are not there"));
+}
+
+TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.pcd -o b.csv --fields beam,range,triangle,instance,tie,tolerance" + kQuick)
+              .status == 0);
+  const Result same = place.run("compare a.pcd b.csv");
+  CHECK(same.status == 0);
+  CHECK_THAT(same.out, ContainsSubstring("the same"));
+
+  gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+    if (!scan.hit(beam) || scan.column<uint8_t>(gnosphere::Field::tie)[beam]) continue;
+    scan.ranges[beam] += 1;
+    break;
+  }
+  gnosphere::CloudOptions options;
+  options.fields = gnosphere::parseFields("beam,range,triangle,instance");
+  gnosphere::writeCloud(scan, place / "c.ply", options);
+  const Result other = place.run("compare a.pcd c.ply --json");
+  CHECK(other.status == 1);
+  const auto json = nlohmann::json::parse(other.out);
+  CHECK(json.at("wrong_range") == 1);
+  CHECK(json.at("same") == false);
+
+  options.fields = gnosphere::parseFields("beam,range");
+  gnosphere::writeCloud(scan, place / "d.ply", options);
+  const Result poor = place.run("compare a.pcd d.ply");
+  CHECK(poor.status == 2);
+  CHECK_THAT(poor.err, ContainsSubstring("triangle, instance"));
+}
+
+TEST_CASE("a printed sensor is a valid file for --sensor") {
+  const Workplace place;
+  const Result printed = place.run("sensors hdl-64e --json");
+  REQUIRE(printed.status == 0);
+  place.put("s.json", printed.out);
+  CHECK(place.run("sensors s.json --json").out == printed.out);
+  CHECK(place.run("scan floor.obj --device reference --sensor s.json").status == 0);
+  CHECK_THAT(place.run("sensors").out, ContainsSubstring("Hypothetical-350") && ContainsSubstring("6,300,000"));
+  CHECK(place.run("scan floor.obj --device reference --sensor TiM781").status == 0);
+}
+
+TEST_CASE("sensors tells how a file was understood, writes its beams and draws them") {
+  const Workplace place;
+  place.put("two.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.25\n2,-3.5,1.25\n");
+  const Result told = place.run("sensors two.csv --columns 4 --rate 20 --beams b.csv --image p.png");
+  REQUIRE(told.status == 0);
+  CHECK_THAT(told.out, ContainsSubstring("Hesai angle correction") && ContainsSubstring("8 in a cloud of 4 x 2") &&
+                           ContainsSubstring("assumed    a largest range of 200 m"));
+  CHECK_THAT(bytesOf(place / "b.csv"),
+             StartsWith("index,ring,azimuth_deg,elevation_deg,origin_x,origin_y,origin_z,time_us,range_min,range_max\n"
+                        "0,0,1.250000000,14.500000000,0.000000000,0.000000000,0.000000000,0.000000,0,200\n"
+                        "1,0,-88.750000000,14.500000000,0.000000000,0.000000000,0.000000000,12500.000000,0,200\n"));
+  CHECK(bytesOf(place / "p.png").starts_with("\x89PNG"));
+  CHECK_THAT(place.run("sensors two.csv --json").err, ContainsSubstring("assumed: "));
+  CHECK_THAT(place.run("sensors os1-64:2048x10").out, ContainsSubstring("131,072") && ContainsSubstring("data sheet"));
+  CHECK_THAT(place.run("sensors vlp-16").out, ContainsSubstring("Table 2 of the GnoSphere360 paper"));
+  checkRefused("sensors OS1-64:7", 2, "has no mode '7', but 1024x10, 512x10");
+  checkRefused("sensors --beams b.csv", 2, "name a sensor");
+  checkRefused("sensors floor.obj", 1, "is of no known family");
+  checkRefused("sensors nowhere.json", 2, "there is no file 'nowhere.json'");
+  checkRefused("sensors vlp-16 --image p.gif", 2, "p.gif must end in .png");
+}
+
+TEST_CASE("an unknown CUDA device is a one-line error, with or without CUDA in the build") {
+  checkRefused("scan floor.obj --device cuda:99", 1, "device 'cuda:99': ");
+}
+
+TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") {
+  const Workplace place;
+  const auto devices =
+      place.runJson("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent").at("devices");
+  REQUIRE_FALSE(devices.empty());
+  CHECK(devices.back().at("type") == "reference");
+  CHECK(devices.back().at("usable") == true);
+  CHECK(place.run("devices").status == 0);
+}
+
+TEST_CASE("without a Vulkan driver one line says how to get one") {
+  const Workplace place;
+  const Result scan = place.run("scan floor.obj", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
+  CHECK(scan.status == 1);
+  CHECK_THAT(scan.err, ContainsSubstring("apt install mesa-vulkan-drivers brings one") && EndsWith("\n"));
+  CHECK(std::count(scan.err.begin(), scan.err.end(), '\n') == 1);
+}
+
+TEST_CASE("if the disk fills up, the old file stays and no partial file is left") {
+  const Workplace place;
+  place.put("a.pcd", "before");
+  // A limit on file sizes simulates the full disk; its signal is ignored, so that writing fails.
+  const Result result = place.run("scan floor.obj -o a.pcd" + kQuick, "trap '' XFSZ; ulimit -f 64;");
+  CHECK(result.status == 1);
+  CHECK_THAT(result.err, ContainsSubstring("a.pcd: cannot be written: File too large"));
+  CHECK(place.get("a.pcd") == "before");
+  CHECK(place.files() == std::vector<std::string>{"a.pcd", "floor.obj"});
+}
+
+TEST_CASE("a town is written and can be scanned") {
+  const Workplace place;
+  REQUIRE(place.run("town -o town.glb --triangles 20000 --seed 3").status == 0);
+  const Result result = place.run("scan town.glb" + kQuick);
+  CHECK(result.status == 0);
+  CHECK(result.err == "");
+}
+
+TEST_CASE("help and version succeed, and every help text ends with an example") {
+  const Workplace place;
+  CHECK_THAT(place.run("--help").out, ContainsSubstring("scan") && ContainsSubstring("town"));
+  CHECK_THAT(place.run("scan --help").out, ContainsSubstring("--pose") && ContainsSubstring("1.8 m"));
+  for (const std::string command :
+       {"", "scan", "plan", "accuracy", "compare", "devices", "sensors", "effects", "town"}) {
+    const std::string help = place.run(command + " --help").out;
+    INFO(help);
+    const size_t example = help.find("\nExample: gnosphere ");
+    REQUIRE(example != help.npos);
+    CHECK(help.find_first_not_of('\n', help.find('\n', example + 1)) == help.npos);  // it is the last line
+  }
+  const Result version = place.run("--version");
+  CHECK(version.status == 0);
+  CHECK_THAT(version.out, StartsWith("gnosphere "));
+}

@@ -1,0 +1,577 @@
+// SPDX-License-Identifier: Apache-2.0
+// The choice of a device, and the objects created on it.
+#include <algorithm>
+#include <array>
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstdio>
+#include <cstring>
+
+#include "support.hpp"
+#include "vulkan/commands.hpp"
+#include "vulkan/device_functions.hpp"
+#include "vulkan/pipeline_cache.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+using vulkan::chooseDevice;
+
+DeviceInfo deviceOf(const char* name, const char* type, bool usable = true) {
+  DeviceInfo info;
+  info.name = name;
+  info.type = type;
+  info.usable = usable;
+  if (!usable) info.reason = "it is made of brass";
+  return info;
+}
+
+vulkan::Offer goodOffer() {
+  vulkan::Offer offer;
+  offer.compute = true;
+  offer.features12.bufferDeviceAddress = VK_TRUE;
+  offer.features12.scalarBlockLayout = VK_TRUE;
+  offer.subgroup.subgroupSize = 32;
+  offer.subgroup.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
+  offer.subgroup.supportedOperations = ~0u;
+  offer.sizes.minSubgroupSize = 32;
+  offer.sizeControl.computeFullSubgroups = VK_TRUE;
+  return offer;
+}
+
+// Wraps a device's functions: objects are counted, and one call may be made to fail. Functions that allocate from a
+// pool only count as calls, because their objects are destroyed with the pool.
+struct Calls {
+  vulkan::DeviceFunctions real;
+  int failing = -1;  // number of the call that fails, from 0
+  int made = 0;      // calls so far
+  int alive = 0;     // objects created and not destroyed
+  bool fails() { return made++ == failing; }
+} calls;
+
+template <auto kFunction, typename Info, typename T>
+VKAPI_ATTR VkResult VKAPI_CALL create(VkDevice device, const Info* info, const VkAllocationCallbacks* with, T* object) {
+  if (calls.fails()) return VK_ERROR_OUT_OF_HOST_MEMORY;
+  const VkResult result = (calls.real.*kFunction)(device, info, with, object);
+  calls.alive += result == VK_SUCCESS;
+  return result;
+}
+
+template <auto kFunction, typename T>
+VKAPI_ATTR void VKAPI_CALL destroy(VkDevice device, T object, const VkAllocationCallbacks* with) {
+  calls.alive -= object != VK_NULL_HANDLE;
+  (calls.real.*kFunction)(device, object, with);
+}
+
+template <auto kFunction, typename... Arguments>
+VKAPI_ATTR VkResult VKAPI_CALL attempt(Arguments... arguments) {
+  return calls.fails() ? VK_ERROR_OUT_OF_HOST_MEMORY : (calls.real.*kFunction)(arguments...);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                               const VkComputePipelineCreateInfo* infos,
+                                               const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+  if (calls.fails()) return VK_ERROR_OUT_OF_HOST_MEMORY;
+  const VkResult result = calls.real.vkCreateComputePipelines(device, cache, count, infos, with, pipelines);
+  calls.alive += result == VK_SUCCESS ? static_cast<int>(count) : 0;
+  return result;
+}
+
+void countCalls(vulkan::DeviceFunctions& vk) {
+  using Table = vulkan::DeviceFunctions;
+  calls = {vk};
+  vk.vkCreateBuffer = create<&Table::vkCreateBuffer>;
+  vk.vkDestroyBuffer = destroy<&Table::vkDestroyBuffer>;
+  vk.vkAllocateMemory = create<&Table::vkAllocateMemory>;
+  vk.vkFreeMemory = destroy<&Table::vkFreeMemory>;
+  vk.vkBindBufferMemory = attempt<&Table::vkBindBufferMemory>;
+  vk.vkMapMemory = attempt<&Table::vkMapMemory>;
+  vk.vkCreateCommandPool = create<&Table::vkCreateCommandPool>;
+  vk.vkDestroyCommandPool = destroy<&Table::vkDestroyCommandPool>;
+  vk.vkAllocateCommandBuffers = attempt<&Table::vkAllocateCommandBuffers>;
+  vk.vkCreateQueryPool = create<&Table::vkCreateQueryPool>;
+  vk.vkDestroyQueryPool = destroy<&Table::vkDestroyQueryPool>;
+  vk.vkCreateFence = create<&Table::vkCreateFence>;
+  vk.vkDestroyFence = destroy<&Table::vkDestroyFence>;
+  vk.vkCreatePipelineLayout = create<&Table::vkCreatePipelineLayout>;
+  vk.vkDestroyPipelineLayout = destroy<&Table::vkDestroyPipelineLayout>;
+  vk.vkCreateShaderModule = create<&Table::vkCreateShaderModule>;
+  vk.vkDestroyShaderModule = destroy<&Table::vkDestroyShaderModule>;
+  vk.vkCreatePipelineCache = create<&Table::vkCreatePipelineCache>;
+  vk.vkDestroyPipelineCache = destroy<&Table::vkDestroyPipelineCache>;
+  vk.vkCreateComputePipelines = createPipelines;
+  vk.vkDestroyPipeline = destroy<&Table::vkDestroyPipeline>;
+}
+
+// Creates one of every class that owns objects of a device.
+void makeEverything(const vulkan::Device& device) {
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  for (const Kernel kernel : {Kernel::prefix_sum, Kernel::project_groups}) {
+    Variant variant;
+    variant.kernel = kernel;
+    kernels.of(variant);
+  }
+  const vulkan::Commands commands(device);
+  vulkan::Transfer transfer(device);
+  const std::vector<uint32_t> numbers = {1, 2, 3};
+  std::vector<vulkan::Buffer> buffers;
+  buffers.emplace_back(device, "numbers", 12, MemoryKind::device);
+  transfer.write(buffers.front(), 0, std::as_bytes(std::span(numbers)));
+  buffers.emplace_back(device, "upload", 1000, MemoryKind::upload);
+  buffers.front() = vulkan::Buffer(device, "others", 100, MemoryKind::readback);
+}
+
+}  // namespace
+
+TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
+  needVulkan();
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), vulkanOptions().validation, 0);
+  const auto messages = device->messages();
+  countCalls(functionsOf(*device));
+  makeEverything(*device);
+  CHECK(calls.alive == 0);
+  const int count = calls.made;
+  CHECK(count > 15);
+  int thrown = 0;
+  for (int failing = 0; failing < count; ++failing) {
+    INFO("call " << failing);
+    calls.made = 0;
+    calls.failing = failing;
+    // Some failures are followed by another attempt: of the cache without a file, of memory with a smaller block.
+    try {
+      makeEverything(*device);
+    } catch (const Error&) {
+      ++thrown;
+    }
+    CHECK(calls.alive == 0);
+  }
+  CHECK(thrown > 10);
+  device.reset();
+  CHECK_NOTHROW(messages->throwIfAny());
+}
+
+TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static VkResult result;
+  static uint64_t patience;
+  calls = {device.vk()};
+  const auto text = [&](VkResult of) {
+    vulkan::Commands commands(device);
+    commands.begin(2);
+    commands.start();
+    commands.finished("project");
+    commands.submit();
+    device.vk().vkQueueWaitIdle(device.queue());
+    result = of;
+    functionsOf(device).vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all,
+                                             uint64_t timeout) {
+      patience = timeout;
+      return result == VK_SUCCESS ? calls.real.vkWaitForFences(handle, count, fences, all, timeout) : result;
+    };
+    std::string message;
+    try {
+      commands.wait();
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::device);
+      message = error.what();
+    }
+    result = VK_SUCCESS;
+    return message;
+  };
+  CHECK(text(VK_SUCCESS) == "");
+  CHECK(patience < UINT64_MAX);
+  const std::string stages = device.capabilities().timestampBits > 0 ? "stages: project; the last one" : "";
+  CHECK_THAT(text(VK_ERROR_DEVICE_LOST), ContainsSubstring("was lost while it scanned") && ContainsSubstring(stages));
+  CHECK_THAT(text(VK_TIMEOUT), ContainsSubstring("did not end a scan in time") && ContainsSubstring(stages));
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("a recording with cuts is several submissions, of which the last one has the fence") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static std::vector<bool> fences;
+  static size_t failing;
+  calls = {device.vk()};
+  functionsOf(device).vkQueueSubmit = [](VkQueue queue, uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
+    if (fences.size() == failing) return VK_ERROR_DEVICE_LOST;
+    fences.push_back(fence != VK_NULL_HANDLE);
+    return calls.real.vkQueueSubmit(queue, count, infos, fence);
+  };
+  const auto submit = [&](size_t lostAt) {
+    fences.clear();
+    failing = lostAt;
+    vulkan::Commands commands(device);
+    for (const int cuts : {2, 0, 3}) {
+      commands.begin(4);
+      for (int i = 0; i < cuts; ++i) commands.cut();
+      commands.submit();
+      commands.wait();
+    }
+  };
+  submit(100);
+  CHECK(fences == std::vector<bool>{false, false, true, true, false, false, false, true});
+  CHECK_THROWS_WITH(submit(1), ContainsSubstring("was lost while it scanned"));
+  CHECK_NOTHROW(device.throwOnMessages());
+  // Other simulators do not notice.
+  CHECK(scanOf(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), {}, vulkanOptions()).counters.hits == 200);
+}
+
+TEST_CASE("a recording that was given up is dropped by the next one") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Commands commands(device);
+  commands.begin(2);
+  commands.begin(40);  // more timestamps than there was room for
+  commands.start();
+  for (int i = 0; i < 39; ++i) commands.finished("project");
+  commands.submit();
+  commands.wait();
+  Timings timings;
+  commands.readTimings(timings);
+  CHECK(timings.stages.size() == (device.capabilities().timestampBits > 0 ? 1 : 0));
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("a dispatch of more workgroups than the device allows is divided") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  const_cast<vulkan::Capabilities&>(device.capabilities()).mostGroups = 100;
+  static std::vector<std::array<uint32_t, 3>> dispatches;
+  dispatches.clear();
+  functionsOf(device).vkCmdDispatchBase = [](VkCommandBuffer, uint32_t x, uint32_t, uint32_t, uint32_t groupsX,
+                                             uint32_t groupsY, uint32_t) {
+    dispatches.push_back({x, groupsX, groupsY});
+  };
+  functionsOf(device).vkCmdDispatch = [](VkCommandBuffer, uint32_t groupsX, uint32_t groupsY, uint32_t) {
+    dispatches.push_back({0, groupsX, groupsY});
+  };
+  functionsOf(device).vkCmdBindPipeline = [](VkCommandBuffer, VkPipelineBindPoint, VkPipeline) {};
+  functionsOf(device).vkCmdPushConstants = [](VkCommandBuffer, VkPipelineLayout, VkShaderStageFlags, uint32_t, uint32_t,
+                                              const void*) {};
+  vulkan::CommandBuffer commands(device, VK_NULL_HANDLE);
+  using Dispatches = std::vector<std::array<uint32_t, 3>>;
+  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, {}, 100, 7);
+  CHECK(std::exchange(dispatches, {}) == Dispatches{{0, 100, 7}});
+  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, {}, 250, 1);
+  CHECK(dispatches == Dispatches{{0, 100, 1}, {100, 100, 1}, {200, 50, 1}});
+}
+
+TEST_CASE("the queue is one for compute alone where there is one") {
+  const auto family = [](std::vector<VkQueueFlags> flags) {
+    std::vector<VkQueueFamilyProperties> families;
+    for (const VkQueueFlags each : flags) families.push_back({each, 1, 64, {1, 1, 1}});
+    return vulkan::queueFamilyOf(families);
+  };
+  constexpr VkQueueFlags kGraphics = VK_QUEUE_GRAPHICS_BIT, kCompute = VK_QUEUE_COMPUTE_BIT;
+  CHECK(family({kGraphics | kCompute, kCompute}) == 1);
+  CHECK(family({kGraphics | kCompute}) == 0);
+  CHECK(family({kGraphics, VK_QUEUE_TRANSFER_BIT, kGraphics | kCompute}) == 2);
+  CHECK(family({kGraphics, VK_QUEUE_TRANSFER_BIT}) == -1);
+}
+
+TEST_CASE("the validation layer's last message goes to the caller, not to stderr") {
+  needVulkan();
+  if (!vulkanOptions().validation) SKIP("the validation layer is off");
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), true, 0);
+  const auto messages = device->messages();
+  const VkFenceCreateInfo info = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VkFence lost;
+  REQUIRE(device->vk().vkCreateFence(device->handle(), &info, nullptr, &lost) == VK_SUCCESS);
+  std::FILE* printed = std::tmpfile();
+  const int standardError = dup(2);
+  dup2(fileno(printed), 2);
+  device.reset();
+  dup2(standardError, 2);
+  close(standardError);
+  std::fseek(printed, 0, SEEK_END);
+  CHECK(std::ftell(printed) == 0);
+  std::fclose(printed);
+  CHECK_THROWS_WITH(messages->throwIfAny(), ContainsSubstring("VkFence"));
+  CHECK_NOTHROW(messages->throwIfAny());
+}
+
+TEST_CASE("memory that cannot be mapped is reported as out of memory") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  const auto fails = [&](PFN_vkMapMemory map) {
+    functionsOf(device).vkMapMemory = map;
+    try {
+      vulkan::Buffer(device, "numbers", 3 << 20, MemoryKind::upload);
+      return std::string("no error");
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::outOfMemory);
+      return std::string(error.what());
+    }
+  };
+  const auto expected = ContainsSubstring("cannot allocate 3.0 MiB for 'numbers'; the device '");
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
+               *to = reinterpret_cast<void*>(-1);
+               return VK_SUCCESS;
+             }),
+             expected);
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
+               *to = nullptr;
+               return VK_SUCCESS;
+             }),
+             expected);
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void**) {
+               return VK_ERROR_MEMORY_MAP_FAILED;
+             }),
+             expected);
+}
+
+TEST_CASE("pipelines require full subgroups if their kernels use them, without a message of the validation layer") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static std::vector<VkPipelineShaderStageCreateFlags> flags;
+  flags.clear();
+  calls = {device.vk()};
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice handle, VkPipelineCache cache, uint32_t count,
+                                                    const VkComputePipelineCreateInfo* infos,
+                                                    const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+    for (uint32_t i = 0; i < count; ++i) flags.push_back(infos[i].stage.flags);
+    return calls.real.vkCreateComputePipelines(handle, cache, count, infos, with, pipelines);
+  };
+  makeEverything(device);
+  REQUIRE(flags.size() == 2);
+  CHECK(flags[0] == 0);  // prefix_sum has no subgroup operations
+  CHECK(flags[1] == VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("a module that cannot be specialised goes to the driver with its constants") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static std::vector<uint32_t> constants;
+  calls = {device.vk()};
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice handle, VkPipelineCache cache, uint32_t count,
+                                                    const VkComputePipelineCreateInfo* infos,
+                                                    const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+    constants.clear();
+    if (const VkSpecializationInfo* info = infos[0].stage.pSpecializationInfo) {
+      constants.resize(info->mapEntryCount);
+      for (uint32_t i = 0; i < info->mapEntryCount; ++i) {
+        CHECK(info->pMapEntries[i].constantID == i);
+        std::memcpy(&constants[i], static_cast<const char*>(info->pData) + info->pMapEntries[i].offset, 4);
+      }
+    }
+    return calls.real.vkCreateComputePipelines(handle, cache, count, infos, with, pipelines);
+  };
+  Variant variant;
+  variant.kernel = Kernel::resolve;
+  variant.options.LAYERS = 3;
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels(device, cache).of(variant);
+  CHECK(constants.empty());
+  const auto refuses = [](std::span<const uint32_t> module, std::span<const uint32_t>) {
+    return vulkan::Code{{module.begin(), module.end()}, false};
+  };
+  vulkan::Kernels(device, cache, refuses).of(variant);
+  CHECK(constants == vulkan::codeOf(device.capabilities(), variant).constants);
+  CHECK(std::count(constants.begin(), constants.end(), 3) > 0);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  auto& capabilities = const_cast<vulkan::Capabilities&>(device.capabilities());
+  static std::vector<uint32_t> modes;
+  calls = {device.vk()};
+  functionsOf(device).vkCreateShaderModule = [](VkDevice handle, const VkShaderModuleCreateInfo* info,
+                                                const VkAllocationCallbacks* with, VkShaderModule* module) {
+    constexpr uint32_t kOpExecutionMode = 16;
+    for (size_t at = 5; at < info->codeSize / 4; at += info->pCode[at] >> 16)
+      if ((info->pCode[at] & 0xffff) == kOpExecutionMode) modes.push_back(info->pCode[at + 2]);
+    return calls.real.vkCreateShaderModule(handle, info, with, module);
+  };
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                                    VkPipeline*) { return VK_SUCCESS; };
+  constexpr uint32_t kLocalSize = 17, kUniformControlFlow = 4421, kSpecialFloats = 4461;
+  const auto modesOf = [&](Kernel kernel) {
+    modes.clear();
+    Variant variant;
+    variant.kernel = kernel;
+    const vulkan::PipelineCache cache(device, "off");
+    vulkan::Kernels(device, cache).of(variant);
+    std::sort(modes.begin(), modes.end());
+    return modes;
+  };
+  for (const bool offered : {false, true}) {
+    capabilities.uniformControlFlow = capabilities.keepsSpecialFloats = offered;
+    for (const Kernel kernel : {Kernel::project_groups, Kernel::project_triangles, Kernel::bin, Kernel::prefix_sum}) {
+      std::vector<uint32_t> expected = {kLocalSize};
+      // The kernel prefix_sum has no subgroup operations.
+      if (offered && kernel != Kernel::prefix_sum) expected.push_back(kUniformControlFlow);
+      if (offered) expected.push_back(kSpecialFloats);
+      CHECK(modesOf(kernel) == expected);
+    }
+  }
+}
+
+TEST_CASE("subgroups are full for every size that the device has, or the device is refused") {
+  const auto chosen = [](uint32_t size, uint32_t least, bool full, bool sizes = true, VkShaderStageFlags stages = ~0u) {
+    vulkan::Offer offer = goodOffer();
+    offer.subgroup.subgroupSize = size;
+    offer.sizes.minSubgroupSize = least;
+    offer.sizes.requiredSubgroupSizeStages = stages;
+    offer.sizeControl.computeFullSubgroups = full;
+    offer.sizeControl.subgroupSizeControl = sizes;
+    const vulkan::FullSubgroups result = fullSubgroupsOf(offer);
+    CHECK(reasonAgainst(offer).empty() == (result.size >= 4));
+    return std::pair(result.size, result.required);
+  };
+  CHECK(chosen(2, 1, true) == std::pair(2u, false));  // and is refused
+  for (uint32_t size : {4u, 8u, 16u, 32u, 64u}) CHECK(chosen(size, 4, true) == std::pair(size, false));
+  CHECK(chosen(32, 8, true, false) == std::pair(32u, false));
+  CHECK(chosen(128, 64, true) == std::pair(64u, true));
+  CHECK(chosen(128, 16, true) == std::pair(64u, true));
+  CHECK(chosen(128, 128, true).first == 0);
+  CHECK(chosen(128, 64, true, false).first == 0);
+  CHECK(chosen(128, 64, true, true, VK_SHADER_STAGE_VERTEX_BIT).first == 0);
+  CHECK(chosen(32, 8, false).first == 0);
+}
+
+TEST_CASE("kernels of many registers get fewer lanes, where the device is better with them") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  const_cast<vulkan::Capabilities&>(device.capabilities()).subgroups = {16, true, 8};
+  static uint32_t lanes;
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo* info,
+                                                    const VkAllocationCallbacks*, VkPipeline*) {
+    const auto* size = static_cast<const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo*>(info->stage.pNext);
+    lanes = size ? size->requiredSubgroupSize : 0;
+    return VK_SUCCESS;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  const auto lanesOf = [&](Kernel kernel, const Options& options = {}) {
+    const Variant variant = {kernel, options, false};
+    kernels.of(variant);
+    Plan::Pipeline told;
+    kernels.describe(variant, told);
+    CHECK((lanes == 0 || told.subgroupSize == lanes));
+    return lanes;
+  };
+  Options moving, exact, footprint;
+  moving.MOTION = 1, exact.RANGE = gpu::kRangeExact, footprint.RAYS = 7;
+  CHECK(lanesOf(Kernel::project_groups) == 16);
+  CHECK(lanesOf(Kernel::project_clusters) == 16);
+  CHECK(lanesOf(Kernel::project_triangles) == 8);
+  CHECK(lanesOf(Kernel::bin) == 16);
+  for (const Options& options : {moving, exact, footprint}) CHECK(lanesOf(Kernel::bin, options) == 8);
+  CHECK(lanesOf(Kernel::effects_footprint, footprint) == 8);
+  CHECK(lanesOf(Kernel::prefix_sum) == 0);
+}
+
+TEST_CASE("Intel's devices get subgroups of 16 lanes, and of 8 for kernels of many registers, if they can") {
+  constexpr uint32_t kIntel = 0x8086;
+  vulkan::Offer offer = goodOffer();
+  offer.sizes.minSubgroupSize = 8;
+  offer.sizes.maxSubgroupSize = 32;
+  offer.sizes.requiredSubgroupSizeStages = VK_SHADER_STAGE_COMPUTE_BIT;
+  offer.sizeControl.subgroupSizeControl = VK_TRUE;
+  const auto chosen = [&] {
+    const vulkan::FullSubgroups result = fullSubgroupsOf(offer);
+    return std::tuple(result.size, result.required, result.few);
+  };
+  CHECK(chosen() == std::tuple(32u, false, 0u));
+  offer.vendor = kIntel;
+  CHECK(chosen() == std::tuple(16u, true, 8u));
+  offer.sizes.minSubgroupSize = 16;
+  CHECK(chosen() == std::tuple(16u, true, 0u));
+  offer.sizes.minSubgroupSize = 32;
+  CHECK(chosen() == std::tuple(32u, false, 0u));
+  offer.sizes.minSubgroupSize = 8;
+  offer.sizeControl.subgroupSizeControl = VK_FALSE;
+  CHECK(chosen() == std::tuple(32u, false, 0u));
+}
+
+TEST_CASE("a device that lacks a feature is refused with the name of the feature") {
+  const auto reason = [](auto change) {
+    vulkan::Offer offer = goodOffer();
+    change(offer);
+    return reasonAgainst(offer);
+  };
+  CHECK(reason([](vulkan::Offer&) {}) == "");
+  CHECK(reason([](vulkan::Offer& offer) { offer.compute = false; }) == "it has no compute queue");
+  CHECK(reason([](vulkan::Offer& offer) { offer.features12.scalarBlockLayout = VK_FALSE; }) ==
+        "it lacks the scalar block layout");
+  CHECK(reason([](vulkan::Offer& offer) { offer.sizeControl = {}; }) ==
+        "it cannot promise full subgroups, of at most 64 lanes, by VK_EXT_subgroup_size_control; a newer driver may");
+  CHECK_THAT(reason([](vulkan::Offer& offer) { offer.subgroup.supportedStages = VK_SHADER_STAGE_FRAGMENT_BIT; }),
+             ContainsSubstring("it lacks subgroup"));
+  for (VkSubgroupFeatureFlags bit : {VK_SUBGROUP_FEATURE_BALLOT_BIT, VK_SUBGROUP_FEATURE_VOTE_BIT,
+                                     VK_SUBGROUP_FEATURE_SHUFFLE_BIT, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT})
+    CHECK_THAT(reason([&](vulkan::Offer& offer) { offer.subgroup.supportedOperations &= ~bit; }),
+               ContainsSubstring("it lacks subgroup"));
+}
+
+TEST_CASE("a lavapipe that ends long loops early is refused with its version and the way out") {
+  const auto reason = [](VkDriverId driver, const char* text) {
+    vulkan::Offer offer = goodOffer();
+    offer.driver.driverID = driver;
+    std::strcpy(offer.driver.driverInfo, text);
+    return reasonAgainst(offer);
+  };
+  CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, "Mesa 22.3.6 (LLVM 15.0.6)") ==
+        "this lavapipe, Mesa 22.3.6 (LLVM 15.0.6), ends long loops early and would lose hits; Mesa 25.0.7 or newer is "
+        "needed, on Debian 12 mesa-vulkan-drivers from bookworm-backports");
+  for (const char* text : {"Mesa 9.0", "Mesa 24.3.9", "Mesa 25.0.6", "Mesa ", "", "a text of another kind, 25.0"})
+    CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) != "");
+  for (const char* text : {"Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", "Mesa 25.2.0-devel (git-0123456789)", "Mesa 100.1.0"})
+    CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) == "");
+  CHECK(reason(VK_DRIVER_ID_MESA_RADV, "Mesa 22.3.6") == "");
+}
+
+TEST_CASE("a number selects a device by index, any other text by part of its name") {
+  const std::vector<DeviceInfo> devices = {deviceOf("llvmpipe (LLVM 15.0.6, 256 bits)", "cpu"),
+                                           deviceOf("NVIDIA GeForce RTX 4090", "discrete"),
+                                           deviceOf("Old 3090", "discrete", false)};
+  CHECK(chooseDevice(devices, DeviceChoice()) == 1);
+  CHECK(chooseDevice(devices, deviceByName("0")) == 0);
+  CHECK(chooseDevice(devices, deviceByName("1")) == 1);
+  CHECK(chooseDevice(devices, deviceByName("4090")) == 1);
+  CHECK(chooseDevice(devices, deviceByName("256")) == 0);
+  CHECK(chooseDevice(devices, deviceByName("rtx")) == 1);
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("2")),
+                    "the device 'Old 3090' cannot be used: it is made of brass");
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("3090")),
+                    "the device 'Old 3090' cannot be used: it is made of brass");
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("7")),
+                    ContainsSubstring("there is no device '7', neither with this number nor with these digits in its "
+                                      "name; 0: llvmpipe") &&
+                        ContainsSubstring("; 2: Old 3090 (it is made of brass); reference: the CPU in double"));
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("99999999999999999999999")),
+                    ContainsSubstring("there is no device '999"));
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("brass")),
+                    ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
+  CHECK_THROWS_WITH(deviceByName(""), ContainsSubstring("device '' is not auto, the number or a part of the name"));
+  CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
+  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"})
+    CHECK(nameOf(deviceByName(name)) == name);
+  CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
+}
+
+TEST_CASE("timestamps of fewer than 64 bits give the same times, also after a wrap-around") {
+  vulkan::Capabilities capabilities;
+  capabilities.timestampMs = 0.5;
+  CHECK(capabilities.elapsedMs(10, 30) == 0);
+  for (uint32_t bits : {1u, 8u, 32u, 36u, 63u, 64u}) {
+    INFO(bits << " bits");
+    capabilities.timestampBits = bits;
+    const uint64_t most = ~uint64_t{0} >> (64 - bits), noise = ~most & 0xabcdef0123456789u;
+    CHECK(capabilities.elapsedMs(0, 1) == 0.5);
+    CHECK(capabilities.elapsedMs(most, 0) == 0.5);
+    CHECK(capabilities.elapsedMs(most | noise, 0) == 0.5);
+    if (bits >= 8) CHECK(capabilities.elapsedMs((most - 99) | noise, 100) == 100);
+    CHECK(capabilities.elapsedMs(0, most | noise) == 0.5 * static_cast<double>(most));
+  }
+}
+
+}  // namespace gnosphere::test

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The compiled kernels of a simulator: which of them are compiled, when, and which share a pipeline.
+#include <atomic>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "base/threads.hpp"
+#include "support.hpp"
+#include "vulkan/device_functions.hpp"
+#include "vulkan/kernel.hpp"
+#include "vulkan/pipeline_cache.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches the caller") {
+  needVulkan();
+  if (threadCount() == 1) SKIP("there is one thread");
+  vulkan::Device device({}, false, 0);
+  static std::atomic<int> made, atOnce;  // compilations, and how many had begun before the first one ended
+  static VkResult result;
+  // Each waits until another one is there, or gives up.
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                                    VkPipeline*) {
+    ++made;
+    for (int i = 0; i < 10'000 && made < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (atOnce == 0) atOnce = made.load();
+    return result;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  Variant groups, sums;
+  groups.kernel = Kernel::project_groups;
+  sums.kernel = Kernel::prefix_sum;
+  const Variant variants[] = {groups, sums, groups};
+  made = 0, result = VK_ERROR_OUT_OF_HOST_MEMORY;
+  CHECK_THROWS_AS(kernels.prepare(variants), Error);
+  made = atOnce = 0, result = VK_SUCCESS;
+  kernels.prepare(variants);
+  CHECK(atOnce == 2);
+  kernels.prepare(variants);
+  kernels.of(sums);
+  CHECK(made == 2);
+}
+
+TEST_CASE("kernels whose options lead to the same code share a pipeline, and no others do") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  Variant plain, motion, listed, culling, careless;
+  plain.kernel = motion.kernel = listed.kernel = Kernel::prefix_sum;  // it looks at none of these options
+  motion.options.MOTION = 1, motion.options.LAYERS = 3;
+  listed.options.LISTED = 1;  // it is dispatched from another first workgroup
+  culling.kernel = careless.kernel = Kernel::project_groups;
+  culling.options.CULLING = 31;
+  const Variant variants[] = {plain, motion, listed, culling, careless};
+  kernels.prepare(variants);
+  CHECK(kernels.count() == 4);
+  CHECK(kernels.of(plain) == kernels.of(motion));
+  CHECK(kernels.of(plain) != kernels.of(listed));
+  CHECK(kernels.of(culling) != kernels.of(careless));
+  plain.options.RAYS = 7;
+  CHECK(kernels.of(plain) == kernels.of(motion));  // it was compiled by an earlier call
+  CHECK(kernels.count() == 4);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("a kernel's digest changes with every word, and with lanes and constants beside it") {
+  const Variant variant;
+  vulkan::KernelCode code;
+  code.words = {1, 2, 3, 0};
+  code.constants = {7};
+  code.lanes = 8;
+  std::set<vulkan::KernelDigest> digests = {vulkan::digestOf(variant, code)};
+  code.constants = {8};  // they are in the words
+  CHECK(digests.contains(vulkan::digestOf(variant, code)));
+  for (uint32_t& word : code.words) {
+    word ^= 0x80000000;
+    CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  }
+  std::swap(code.words[0], code.words[1]);
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.lanes = 16;
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.specialised = false;
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.constants = {9};
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+}
+
+}  // namespace
+}  // namespace gnosphere::test

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices of simulators: that later ones in the same process take them over, and what tools see of them.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <set>
+
+#include "support.hpp"
+#include "vulkan/device_functions.hpp"
+#include "vulkan/ready_device.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+
+PFN_vkWaitForFences waitForFences = nullptr;  // the driver's
+
+}  // namespace
+
+TEST_CASE("a simulator takes over the device of the one before, if that was made with the same settings") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  // The messages that a device shares tell which device it is, as long as the test holds them.
+  const auto lent = [](const SimulatorOptions& options, bool failed = false) {
+    const vulkan::LentDevice device = vulkan::lendDevice(options);
+    device->failed = failed;
+    return device->device.messages();
+  };
+  SimulatorOptions options = vulkanOptions(), named = options, kept = options, limited = options;
+  named.device.name = "0";
+  limited.tuning.maxBufferBytes = 1 << 20;
+  kept.cache = "/nonexistent";
+  const auto first = lent(options);
+  CHECK(lent(options) == first);
+  CHECK(lent(named) != first);
+  CHECK(lent(options) == first);
+  {
+    const vulkan::LentDevice used = vulkan::lendDevice(options);
+    CHECK(used->device.messages() == first);
+    CHECK(lent(options) != first);
+  }
+  CHECK(vulkan::lendDevice(limited)->device.maxBufferBytes() == 1 << 20);
+  CHECK(vulkan::lendDevice(options)->device.maxBufferBytes() > 1 << 20);
+  CHECK(lent(limited) == first);
+  CHECK(lent(options) == first);
+  CHECK(lent(kept) != first);
+  CHECK(lent(options, true) == first);
+  CHECK(lent(options) != first);
+  vulkan::destroyIdleDevices();
+}
+
+TEST_CASE("a device that fails is not taken over") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  const SimulatorOptions options = vulkanOptions();
+  const Scene scene = sceneOf(ball(9, 14, 5));
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(options);
+    vulkan::DeviceFunctions& vk = functionsOf(device->device);
+    waitForFences = vk.vkWaitForFences;
+    vk.vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all, uint64_t timeout) {
+      waitForFences(handle, count, fences, all, timeout);
+      return VK_ERROR_DEVICE_LOST;
+    };
+  }
+  Simulator simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
+  CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("a new one may be"));
+  simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
+  simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
+  CHECK(simulator.scan({}).counters.hits == 200);
+}
+
+TEST_CASE("a process that was forked makes simulators, too") {
+  needVulkan();
+  const auto hits = [] {
+    return scanOf(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), {}, vulkanOptions()).counters.hits;
+  };
+  REQUIRE(hits() == 200);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(100);
+    _exit(hits() == 200 ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+}
+
+TEST_CASE("arrays have names, and the steps of each stage a label, for tools that look at a device") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  static std::set<std::string> names;
+  static std::vector<std::string> labels;
+  names.clear(), labels.clear();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(vulkanOptions());
+    auto& vk = functionsOf(device->device);
+    vk.vkSetDebugUtilsObjectNameEXT = [](VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
+      names.insert(info->pObjectName);
+      return VK_SUCCESS;
+    };
+    vk.vkCmdBeginDebugUtilsLabelEXT = [](VkCommandBuffer, const VkDebugUtilsLabelEXT* label) {
+      labels.push_back(label->pLabelName);
+    };
+    vk.vkCmdEndDebugUtilsLabelEXT = [](VkCommandBuffer) { labels.push_back("end"); };
+  }
+  {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = Binning::lists;
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), options);
+    CHECK(simulator.scan({}).counters.hits == 200);
+  }
+  for (const char* name : {"positions", "clusters", "counters", "listEnds", "addresses"}) CHECK(names.contains(name));
+  CHECK(labels == std::vector<std::string>{"project", "end", "bin", "end", "resolve", "end"});
+  vulkan::destroyIdleDevices();
+}
+
+TEST_CASE("a device that reports scans as done and runs nothing is an error") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  const SimulatorOptions options = vulkanOptions();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(options);
+    functionsOf(device->device).vkCmdDispatch = [](VkCommandBuffer, uint32_t, uint32_t, uint32_t) {};
+    functionsOf(device->device).vkCmdDispatchIndirect = [](VkCommandBuffer, VkBuffer, VkDeviceSize) {};
+  }
+  {
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), vulkanOptions());
+    CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("has run no kernel of it"));
+  }
+  vulkan::destroyIdleDevices();
+}
+
+}  // namespace gnosphere::test
