@@ -113,4 +113,13 @@ void storePositions(Mesh& mesh, std::span<const double> coordinates) {
     mesh.positions[i] = static_cast<float>(coordinates[i] - origin[i % 3]);
 }
 
+Scene sceneOf(Mesh&& mesh) {
+  Scene scene;
+  scene.materials.emplace_back();
+  mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.emplace_back();
+  return scene;
+}
+
 }  // namespace gnosphere

@@ -52,6 +52,13 @@ Scene readScene(SceneFormat format, Bytes bytes, const Source& source);
 /// centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
 void storePositions(Mesh& mesh, std::span<const double> coordinates);
 
+inline std::string_view textOf(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Returns the scene of a file that has one mesh and no materials.
+Scene sceneOf(Mesh&& mesh);
+
 /// Appends the triangles of one polygon, in the orientation of its corners. Concave polygons are cut by ear clipping.
 void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> corners,
                    std::span<const double> coordinates);
