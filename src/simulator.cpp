@@ -77,8 +77,8 @@ class Simulator::Impl {
   }
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
-    prepareToScan(shots, shots.size() > 1);
     Unfinished<Scan> unfinished{&result};
+    prepareToScan(shots, shots.size() > 1);
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
       for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
@@ -94,12 +94,12 @@ class Simulator::Impl {
 
   void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result) {
     const Clock::time_point start = Clock::now();
+    Unfinished<Batch> unfinished{&result};
     prepareToScan(shots, true);
     const size_t index = shots.empty() ? 0 : shots[0].sensor;
     sensors_.check(index);
     checkSensorOfBatch(shots);
     const std::vector<Field> fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
-    Unfinished<Batch> unfinished{&result};
     const Sensor& sensor = requests_[index].sensor;
     result.sensor = sensor.name;
     result.columns = sensor.width();
