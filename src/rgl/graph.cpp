@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "base/room.hpp"
 #include "rgl/node.hpp"
 
 namespace gnosphere::rgl {
@@ -58,6 +59,8 @@ void addChild(GraphNode& parent, GraphNode& child) {
   if (isAncestor(child, parent))
     throw Failure(RGL_INVALID_PIPELINE, std::string("adding child ") + child.name() + " to parent " + parent.name() +
                                             " would close a circle");
+  makeRoom(parent.outputs, parent.outputs.size() + 1);
+  makeRoom(child.inputs, child.inputs.size() + 1);
   outdate(parent);
   outdate(child);
   parent.outputs.push_back(&child);

@@ -153,7 +153,7 @@ const PointsNode& resultsOf(rgl_node_t handle);
 /// Part of a graph that is outdated when a node gets other parameters.
 enum class Affects { node, graph };
 
-/// Creates a node, or gives the one that is there new parameters; set(node) does that.
+/// Creates a node, or gives the one that is there new parameters; set(node) does that, or throws and changes nothing.
 template <class T, class Set>
 void createOrUpdate(rgl_node_t* node, Affects affects, Set set) {
   if (*node == nullptr) {
@@ -163,9 +163,9 @@ void createOrUpdate(rgl_node_t* node, Affects affects, Set set) {
     return;
   }
   T& old = nodeAs<T>(*node);
+  const std::vector<GraphNode*> outdated = affects == Affects::graph ? connected(old) : std::vector<GraphNode*>{&old};
   set(old);
-  old.valid = false;
-  if (affects == Affects::graph) outdate(old);
+  for (GraphNode* each : outdated) each->valid = false;
 }
 
 }  // namespace gnosphere::rgl

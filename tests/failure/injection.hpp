@@ -9,7 +9,7 @@
 
 namespace gnosphere::test {
 
-/// What the library asks for and does not get. `device` is whatever a Vulkan device makes: memory, buffers, pipelines,
+/// The library asks for one of these and does not get it. `device` is whatever a Vulkan device makes: memory, buffers, pipelines,
 /// and all else that takes memory.
 enum class Fails { memory, files, device };
 
