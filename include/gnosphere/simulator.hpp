@@ -278,7 +278,7 @@ class GNOSPHERE_API Simulator {
   Scan scan(const Pose& pose, size_t sensor = 0);
   /// Makes one scan of a shot, with motion, weather and frame number, into an existing Scan. Its arrays are reused, so
   /// nothing is allocated once they have their size. Throws as scan() does, and Error(invalidArgument) for weather that
-  /// is not planned (see SensorRequest::variableWeather). If it throws, the result is empty.
+  /// is not planned (see SensorRequest::variableWeather). If the device fails or memory runs out, the result is empty.
   void scanInto(const Shot& shot, Scan& result);
   /// Makes many scans, each with the same result as scanInto(), pipelined: while the host receives one scan, the device
   /// works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling thread. The

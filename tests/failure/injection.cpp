@@ -81,6 +81,14 @@ void* allocate(size_t bytes, size_t alignment, const void* caller) {
   return memory;
 }
 
+void* allocateOrNull(size_t bytes, size_t alignment, const void* caller) noexcept {
+  try {
+    return allocate(bytes, alignment, caller);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
 // The functions of devices that make something. All of them may fail for lack of memory.
 // clang-format off
 #define FAILING_FUNCTIONS(FUNCTION) \
@@ -205,7 +213,7 @@ long failEach(const std::string& name, Fails what, const Trial& trial) {
 
 }  // namespace gnosphere::test
 
-using gnosphere::test::allocate;
+using gnosphere::test::allocate, gnosphere::test::allocateOrNull;
 
 void* operator new(size_t bytes) {
   return allocate(bytes, 0, __builtin_return_address(0));
@@ -219,10 +227,28 @@ void* operator new(size_t bytes, std::align_val_t alignment) {
 void* operator new[](size_t bytes, std::align_val_t alignment) {
   return allocate(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
 }
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, 0, __builtin_return_address(0));
+}
+void* operator new[](size_t bytes, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, 0, __builtin_return_address(0));
+}
+void* operator new(size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
+}
+void* operator new[](size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
+}
 void operator delete(void* memory) noexcept {
   std::free(memory);
 }
 void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, const std::nothrow_t&) noexcept {
   std::free(memory);
 }
 void operator delete(void* memory, size_t) noexcept {
