@@ -48,8 +48,8 @@ void setPriority(GraphNode& node, int32_t priority) {
 }
 
 bool isAncestor(const GraphNode& node, const GraphNode& of) {
-  return std::any_of(of.inputs.begin(), of.inputs.end(),
-                     [&](const GraphNode* input) { return input == &node || isAncestor(node, *input); });
+  const std::vector<const GraphNode*> all = reached(of, &GraphNode::inputs);
+  return std::find(all.begin() + 1, all.end(), &node) != all.end();
 }
 
 void addChild(GraphNode& parent, GraphNode& child) {
@@ -144,6 +144,14 @@ void checkRequired(const PointsNode& node, const PointsNode& input) {
   for (const rgl_field_t field : node.required())
     if (!isPadding(field) && !input.has(field))
       throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + " requires " + nameOf(field) + " to be present");
+}
+
+std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours) {
+  std::vector<const GraphNode*> found = {&node};
+  for (size_t i = 0; i < found.size(); ++i)
+    for (const GraphNode* next : found[i]->*neighbours)
+      if (std::find(found.begin(), found.end(), next) == found.end()) found.push_back(next);
+  return found;
 }
 
 std::vector<GraphNode*> connected(GraphNode& node) {

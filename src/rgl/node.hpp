@@ -136,6 +136,8 @@ std::mt19937_64 randomSource();
 
 /// Marks the results of all nodes that are connected with this one as outdated.
 void outdate(GraphNode& node);
+/// A node and all nodes that its inputs (or its outputs) lead to, each once, however many ways lead to it.
+std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours);
 /// The nodes that are connected with a node, and the node.
 std::vector<GraphNode*> connected(GraphNode& node);
 

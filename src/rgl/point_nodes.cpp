@@ -166,9 +166,7 @@ class SpatialMergeNode : public PointsNode {
   void set(Fields fields) { fields_ = std::move(fields); }
   Fields required() const override { return fields_; }
   bool has(rgl_field_t field) const override { return contains(fields_, field); }
-  bool isDense() const override {
-    return std::all_of(sources_.begin(), sources_.end(), [](const PointsNode* node) { return node->isDense(); });
-  }
+  bool isDense() const override { return dense_; }
   void validate() override {
     sources_.clear();
     for (GraphNode* input : inputs)
@@ -177,7 +175,11 @@ class SpatialMergeNode : public PointsNode {
       throw Failure(RGL_INVALID_PIPELINE, std::string(kName) + ": looked for IPointsNode, at least two, but found " +
                                               std::to_string(sources_.size()) + " among " +
                                               std::to_string(inputs.size()) + " inputs");
-    for (const PointsNode* source : sources_) checkRequired(*this, *source);
+    dense_ = true;
+    for (const PointsNode* source : sources_) {
+      checkRequired(*this, *source);
+      dense_ = dense_ && source->isDense();
+    }
   }
   void run() override {
     Collector all;
@@ -189,6 +191,7 @@ class SpatialMergeNode : public PointsNode {
  private:
   Fields fields_;
   std::vector<PointsNode*> sources_;
+  bool dense_ = false;
 };
 
 /// Keeps the points of all runs.
