@@ -36,6 +36,19 @@ struct Unfinished {
   }
 };
 
+// Checks the arguments of a scan. Wrong ones leave the result as it is; if memory runs out, it is made empty.
+template <typename Result, typename Check>
+void checkFor(Result& result, const Check& check) {
+  Unfinished<Result> unfinished{&result};
+  try {
+    check();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::invalidArgument) unfinished.result = nullptr;
+    throw;
+  }
+  unfinished.result = nullptr;
+}
+
 }  // namespace
 
 // Keeps the parts of the scene from which plans are made; the backend keeps the rest.
@@ -77,7 +90,7 @@ class Simulator::Impl {
   }
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
-    prepareToScan(shots, shots.size() > 1);
+    checkFor(result, [&] { prepareToScan(shots, shots.size() > 1); });
     Unfinished<Scan> unfinished{&result};
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
@@ -94,11 +107,14 @@ class Simulator::Impl {
 
   void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result) {
     const Clock::time_point start = Clock::now();
-    prepareToScan(shots, true);
     const size_t index = shots.empty() ? 0 : shots[0].sensor;
-    sensors_.check(index);
-    checkSensorOfBatch(shots);
-    const std::vector<Field> fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
+    std::vector<Field> fields;
+    checkFor(result, [&] {
+      prepareToScan(shots, true);
+      sensors_.check(index);
+      checkSensorOfBatch(shots);
+      fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
+    });
     Unfinished<Batch> unfinished{&result};
     const Sensor& sensor = requests_[index].sensor;
     result.sensor = sensor.name;

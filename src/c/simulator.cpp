@@ -294,7 +294,7 @@ gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh, c
 gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index) {
   return add(simulator, index, [&](Simulator& to) {
     const Instance from = instanceOf(instance);
-    return to.addInstance(from.mesh, from.transform, from.classId);
+    return to.addInstance(from.mesh, from.transform, from.classId, from.world);
   });
 }
 

@@ -82,8 +82,8 @@ class DeviceBackend final : public Backend {
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
       sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().mostTriangles(),
                                              scene_.deformed());
+      machine_->prepared();
     }
-    machine_->prepared();
     machine_->throwOnMessages();
     sensors_.resize(std::max(sensors_.size(), index + 1));
     recorded_.forget(index);

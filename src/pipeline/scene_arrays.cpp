@@ -121,13 +121,13 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
                         PlacedArrays& to) {
   to.groups_ = instances_.choose(views, reach, ignored, to.inViews_);
   const uint64_t count = to.inViews_.size();
+  to.numbering_ = 0;  // the entries are no longer those of a single scan, even if memory runs out below
   const auto room = [&](Array array, uint64_t bytes, std::unique_ptr<DeviceMemory>& memory) {
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
   };
   room(Array::placed, uint64_t{to.groups_.still.groups} * 2 * sizeof(uint32_t), to.placed_);
   room(Array::instances, count * sizeof(gpu::Instance), to.instances_);
   room(Array::instanceViews, count * sizeof(uint32_t), to.views_);
-  to.numbering_ = 0;  // the entries are no longer those of a single scan
   instances_.writeViews(views, to.inViews_, static_cast<gpu::Instance*>(to.instances_->host()),
                         static_cast<uint32_t*>(to.views_->host()), static_cast<uint32_t*>(to.placed_->host()));
   to.instances_->flush();

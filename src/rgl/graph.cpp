@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "base/room.hpp"
 #include "rgl/node.hpp"
 
 namespace gnosphere::rgl {
@@ -47,8 +48,8 @@ void setPriority(GraphNode& node, int32_t priority) {
 }
 
 bool isAncestor(const GraphNode& node, const GraphNode& of) {
-  return std::any_of(of.inputs.begin(), of.inputs.end(),
-                     [&](const GraphNode* input) { return input == &node || isAncestor(node, *input); });
+  const std::vector<const GraphNode*> all = reached(of, &GraphNode::inputs);
+  return std::find(all.begin() + 1, all.end(), &node) != all.end();
 }
 
 void addChild(GraphNode& parent, GraphNode& child) {
@@ -58,6 +59,8 @@ void addChild(GraphNode& parent, GraphNode& child) {
   if (isAncestor(child, parent))
     throw Failure(RGL_INVALID_PIPELINE, std::string("adding child ") + child.name() + " to parent " + parent.name() +
                                             " would close a circle");
+  makeRoom(parent.outputs, parent.outputs.size() + 1);
+  makeRoom(child.inputs, child.inputs.size() + 1);
   outdate(parent);
   outdate(child);
   parent.outputs.push_back(&child);
@@ -141,6 +144,14 @@ void checkRequired(const PointsNode& node, const PointsNode& input) {
   for (const rgl_field_t field : node.required())
     if (!isPadding(field) && !input.has(field))
       throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + " requires " + nameOf(field) + " to be present");
+}
+
+std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours) {
+  std::vector<const GraphNode*> found = {&node};
+  for (size_t i = 0; i < found.size(); ++i)
+    for (const GraphNode* next : found[i]->*neighbours)
+      if (std::find(found.begin(), found.end(), next) == found.end()) found.push_back(next);
+  return found;
 }
 
 std::vector<GraphNode*> connected(GraphNode& node) {

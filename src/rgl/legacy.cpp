@@ -57,11 +57,18 @@ RGL_API rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* 
     const std::shared_ptr<MeshObject> of = scene().meshes.at(mesh);
     if (of->vertices.size() != static_cast<size_t>(vertex_count))
       throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match");
-    scene().entities.each([&](rgl_entity_t entity, const EntityObject& object) {
-      if (object.mesh == of) rgl_entity_apply_external_animation(entity, vertices, vertex_count);
-    });
+    std::vector<Vec> shape(vertex_count);
     for (int32_t i = 0; i < vertex_count; ++i)
-      of->vertices[i] = {vertices[i].value[0], vertices[i].value[1], vertices[i].value[2]};
+      shape[i] = {vertices[i].value[0], vertices[i].value[1], vertices[i].value[2]};
+    // If memory runs out, no entity has moved yet.
+    std::vector<std::pair<EntityObject*, std::vector<Vec>>> entities;
+    scene().entities.each([&](rgl_entity_t, EntityObject& entity) {
+      if (entity.mesh != of) return;
+      entity.keepShape();
+      entities.emplace_back(&entity, shape);
+    });
+    for (auto& [entity, own] : entities) entity->deform(std::move(own), scene().time);
+    of->vertices = std::move(shape);
     scene().forget(*of);
   });
 }

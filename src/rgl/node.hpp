@@ -136,6 +136,8 @@ std::mt19937_64 randomSource();
 
 /// Marks the results of all nodes that are connected with this one as outdated.
 void outdate(GraphNode& node);
+/// A node and all nodes that its inputs (or its outputs) lead to, each once, however many ways lead to it.
+std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours);
 /// The nodes that are connected with a node, and the node.
 std::vector<GraphNode*> connected(GraphNode& node);
 
@@ -153,7 +155,7 @@ const PointsNode& resultsOf(rgl_node_t handle);
 /// Part of a graph that is outdated when a node gets other parameters.
 enum class Affects { node, graph };
 
-/// Creates a node, or gives the one that is there new parameters; set(node) does that.
+/// Creates a node, or gives the one that is there new parameters; set(node) does that, or throws and changes nothing.
 template <class T, class Set>
 void createOrUpdate(rgl_node_t* node, Affects affects, Set set) {
   if (*node == nullptr) {
@@ -163,9 +165,9 @@ void createOrUpdate(rgl_node_t* node, Affects affects, Set set) {
     return;
   }
   T& old = nodeAs<T>(*node);
+  const std::vector<GraphNode*> outdated = affects == Affects::graph ? connected(old) : std::vector<GraphNode*>{&old};
   set(old);
-  old.valid = false;
-  if (affects == Affects::graph) outdate(old);
+  for (GraphNode* each : outdated) each->valid = false;
 }
 
 }  // namespace gnosphere::rgl

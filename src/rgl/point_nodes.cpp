@@ -111,19 +111,20 @@ class FromArrayNode : public PointsNode {
   static constexpr const char* kName = "FromArrayPointsNode";
   const char* name() const override { return kName; }
   void set(const void* points, int32_t count, const Fields& fields) {
-    cloud_ = {};
-    cloud_.count = count;
-    cloud_.dense = true;
+    Cloud cloud;
+    cloud.count = count;
+    cloud.dense = true;
     std::map<rgl_field_t, std::byte*> columns;
     for (const rgl_field_t field : fields) {
       if (isPadding(field)) continue;
       auto bytes = std::make_shared<std::vector<std::byte>>(count * sizeOf(field));
       columns[field] = bytes->data();
-      cloud_.columns[field] = {sizeOf(field), bytes};
+      cloud.columns[field] = {sizeOf(field), bytes};
     }
     eachValue(fields, count, [&](rgl_field_t field, size_t i, size_t place) {
       std::memcpy(columns[field] + i * sizeOf(field), static_cast<const std::byte*>(points) + place, sizeOf(field));
     });
+    cloud_ = std::move(cloud);
   }
   void validate() override {}
   void run() override {}
@@ -134,10 +135,6 @@ class FromArrayNode : public PointsNode {
 /// Appends the points of a cloud to columns.
 class Collector {
  public:
-  void clear() {
-    columns_.clear();
-    count_ = 0;
-  }
   void add(const Cloud& cloud, const Fields& fields) {
     for (const rgl_field_t field : std::set<rgl_field_t>(fields.begin(), fields.end())) {
       if (isPadding(field)) continue;
@@ -146,12 +143,14 @@ class Collector {
     }
     count_ += cloud.count;
   }
-  Cloud cloud(bool dense) const {
+  /// The collected points; the collector is empty afterwards.
+  Cloud take(bool dense) {
     Cloud result;
     result.count = count_;
     result.dense = dense;
-    for (const auto& [field, bytes] : columns_)
-      result.columns[field] = {sizeOf(field), std::make_shared<std::vector<std::byte>>(bytes)};
+    for (auto& [field, bytes] : columns_)
+      result.columns[field] = {sizeOf(field), std::make_shared<std::vector<std::byte>>(std::move(bytes))};
+    *this = {};
     return result;
   }
 
@@ -167,9 +166,7 @@ class SpatialMergeNode : public PointsNode {
   void set(Fields fields) { fields_ = std::move(fields); }
   Fields required() const override { return fields_; }
   bool has(rgl_field_t field) const override { return contains(fields_, field); }
-  bool isDense() const override {
-    return std::all_of(sources_.begin(), sources_.end(), [](const PointsNode* node) { return node->isDense(); });
-  }
+  bool isDense() const override { return dense_; }
   void validate() override {
     sources_.clear();
     for (GraphNode* input : inputs)
@@ -178,18 +175,23 @@ class SpatialMergeNode : public PointsNode {
       throw Failure(RGL_INVALID_PIPELINE, std::string(kName) + ": looked for IPointsNode, at least two, but found " +
                                               std::to_string(sources_.size()) + " among " +
                                               std::to_string(inputs.size()) + " inputs");
-    for (const PointsNode* source : sources_) checkRequired(*this, *source);
+    dense_ = true;
+    for (const PointsNode* source : sources_) {
+      checkRequired(*this, *source);
+      dense_ = dense_ && source->isDense();
+    }
   }
   void run() override {
     Collector all;
     for (const PointsNode* source : sources_) all.add(source->cloud(), fields_);
-    cloud_ = all.cloud(isDense());
+    cloud_ = all.take(isDense());
     cloud_.sensor = sources_[0]->cloud().sensor;
   }
 
  private:
   Fields fields_;
   std::vector<PointsNode*> sources_;
+  bool dense_ = false;
 };
 
 /// Keeps the points of all runs.
@@ -199,19 +201,20 @@ class TemporalMergeNode : public PointsFilter {
   const char* name() const override { return kName; }
   void set(Fields fields) {
     fields_ = std::move(fields);
-    all_.clear();
+    cloud_ = {};
   }
   Fields required() const override { return fields_; }
   bool has(rgl_field_t field) const override { return contains(fields_, field); }
   void run() override {
-    all_.add(input_->cloud(), fields_);
-    cloud_ = all_.cloud(isDense());
+    Collector all;
+    if (cloud_.count > 0) all.add(cloud_, fields_);
+    all.add(input_->cloud(), fields_);
+    cloud_ = all.take(isDense());
     cloud_.sensor = input_->cloud().sensor;
   }
 
  private:
   Fields fields_;
-  Collector all_;
 };
 
 /// Marks the points of surfaces that are not level: 1 in IS_GROUND is a point that is not ground.

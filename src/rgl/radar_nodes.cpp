@@ -169,16 +169,23 @@ class RadarTrackNode : public PointsFilter {
   }
   void run() override {
     const double now = scene().time ? static_cast<double>(*scene().time) * 1e-6 : 0;  // ms
-    match(objectsIn(input_->cloud()), now);
-    cloud_ = {};
-    cloud_.count = tracks_.size();
-    cloud_.dense = true;
-    auto* points = cloud_.write<Vec>(RGL_FIELD_XYZ_VEC3_F32);
-    auto* ids = cloud_.write<int32_t>(RGL_FIELD_ENTITY_ID_I32);
-    for (size_t i = 0; i < tracks_.size(); ++i) {
-      points[i] = tracks_[i].at(now);
-      ids[i] = tracks_[i].id;
+    const std::vector<Object> objects = objectsIn(input_->cloud());
+    // A run that fails leaves the tracks as they were.
+    std::vector<Track> tracks = tracks_;
+    int32_t nextId = nextId_;
+    match(objects, now, tracks, nextId);
+    Cloud cloud;
+    cloud.count = tracks.size();
+    cloud.dense = true;
+    auto* points = cloud.write<Vec>(RGL_FIELD_XYZ_VEC3_F32);
+    auto* ids = cloud.write<int32_t>(RGL_FIELD_ENTITY_ID_I32);
+    for (size_t i = 0; i < tracks.size(); ++i) {
+      points[i] = tracks[i].at(now);
+      ids[i] = tracks[i].id;
     }
+    cloud_ = std::move(cloud);
+    tracks_ = std::move(tracks);
+    nextId_ = nextId;
   }
 
  private:
@@ -235,21 +242,21 @@ class RadarTrackNode : public PointsFilter {
     return objects;
   }
 
-  void match(const std::vector<Object>& objects, double now) {
-    std::vector<bool> taken(tracks_.size());
-    const size_t former = tracks_.size();
+  void match(const std::vector<Object>& objects, double now, std::vector<Track>& tracks, int32_t& nextId) const {
+    std::vector<bool> taken(tracks.size());
+    const size_t former = tracks.size();
     for (const Object& object : objects) {
       size_t best = former;
       float least = settings_.matching;
       for (size_t i = 0; i < former; ++i) {
-        const float away = length(tracks_[i].at(now) - object.position);
+        const float away = length(tracks[i].at(now) - object.position);
         if (!taken[i] && away <= least) best = i, least = away;
       }
       if (best == former) {
-        tracks_.push_back({nextId_++, object.position, {}, now, object.kind});
+        tracks.push_back({nextId++, object.position, {}, now, object.kind});
         continue;
       }
-      Track& track = tracks_[best];
+      Track& track = tracks[best];
       taken[best] = true;
       if (now > track.time) {
         track.velocity = (object.position - track.position) * static_cast<float>(1 / (now - track.time));
@@ -259,7 +266,7 @@ class RadarTrackNode : public PointsFilter {
       track.time = now;
       track.kind = object.kind;
     }
-    std::erase_if(tracks_, [&](const Track& track) { return now - track.time > settings_.prediction; });
+    std::erase_if(tracks, [&](const Track& track) { return now - track.time > settings_.prediction; });
   }
 
   Settings settings_{};

@@ -52,12 +52,13 @@ struct Picked {
   }
 };
 
+// The fields that the nodes behind a node require.
 void collectRequired(const GraphNode& node, std::set<rgl_field_t>& fields) {
-  for (const GraphNode* output : node.outputs) {
-    if (const auto* points = dynamic_cast<const PointsNode*>(output))
-      for (const rgl_field_t field : points->required())
-        if (!isPadding(field)) fields.insert(field);
-    collectRequired(*output, fields);
+  for (const GraphNode* each : reached(node, &GraphNode::outputs)) {
+    const auto* points = each == &node ? nullptr : dynamic_cast<const PointsNode*>(each);
+    if (!points) continue;
+    for (const rgl_field_t field : points->required())
+      if (!isPadding(field)) fields.insert(field);
   }
 }
 

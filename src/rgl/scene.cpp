@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <gnosphere/error.hpp>
 
+#include "base/room.hpp"
 #include "rgl/fields.hpp"
 
 namespace gnosphere::rgl {
@@ -44,10 +45,16 @@ void SceneState::takeOut(EntityObject& entity) {
   entity.instance = kNoIndex;
 }
 
+rgl_entity_t SceneState::place(std::shared_ptr<EntityObject> entity) {
+  makeRoom(placed_, placed_.size() + 1);
+  const rgl_entity_t handle = entities.add(entity);
+  placed_.push_back(std::move(entity));
+  return handle;
+}
+
 void SceneState::remove(const std::shared_ptr<EntityObject>& entity) {
   takeOut(*entity);
-  if (entity->ownMesh != kNoIndex) simulator_->removeMesh(entity->ownMesh);
-  entity->ownMesh = kNoIndex;
+  entity->ownMesh.reset();
   placed_.erase(std::find(placed_.begin(), placed_.end(), entity));
 }
 
@@ -56,9 +63,9 @@ void SceneState::clear() {
   meshes.clear();
   textures.clear();
   entities.clear();
-  if (simulator_) removeUnused();
   time.reset();
   timeBefore.reset();
+  if (simulator_) removeUnused();
 }
 
 Simulator& SceneState::start() {
@@ -80,18 +87,18 @@ Simulator& SceneState::start() {
   return *simulator_;
 }
 
+void SceneState::upload(const std::shared_ptr<MeshObject>& mesh, const Mesh& content) {
+  makeRoom(uploaded_, uploaded_.size() + 1);
+  mesh->index = simulator_->addMesh(content);
+  uploaded_.push_back({mesh, mesh->index});
+}
+
 void SceneState::add(EntityObject& entity) {
-  size_t mesh = entity.ownMesh;
-  if (mesh == kNoIndex && !entity.vertices.set) {
-    if (entity.mesh->index == kNoIndex) {
-      entity.mesh->index = simulator_->addMesh(meshOf(*entity.mesh, entity.mesh->vertices));
-      uploaded_.push_back({entity.mesh, entity.mesh->index});
-    }
-    mesh = entity.mesh->index;
-  } else if (mesh == kNoIndex) {
-    mesh = entity.ownMesh = simulator_->addMesh(meshOf(*entity.mesh, entity.vertices.now));
-  }
-  entity.instance = simulator_->addInstance(static_cast<uint32_t>(mesh), transformOf(entity.transform.now));
+  if (entity.vertices.set && !entity.ownMesh) entity.ownMesh = std::make_shared<MeshObject>();
+  const std::shared_ptr<MeshObject>& mesh = entity.ownMesh ? entity.ownMesh : entity.mesh;
+  if (mesh->index == kNoIndex) upload(mesh, meshOf(*entity.mesh, entity.shape()));
+  makeRoom(byInstance_, byInstance_.size() + 1);
+  entity.instance = simulator_->addInstance(static_cast<uint32_t>(mesh->index), transformOf(entity.transform.now));
   byInstance_.resize(std::max(byInstance_.size(), entity.instance + 1));
   byInstance_[entity.instance] = &entity;
 }
@@ -101,11 +108,11 @@ Simulator& SceneState::simulator(int32_t sensorId) {
   for (const auto& entity : placed_) {
     const bool seen =
         std::find(entity->ignoredBy.begin(), entity->ignoredBy.end(), sensorId) == entity->ignoredBy.end();
-    if (entity->deformed && entity->ownMesh == kNoIndex) {
+    if (entity->deformed && (!entity->ownMesh || entity->ownMesh->index == kNoIndex)) {
       takeOut(*entity);  // it gets a mesh of its own
     } else if (entity->deformed) {
       const std::vector<Vec>& vertices = entity->vertices.now;
-      simulator_->setPositions(entity->ownMesh, {&vertices[0].x, 3 * vertices.size()});
+      simulator_->setPositions(entity->ownMesh->index, {&vertices[0].x, 3 * vertices.size()});
     }
     if (!seen) takeOut(*entity);
     if (seen && entity->instance == kNoIndex)
@@ -121,11 +128,12 @@ Simulator& SceneState::simulator(int32_t sensorId) {
 
 // Removes the meshes that neither the caller nor an entity has.
 void SceneState::removeUnused() {
-  std::erase_if(uploaded_, [&](const Uploaded& each) {
-    if (each.mesh.use_count() > 1 && each.mesh->index == each.index) return false;
-    simulator_->removeMesh(each.index);
-    return true;
-  });
+  for (size_t i = uploaded_.size(); i > 0; --i) {
+    const Uploaded& each = uploaded_[i - 1];
+    if (each.mesh.use_count() > 1 && each.mesh->index == each.index) continue;
+    simulator_->removeMesh(each.index);  // if it throws, the mesh is removed another time
+    uploaded_.erase(uploaded_.begin() + static_cast<ptrdiff_t>(i - 1));
+  }
 }
 
 SceneState& scene() {

@@ -55,12 +55,21 @@ struct EntityObject {
   History<std::vector<Vec>> vertices;  ///< of its own, if it is animated
   int32_t id = RGL_DEFAULT_ENTITY_ID;
   float retro = 0;
-  std::vector<int32_t> ignoredBy;  ///< ids of sensors
-  size_t instance = kNoIndex;      ///< in the simulator
-  size_t ownMesh = kNoIndex;       ///< in the simulator, if it is animated
+  std::vector<int32_t> ignoredBy;       ///< ids of sensors
+  size_t instance = kNoIndex;           ///< in the simulator
+  std::shared_ptr<MeshObject> ownMesh;  ///< with only its index in the simulator, if the entity is animated
   bool moved = false, deformed = false;
 
   const std::vector<Vec>& shape() const { return vertices.set ? vertices.now : mesh->vertices; }
+  /// Gives the entity the shape that it has as its own, so that deform() needs no more memory.
+  void keepShape() {
+    if (!vertices.set) vertices.change(mesh->vertices, {});
+  }
+  void deform(std::vector<Vec> to, std::optional<uint64_t> at) {
+    keepShape();
+    vertices.change(std::move(to), at);
+    deformed = true;
+  }
 };
 
 /// The one scene of the library.
@@ -71,7 +80,8 @@ class SceneState {
   Objects<rgl_entity_t, EntityObject> entities{"Entity"};
   std::optional<uint64_t> time, timeBefore;
 
-  void place(const std::shared_ptr<EntityObject>& entity) { placed_.push_back(entity); }
+  /// Adds an entity and gives it a handle.
+  rgl_entity_t place(std::shared_ptr<EntityObject> entity);
   void remove(const std::shared_ptr<EntityObject>& entity);
   void clear();
   /// Must be called when the vertices of a mesh differ from those in the simulator. The next entity that uses the mesh
@@ -94,6 +104,7 @@ class SceneState {
  private:
   Simulator& start();
   void add(EntityObject& entity);
+  void upload(const std::shared_ptr<MeshObject>& mesh, const Mesh& content);
   void takeOut(EntityObject& entity);
   void removeUnused();
 
@@ -104,7 +115,7 @@ class SceneState {
     std::shared_ptr<MeshObject> mesh;
     size_t index;
   };
-  std::vector<Uploaded> uploaded_;  ///< meshes in the simulator that entities share
+  std::vector<Uploaded> uploaded_;  ///< the meshes in the simulator
 };
 
 SceneState& scene();

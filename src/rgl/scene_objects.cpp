@@ -22,12 +22,6 @@ void checkIndices(const rgl_vec3i* indices, int32_t count, int32_t vertices) {
                                                 std::to_string(index) + ", but there are " + std::to_string(vertices));
 }
 
-void deform(EntityObject& entity, std::vector<Vec> vertices) {
-  if (!entity.vertices.set) entity.vertices.change(entity.mesh->vertices, {});
-  entity.vertices.change(std::move(vertices), scene().time);
-  entity.deformed = true;
-}
-
 void move(EntityObject& entity, const Mat& transform) {
   entity.transform.change(transform, scene().time);
   entity.moved = true;
@@ -139,8 +133,7 @@ RGL_API rgl_status_t rgl_entity_create(rgl_entity_t* out_entity, rgl_scene_t sce
     SceneState& all = gnosphere::rgl::scene();
     auto entity = std::make_shared<EntityObject>();
     entity->mesh = all.meshes.at(mesh);
-    all.place(entity);
-    *out_entity = all.entities.add(std::move(entity));
+    *out_entity = all.place(std::move(entity));
   });
 }
 
@@ -174,7 +167,7 @@ RGL_API rgl_status_t rgl_entity_set_pose_world(rgl_entity_t entity, const rgl_ma
     const auto restposes_count = static_cast<int32_t>(mesh.restPoses.size());
     RGL_CHECK(bones_count == restposes_count);
     checkBones(mesh, bones_count);
-    deform(to, skinned(mesh, pose, bones_count));
+    to.deform(skinned(mesh, pose, bones_count), scene().time);
     move(to, Mat());
   });
 }
@@ -214,7 +207,7 @@ RGL_API rgl_status_t rgl_entity_apply_external_animation(rgl_entity_t entity, co
       throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match: the mesh has " +
                                               std::to_string(to.mesh->vertices.size()) + ", " +
                                               std::to_string(vertex_count) + " were given");
-    deform(to, vectorsOf(vertices, vertex_count));
+    to.deform(vectorsOf(vertices, vertex_count), scene().time);
   });
 }
 

@@ -28,12 +28,12 @@ Tape& tape() {
 
 void Tape::begin(const char* path) {
   if (recording_) throw Failure(RGL_TAPE_ERROR, "the tape is recording already; end that recording first");
-  yaml_.open(std::string(path) + ".yaml");
-  binary_.open(std::string(path) + ".bin", std::ios::binary);
-  if (!yaml_ || !binary_) {
-    yaml_ = {}, binary_ = {};
-    throw Failure(RGL_INVALID_FILE_PATH, std::string("the tape ") + path + " cannot be written");
-  }
+  const std::string name = path;
+  std::ofstream yaml(name + ".yaml"), binary(name + ".bin", std::ios::binary);
+  if (!yaml || !binary) throw Failure(RGL_INVALID_FILE_PATH, "the tape " + name + " cannot be written");
+  yaml_ = std::move(yaml);
+  binary_ = std::move(binary);
+  whole_ = true;
   offset_ = 0;
   start_ = std::chrono::steady_clock::now();
   recording_ = true;
@@ -46,8 +46,7 @@ void Tape::end() {
   recording_ = false;
   yaml_.close();
   binary_.close();
-  if (!yaml_ || !binary_) throw Failure(RGL_TAPE_ERROR, "the tape could not be written to its end");
-  yaml_ = {}, binary_ = {};
+  if (!whole_ || !yaml_ || !binary_) throw Failure(RGL_TAPE_ERROR, "the tape could not be written to its end");
 }
 
 std::string Tape::quoted(const std::string& value) {

@@ -49,12 +49,17 @@ class Tape {
   void begin(const char* path);
   void end();
 
+  /// Notes a call that has succeeded. If there is no memory or room to note it, end() says so.
   template <class... Arguments>
-  void record(const char* name, const Arguments&... arguments) {
-    std::ostringstream list;
-    [[maybe_unused]] const char* separator = "";
-    ((list << std::exchange(separator, ", ") << text(arguments)), ...);
-    write(name, list.str());
+  void record(const char* name, const Arguments&... arguments) noexcept {
+    try {
+      std::ostringstream list;
+      [[maybe_unused]] const char* separator = "";
+      ((list << std::exchange(separator, ", ") << text(arguments)), ...);
+      write(name, list.str());
+    } catch (...) {
+      whole_ = false;
+    }
   }
 
  private:
@@ -85,7 +90,7 @@ class Tape {
   std::string place(const Array& array);
   void write(const char* name, const std::string& arguments);
 
-  bool recording_ = false;
+  bool recording_ = false, whole_ = true;
   std::ofstream yaml_, binary_;
   uint64_t offset_ = 0;
   std::chrono::steady_clock::time_point start_;

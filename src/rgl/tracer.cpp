@@ -56,7 +56,10 @@ Pose poseOf(const Mat& a, const Vec& centre) {
 }  // namespace
 
 Tracer::~Tracer() {
-  removeSensors();
+  try {
+    removeSensors();
+  } catch (...) {  // a simulator that has lost its device keeps them
+  }
 }
 
 void Tracer::removeSensors() {
@@ -110,6 +113,7 @@ void Tracer::build(Simulator& simulator, const Key& key, const std::vector<Ray>&
   }
   // The former sensors go last: what both they and the new ones need stays in the simulator.
   std::vector<Part> added;
+  added.reserve(parts.size());
   try {
     for (auto& [cell, part] : parts) {
       addSensor(simulator, part, rays, key.range);

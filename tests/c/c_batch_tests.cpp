@@ -117,6 +117,20 @@ TEST_CASE("C: a batch of worlds has the values of C++, and errors that name the 
   CHECK(counters.hits == expected.counters.hits);
   CHECK(counters.hits == 270);  // world 0 is empty
 
+  // An instance that comes alone goes into its world, too.
+  gno_instance near = gno_instance_init();
+  near.transform.rows[3] = -2;
+  near.world = 9;
+  size_t index = 0;
+  REQUIRE(gno_simulator_add_instance(simulator, &near, &index) == GNO_OK);
+  REQUIRE(gno_simulator_scan_batch(simulator, shots, 4, fields, 1, &batch) == GNO_OK);
+  REQUIRE(gno_batch_get_counters(batch, &counters) == GNO_OK);
+  CHECK(counters.hits == 270);
+  shots[0].world = 9;
+  REQUIRE(gno_simulator_scan_batch(simulator, shots, 1, fields, 1, &batch) == GNO_OK);
+  REQUIRE(gno_batch_get_column(batch, GNO_FIELD_INSTANCE, &column) == GNO_OK);
+  CHECK(static_cast<const uint32_t*>(column.values)[0] == index);
+
   shots[2].pose.position[1] = std::nan("");
   CHECK(gno_simulator_scan_batch(simulator, shots, 4, fields, 1, &batch) == GNO_INVALID_ARGUMENT);
   CHECK(std::strstr(gno_last_error(), "shot 2: ") != nullptr);

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <execinfo.h>
 #include <link.h>
+#include <vulkan/vulkan_core.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,11 +16,13 @@
 
 #include "support.hpp"
 
+extern "C" void* __real_dlsym(void* library, const char* name);
+
 namespace gnosphere::test {
 namespace {
 
-std::atomic<bool> memoryArmed, filesArmed;
-std::atomic<bool> hit;
+std::atomic<bool> memoryArmed, filesArmed, deviceArmed;
+std::atomic<bool> hit, lasting;
 std::atomic<long> counted, failing;
 thread_local bool looking = false;
 
@@ -61,7 +64,9 @@ bool isOurs(const void* caller) {
 }
 
 bool fails(const std::atomic<bool>& armed, const void* caller) {
-  if (!armed || !isOurs(caller) || ++counted != failing) return false;
+  if (!armed || !isOurs(caller)) return false;
+  const long count = ++counted;
+  if (failing == 0 || count < failing || (count > failing && !lasting)) return false;
   hit = true;
   return true;
 }
@@ -76,36 +81,78 @@ void* allocate(size_t bytes, size_t alignment, const void* caller) {
   return memory;
 }
 
-}  // namespace
-
-Injection::Injection(Fails what, long at) {
-  if (program.end == 0) {
-    dl_iterate_phdr(findCode, nullptr);
-    void* frame;
-    backtrace(&frame, 1);  // its first call loads a library
+void* allocateOrNull(size_t bytes, size_t alignment, const void* caller) noexcept {
+  try {
+    return allocate(bytes, alignment, caller);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
   }
-  counted = 0;
-  failing = at;
-  hit = false;
-  (what == Fails::memory ? memoryArmed : filesArmed) = true;
-}
-Injection::~Injection() {
-  memoryArmed = filesArmed = false;
-}
-long Injection::count() const {
-  return counted;
-}
-bool Injection::fired() const {
-  return hit;
 }
 
-long failEach(const std::string& name, Fails what, const Trial& trial) {
+// The functions of devices that make something. All of them may fail for lack of memory.
+// clang-format off
+#define FAILING_FUNCTIONS(FUNCTION) \
+  FUNCTION(vkAllocateCommandBuffers) \
+  FUNCTION(vkAllocateMemory) \
+  FUNCTION(vkBindBufferMemory) \
+  FUNCTION(vkCreateBuffer) \
+  FUNCTION(vkCreateCommandPool) \
+  FUNCTION(vkCreateComputePipelines) \
+  FUNCTION(vkCreateFence) \
+  FUNCTION(vkCreatePipelineCache) \
+  FUNCTION(vkCreatePipelineLayout) \
+  FUNCTION(vkCreateQueryPool) \
+  FUNCTION(vkCreateShaderModule) \
+  FUNCTION(vkMapMemory)
+// clang-format on
+
+PFN_vkGetInstanceProcAddr realInstanceFunction = nullptr;
+PFN_vkGetDeviceProcAddr realDeviceFunction = nullptr;
+
+// Stands in front of a function of any device. Drivers and layers have functions of their own for each, so the real one
+// is looked up at every call.
+template <typename Function>
+struct Failing;
+template <typename... Arguments>
+struct Failing<VkResult(VKAPI_PTR*)(VkDevice, Arguments...)> {
+  using Function = VkResult(VKAPI_PTR*)(VkDevice, Arguments...);
+  template <auto kName>
+  static VKAPI_ATTR VkResult VKAPI_CALL call(VkDevice device, Arguments... arguments) {
+    if (fails(deviceArmed, __builtin_return_address(0))) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    return reinterpret_cast<Function>(realDeviceFunction(device, kName()))(device, arguments...);
+  }
+};
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL deviceFunction(VkDevice device, const char* name) {
+#define TAKE_PLACE(function)                                                            \
+  if (std::strcmp(name, #function) == 0) {                                              \
+    constexpr auto kName = [] { return #function; };                                    \
+    return reinterpret_cast<PFN_vkVoidFunction>(&Failing<PFN_##function>::call<kName>); \
+  }
+  FAILING_FUNCTIONS(TAKE_PLACE)
+  return realDeviceFunction(device, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceFunction(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction real = realInstanceFunction(instance, name);
+  if (std::strcmp(name, "vkGetDeviceProcAddr") != 0) return real;
+  realDeviceFunction = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(deviceFunction);
+}
+
+// Devices that are made from now on may fail, those of the library and those of tests.
+PFN_vkVoidFunction failingLookUp(void* library) {
+  realInstanceFunction = reinterpret_cast<PFN_vkGetInstanceProcAddr>(__real_dlsym(library, "vkGetInstanceProcAddr"));
+  return reinterpret_cast<PFN_vkVoidFunction>(instanceFunction);
+}
+
+long failEach(const std::string& name, Fails what, Lasts lasts, const Trial& trial) {
   long failed = 0, survived = 0, tried = 0, all = 0;
   for (long n = 1;; n += everyCombination() ? 1 : 1 + n / 12) {
     bool fired = false, threw = false;
     std::string problem;
     {
-      Injection injection(what, n);
+      Injection injection(what, n, lasts);
       try {
         trial.call();
       } catch (const Error&) {
@@ -131,14 +178,42 @@ long failEach(const std::string& name, Fails what, const Trial& trial) {
       break;
     }
   }
-  std::printf("%-44s %6ld of %6ld failures tried, %6ld reported, %4ld without effect\n", name.c_str(), tried - 1, all,
+  std::printf("%-56s %6ld of %6ld failures tried, %6ld reported, %4ld without effect\n", name.c_str(), tried - 1, all,
               failed, survived);
   return failed;
 }
 
+}  // namespace
+
+Injection::Injection(Fails what, long at, Lasts lasts) {
+  if (program.end == 0) {
+    dl_iterate_phdr(findCode, nullptr);
+    void* frame;
+    backtrace(&frame, 1);  // its first call loads a library
+  }
+  counted = 0;
+  failing = at;
+  hit = false;
+  lasting = lasts == Lasts::forGood;
+  (what == Fails::memory ? memoryArmed : what == Fails::files ? filesArmed : deviceArmed) = true;
+}
+Injection::~Injection() {
+  memoryArmed = filesArmed = deviceArmed = false;
+}
+long Injection::count() const {
+  return counted;
+}
+bool Injection::fired() const {
+  return hit;
+}
+
+long failEach(const std::string& name, Fails what, const Trial& trial) {
+  return failEach(name, what, Lasts::once, trial) + failEach(name + ", for good", what, Lasts::forGood, trial);
+}
+
 }  // namespace gnosphere::test
 
-using gnosphere::test::allocate;
+using gnosphere::test::allocate, gnosphere::test::allocateOrNull;
 
 void* operator new(size_t bytes) {
   return allocate(bytes, 0, __builtin_return_address(0));
@@ -152,10 +227,28 @@ void* operator new(size_t bytes, std::align_val_t alignment) {
 void* operator new[](size_t bytes, std::align_val_t alignment) {
   return allocate(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
 }
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, 0, __builtin_return_address(0));
+}
+void* operator new[](size_t bytes, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, 0, __builtin_return_address(0));
+}
+void* operator new(size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
+}
+void* operator new[](size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocateOrNull(bytes, static_cast<size_t>(alignment), __builtin_return_address(0));
+}
 void operator delete(void* memory) noexcept {
   std::free(memory);
 }
 void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, const std::nothrow_t&) noexcept {
   std::free(memory);
 }
 void operator delete(void* memory, size_t) noexcept {
@@ -215,5 +308,10 @@ std::FILE* __wrap_fopen(const char* name, const char* mode) {
   if (!fails(filesArmed, __builtin_return_address(0))) return __real_fopen(name, mode);
   errno = EMFILE;
   return nullptr;
+}
+void* __wrap_dlsym(void* library, const char* name) {
+  using namespace gnosphere::test;
+  if (std::strcmp(name, "vkGetInstanceProcAddr") != 0) return __real_dlsym(library, name);
+  return reinterpret_cast<void*>(failingLookUp(library));
 }
 }

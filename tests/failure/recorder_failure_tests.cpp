@@ -8,48 +8,11 @@
 namespace gnosphere::test {
 namespace {
 
-/// A table between the library and the loader, in which vkAllocateMemory() fails from a call on: a single failure is
-/// followed by another attempt for less.
-struct DeviceMemoryTable {
-  PFN_vkGetInstanceProcAddr instance = nullptr;
-  PFN_vkGetDeviceProcAddr device = nullptr;
-  PFN_vkAllocateMemory allocate = nullptr;
-  long count = 0, failing = 0;
-} table;
-
-VKAPI_ATTR VkResult VKAPI_CALL allocateOrFail(VkDevice device, const VkMemoryAllocateInfo* info,
-                                              const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
-  if (++table.count >= table.failing && table.failing > 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  return table.allocate(device, info, callbacks, memory);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL deviceFunction(VkDevice device, const char* name) {
-  const PFN_vkVoidFunction real = table.device(device, name);
-  if (std::string(name) != "vkAllocateMemory") return real;
-  table.allocate = reinterpret_cast<PFN_vkAllocateMemory>(real);
-  return reinterpret_cast<PFN_vkVoidFunction>(allocateOrFail);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceFunction(VkInstance instance, const char* name) {
-  const PFN_vkVoidFunction real = table.instance(instance, name);
-  if (std::string(name) != "vkGetDeviceProcAddr") return real;
-  table.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
-  return reinterpret_cast<PFN_vkVoidFunction>(deviceFunction);
-}
-
-PFN_vkGetInstanceProcAddr failingLookUp() {
-  table = {};
-  table.instance =
-      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
-  return instanceFunction;
-}
-
 /// A scene whose second mesh has two shapes in turn, so that every recording has something to upload.
 class Recordings {
  public:
   Recordings()
-      : app_("", failingLookUp()),
-        scene_(boxes()),
+      : scene_(boxes()),
         layout_(layoutOf({Field::x, Field::y, Field::z, Field::instance})),
         recorded_(app_, scene_, {gridSensor(90, 8, -20, 20), Effects::none(), {}}, options(), layout_),
         spare_(app_),
@@ -95,20 +58,17 @@ class Recordings {
   std::array<std::vector<std::byte>, 2> expected_;
 };
 
-/// Calls what needs memory of the device, of which there is none from the n-th allocation on. Returns whether it
-/// failed, which must be for lack of memory.
+/// Calls what needs memory of the device, of which there is none from the n-th call on. Returns whether it failed,
+/// which must be for lack of memory.
 bool failsFrom(long n, const std::function<void()>& call) {
-  table.count = 0;
-  table.failing = n;
-  bool failed = false;
+  const Injection injection(Fails::device, n, Lasts::forGood);
   try {
     call();
+    return false;
   } catch (const Error& error) {
-    failed = true;
     CHECK(error.code() == ErrorCode::outOfMemory);
+    return true;
   }
-  table.failing = 0;
-  return failed;
 }
 
 /// Tries every n until nothing fails any more. Returns the number of failures.

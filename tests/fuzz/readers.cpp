@@ -20,14 +20,16 @@
 #include "scene/gltf_accessor.hpp"
 #include "scene/readers.hpp"
 #include "town/opendrive/network.hpp"
+#include "vulkan/pipeline_cache.hpp"
 
 namespace gnosphere {
-namespace {
 
-[[noreturn]] void complain(const char* what, const char* why) {
+void complain(const char* what, const char* why) {
   std::fprintf(stderr, "%s: %s\n", what, why);
   std::abort();
 }
+
+namespace {
 
 void fuzzScene(SceneFormat format, Bytes bytes) {
   Source source;
@@ -172,13 +174,23 @@ void fuzzManifest(Bytes bytes) {
   std::filesystem::remove_all(folder);
 }
 
+/// Reads the content of a cache of pipelines as that of a device whose description has the bytes 1, 2, 3 and so on.
+void fuzzPipelines(std::string_view bytes) {
+  VkPhysicalDeviceProperties properties = {};
+  properties.vendorID = 0x04030201;
+  properties.deviceID = 0x08070605;
+  for (uint8_t i = 0; i < VK_UUID_SIZE; ++i) properties.pipelineCacheUUID[i] = static_cast<uint8_t>(i + 9);
+  const std::string file(bytes), pipelines = vulkan::pipelinesIn(file, properties);
+  if (!pipelines.empty() && !file.ends_with(pipelines)) complain("the cache of pipelines", "is not what the file has");
+}
+
 }  // namespace
 
 void fuzzReaders(std::span<const uint8_t> input) {
   if (input.empty()) return;
   const Bytes bytes = input.subspan(1);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  constexpr std::string_view kChoices = "gbopsjdftceymvnx";
+  constexpr std::string_view kChoices = "gbopsjdftceymvnxkrw";
   const size_t named = kChoices.find(static_cast<char>(input[0]));
   switch (kChoices[named != kChoices.npos ? named : input[0] % kChoices.size()]) {
     case 'g':
@@ -196,6 +208,14 @@ void fuzzReaders(std::span<const uint8_t> input) {
     case 'm': return mayRefuse([&] { loadMaterialTable(InputFile(bytes).path()); });
     case 'v': return mayRefuse([&] { drive::readDrive(InputFile(bytes).path()); });
     case 'n': return fuzzManifest(bytes);
+    case 'k': return fuzzPipelines(text);
+    case 'r':
+#ifdef GNOSPHERE_FUZZ_TAPES
+      return fuzzTape(bytes);
+#else
+      return;
+#endif
+    case 'w': return fuzzView(bytes);
     default: return mayRefuse([&] { town::opendrive::readNetwork(InputFile(bytes).path()); });
   }
 }

@@ -150,6 +150,28 @@ TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence
   OK(rgl_cleanup());  // a failure leaves the library usable
 }
 
+TEST_CASE("RGL: a graph is walked once, however many ways lead through it") {
+  // Each rung has two nodes between one merge and the next, so there are 2^40 ways from the first to the last.
+  const std::vector<rgl_field_t> fields = {RGL_FIELD_XYZ_VEC3_F32};
+  const rgl_mat3x4f to = matrix(0, 0, 0);
+  rgl_node_t last = nullptr, first = nullptr;
+  OK(rgl_node_points_spatial_merge(&first, fields.data(), 1));
+  last = first;
+  for (int rung = 0; rung < 40; ++rung) {
+    rgl_node_t merge = nullptr;
+    OK(rgl_node_points_spatial_merge(&merge, fields.data(), 1));
+    for (int k = 0; k < 2; ++k) {
+      rgl_node_t between = nullptr;
+      OK(rgl_node_points_transform(&between, &to));
+      OK(rgl_graph_node_add_child(last, between));
+      OK(rgl_graph_node_add_child(between, merge));
+    }
+    last = merge;
+  }
+  CHECK(failed(rgl_graph_node_add_child(last, first), RGL_INVALID_PIPELINE, "circle"));
+  OK(rgl_cleanup());
+}
+
 TEST_CASE("RGL: several threads run graphs of their own") {
   place(squareMesh(20), matrix(0, 0, 4));
   bool good[4] = {};
