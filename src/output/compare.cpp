@@ -53,6 +53,13 @@ void ComparisonSum::add(const Scan& reference, const Scan& other) {
     for (size_t k = 0; k < returns; ++k) addReturn(reference, other, beam, k);
 }
 
+bool ComparisonSum::inTie(size_t beam, size_t returns) const {
+  if (ties_.empty()) return false;
+  for (size_t k = 0; k < returns; ++k)
+    if (ties_[beam * returns + k] != 0) return true;
+  return false;
+}
+
 void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k) {
   const std::optional<size_t> expected = returnAt(reference, beam, k), found = returnAt(other, beam, k);
   const bool both = expected && found;
@@ -61,7 +68,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   double error = both ? std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]}) : 0;
   if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is wrong
   sum_.hits += expected.has_value();
-  if (k < reference.returns && !ties_.empty() && ties_[beam * reference.returns + k] != 0) {
+  if (inTie(beam, reference.returns)) {
     ++sum_.ties;
     sum_.tieMissed += expected && !found;
     sum_.tieFalseHits += found && !expected;

@@ -20,6 +20,8 @@ class ComparisonSum {
   Comparison result() const;
 
  private:
+  /// Whether the reference marks any return of the beam as a tie. Files keep no rows for missing returns.
+  bool inTie(size_t beam, size_t returns) const;
   void addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k);
   void keep(double error);
 

@@ -92,6 +92,24 @@ TEST_CASE("beams that the reference marks as ties are counted separately") {
   CHECK_FALSE(swapped.same());
 }
 
+TEST_CASE("a tie is one of the beam, so it covers returns that the reference does not have") {
+  // Files keep no rows for missing returns, so the reference's mark stands at the first return alone.
+  Scan reference = street();
+  reference.columns /= 2;  // half the beams, with two returns each
+  reference.returns = 2;
+  ScanColumns(reference).fill(Field::tie, uint8_t{0});
+  const size_t entry = 2 * (nthHit(reference, 0) / 2);
+  makeMiss(reference, entry + 1);
+  Scan other = reference;
+  makeHit(other, entry + 1, 5, 1);
+  CHECK(compare(reference, other).falseHits == 1);
+  ScanColumns(reference).data<uint8_t>(Field::tie)[entry] = 1;
+  const Comparison result = compare(reference, other);
+  CHECK(result.same());
+  CHECK(result.ties == 2);
+  CHECK(result.tieFalseHits == 1);
+}
+
 TEST_CASE("the reference's tolerance of a beam replaces the constant tolerance") {
   Scan reference = street();
   Scan other = reference;
