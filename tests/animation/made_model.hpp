@@ -2,7 +2,7 @@
 // Small animated glTF files, made by the tests.
 #pragma once
 
-#include "scene/support.hpp"
+#include "scene/scene_text.hpp"
 
 namespace gnosphere::test {
 

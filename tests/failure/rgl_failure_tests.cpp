@@ -3,6 +3,7 @@
 #include <rgl/api/extensions/pcl.h>
 #include <rgl/api/extensions/tape.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <limits>

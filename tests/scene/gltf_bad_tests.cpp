@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Invalid glTF gives an Error that names the cause.
-#include "support.hpp"
+#include "scene_text.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;

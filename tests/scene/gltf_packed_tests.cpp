@@ -7,7 +7,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 
-#include "support.hpp"
+#include "scene_text.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "support.hpp"
+#include "scene_text.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "support.hpp"
+#include "scene_text.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;

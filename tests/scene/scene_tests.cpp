@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "fuzz/readers.hpp"
-#include "scene/support.hpp"
+#include "scene/scene_text.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
