@@ -148,7 +148,7 @@ PFN_vkVoidFunction failingLookUp(void* library) {
 
 long failEach(const std::string& name, Fails what, Lasts lasts, const Trial& trial) {
   long failed = 0, survived = 0, tried = 0, all = 0;
-  for (long n = 1;; n += everyCombination() ? 1 : 1 + n / 12) {
+  for (long n = 1;; n += everyCombination() ? 1 : 1 + n / 5) {
     bool fired = false, threw = false;
     std::string problem;
     {

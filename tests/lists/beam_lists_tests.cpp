@@ -55,35 +55,41 @@ Sensor variedList() {
 
 }  // namespace
 
-TEST_CASE("ten list sensors equal the reference, with every way of binning and every accuracy") {
+TEST_CASE("ten list sensors equal the reference, with every way of binning and every accuracy", "[combinations]") {
   needVulkan();
   const Scene scene = coveredTown();
   const std::vector<Sensor> sensors = listSensors();
   // The simulators follow one another, because each takes over the compiled kernels of the one before.
-  const auto scansWith = [&](const TestOptions& options) {
+  const auto scansWith = [&](const TestOptions& options, const auto& wanted) {
     Simulator simulator = makeSimulator(scene, sensors, options);
-    std::vector<Scan> scans;
-    for (size_t i = 0; i < sensors.size(); ++i) scans.push_back(simulator.scan(kPlace, i));
+    std::vector<Scan> scans(sensors.size());
+    for (size_t i = 0; i < sensors.size(); ++i)
+      if (wanted(i)) scans[i] = simulator.scan(kPlace, i);
     return scans;
   };
+  const auto all = [](size_t) { return true; };
+  // Without every combination, half the sensors have each of the slower ways.
+  const auto even = [](size_t i) { return everyCombination() || i % 2 == 0; };
+  const auto odd = [](size_t i) { return everyCombination() || i % 2 == 1; };
   TestOptions options;
   options.device = DeviceChoice::Kind::reference;
-  const std::vector<Scan> reference = scansWith(options);
-  const std::vector<Scan> slabs = scansWith(optionsWith(Accuracy::standard, Binning::slabs));
-  const std::vector<Scan> nearest = scansWith(optionsWith(Accuracy::standard, Binning::nearest));
-  const std::vector<Scan> lists = scansWith(optionsWith(Accuracy::standard, Binning::lists));
-  const std::vector<Scan> exact = scansWith(optionsWith(Accuracy::exact));
-  const std::vector<Scan> exactLists = scansWith(optionsWith(Accuracy::exact, Binning::lists));
-  const std::vector<Scan> draft = scansWith(optionsWith(Accuracy::draft));
+  const std::vector<Scan> reference = scansWith(options, all);
+  const std::vector<Scan> slabs = scansWith(optionsWith(Accuracy::standard, Binning::slabs), all);
+  const std::vector<Scan> nearest = scansWith(optionsWith(Accuracy::standard, Binning::nearest), odd);
+  const std::vector<Scan> lists = scansWith(optionsWith(Accuracy::standard, Binning::lists), even);
+  const std::vector<Scan> exact = scansWith(optionsWith(Accuracy::exact), all);
+  const std::vector<Scan> exactLists = scansWith(optionsWith(Accuracy::exact, Binning::lists), even);
+  const std::vector<Scan> draft = scansWith(optionsWith(Accuracy::draft), odd);
   for (size_t i = 0; i < sensors.size(); ++i) {
     INFO(sensors[i].name);
     CHECK(slabs[i].counters.hits > 0);
     requireSame(reference[i], slabs[i]);
     requireSame(reference[i], exact[i]);
-    CHECK(sameBytes(slabs[i], nearest[i]));
-    CHECK(sameBytes(slabs[i], lists[i]));
-    CHECK(sameBytes(exact[i], exactLists[i]));
-    CHECK(static_cast<double>(draft[i].counters.hits) > 0.99 * static_cast<double>(reference[i].counters.hits));
+    if (odd(i)) CHECK(sameBytes(slabs[i], nearest[i]));
+    if (even(i)) CHECK(sameBytes(slabs[i], lists[i]));
+    if (even(i)) CHECK(sameBytes(exact[i], exactLists[i]));
+    if (odd(i))
+      CHECK(static_cast<double>(draft[i].counters.hits) > 0.99 * static_cast<double>(reference[i].counters.hits));
   }
 }
 
