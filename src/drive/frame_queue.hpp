@@ -75,6 +75,9 @@ class FrameQueue {
       }
       try {
         write_(record);
+        const std::lock_guard lock(mutex_);
+        empty_.push_back(std::move(record));
+        changed_.notify_all();
       } catch (...) {
         const std::lock_guard lock(mutex_);
         failure_ = std::current_exception();
@@ -82,9 +85,6 @@ class FrameQueue {
         changed_.notify_all();
         return;
       }
-      const std::lock_guard lock(mutex_);
-      empty_.push_back(std::move(record));
-      changed_.notify_all();
     }
   }
 

@@ -18,7 +18,7 @@ struct Library {
 
 // The symbols of another copy of Cyclone DDS in the process, as ROS has one, must not replace those that the library
 // was built with. The sanitizers do not support this.
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kFlags = RTLD_NOW | RTLD_LOCAL;
 #else
 constexpr int kFlags = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;

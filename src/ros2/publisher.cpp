@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 
@@ -134,11 +135,20 @@ class Publisher::Queue {
       waiting_.pop_front();
       sending_ = true;
       lock.unlock();
-      const bool sent = wire_->write(message);
+      const bool sent = write(message);
       lock.lock();
       sending_ = false;
       ++(sent ? counts_.sent : counts_.dropped);
       changed_.notify_all();
+    }
+  }
+
+  // A message for which there is no memory is dropped; an exception would end the process.
+  bool write(const Message& message) {
+    try {
+      return wire_->write(message);
+    } catch (const std::exception&) {
+      return false;
     }
   }
 

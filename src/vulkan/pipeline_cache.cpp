@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/pipeline_cache.hpp"
 
+#include <cstddef>
 #include <cstdlib>
+#include <cstring>
 
 #include "base/file.hpp"
 
@@ -38,15 +40,19 @@ std::string checksum(const std::string& bytes) {
 }  // namespace
 
 std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties) {
-  VkPipelineCacheHeaderVersionOne header;
+  using Header = VkPipelineCacheHeaderVersionOne;
   constexpr size_t kSum = sizeof(uint64_t);
-  if (file.size() < kSum + sizeof header) return {};
+  if (file.size() < kSum + sizeof(Header)) return {};
   const std::string bytes = file.substr(kSum);
+  // The version is read as a number, since the enumeration cannot hold every value that a damaged file has.
+  struct {
+    uint32_t size, version, vendor, device;
+  } header;
+  static_assert(sizeof header == offsetof(Header, pipelineCacheUUID));
   std::memcpy(&header, bytes.data(), sizeof header);
-  const bool ours = header.headerSize == sizeof header &&
-                    header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE &&
-                    header.vendorID == properties.vendorID && header.deviceID == properties.deviceID &&
-                    std::memcmp(header.pipelineCacheUUID, properties.pipelineCacheUUID, VK_UUID_SIZE) == 0;
+  const bool ours = header.size == sizeof(Header) && header.version == uint32_t{VK_PIPELINE_CACHE_HEADER_VERSION_ONE} &&
+                    header.vendor == properties.vendorID && header.device == properties.deviceID &&
+                    std::memcmp(bytes.data() + sizeof header, properties.pipelineCacheUUID, VK_UUID_SIZE) == 0;
   return ours && file.compare(0, kSum, checksum(bytes)) == 0 ? bytes : std::string();
 }
 

@@ -93,6 +93,7 @@ void listen(const dds_topic_descriptor_t& type, char** arguments) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(pause > 0 ? pause : any ? 0 : 2));
   }
+  dds_delete_qos(qos);
   dds_delete(participant);
   std::printf("end\n");
 }

@@ -18,6 +18,10 @@
 #include <thread>
 #include <vector>
 
+#ifdef __SANITIZE_ADDRESS__
+extern "C" size_t __sanitizer_get_current_allocated_bytes();  // GCC 12 has no header with it
+#endif
+
 extern char** environ;
 
 namespace gnosphere::test {
@@ -117,12 +121,17 @@ inline bool eventually(const std::function<bool()>& condition) {
   return false;
 }
 
-/// Megabytes of memory that this process has now.
+/// Megabytes of memory that this process has now. AddressSanitizer keeps freed memory for a while to find later
+/// accesses to it, so there only allocations count that are not freed.
 inline double residentMegabytes() {
+#ifdef __SANITIZE_ADDRESS__
+  return static_cast<double>(__sanitizer_get_current_allocated_bytes()) / 1e6;
+#else
   std::ifstream file("/proc/self/statm");
   double all = 0, resident = 0;
   file >> all >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+#endif
 }
 
 }  // namespace gnosphere::test

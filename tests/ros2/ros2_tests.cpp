@@ -295,3 +295,13 @@ TEST_CASE("ROS 2: without Cyclone DDS a sentence names the package", "[.absent]"
                     ContainsSubstring("install the Debian packages cyclonedds-dev"));
   CHECK_THROWS_WITH(Publisher(MessageType::clock, "2"), ContainsSubstring("is no name of a topic"));
 }
+
+TEST_CASE("ROS 2: a message for which there is no memory is dropped and counted", "[.forgetful]") {
+  Publisher publisher(MessageType::clock, "clock");
+  for (int64_t i = 0; i < 3; ++i) {
+    publisher.publish(Clock{i});
+    REQUIRE(publisher.flush(10));
+  }
+  CHECK(publisher.counts().dropped == 3);
+  CHECK(publisher.counts().sent == 0);
+}
