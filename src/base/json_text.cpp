@@ -82,6 +82,10 @@ std::string jsonText(const Json& value, int indent) {
 template std::string jsonText(const nlohmann::json&, int);
 template std::string jsonText(const nlohmann::ordered_json&, int);
 
+bool isText(const json& value, std::string_view text) {
+  return value.is_string() && value.get_ref<const std::string&>() == text;
+}
+
 std::string shown(const json& value) {
   constexpr size_t kShown = 40;
   const std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);

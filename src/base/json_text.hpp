@@ -33,6 +33,10 @@ nlohmann::json parseStrict(std::string_view text, const std::string& source);
 template <typename Json>
 std::string jsonText(const Json& value, int indent = -1);
 
+/// True if the value is this text. JSON's own == copies the text to compare it and is noexcept, so it ends the process
+/// if there is no memory.
+bool isText(const nlohmann::json& value, std::string_view text);
+
 /// Returns the JSON text of a value, shortened if it is long.
 std::string shown(const nlohmann::json& value);
 

@@ -64,7 +64,7 @@ Pose DriveReader::pose(const json& object, const std::string& path) {
 /// A file of triangles at its pose.
 Scene DriveReader::scene(const json& object, const std::string& path) {
   LoadOptions options;
-  if (object.contains("up")) options.up = object["up"] == "y" ? UpAxis::y : UpAxis::z;
+  if (object.contains("up")) options.up = isText(object["up"], "y") ? UpAxis::y : UpAxis::z;
   options.scale = object.value("scale", 1.0);
   Scene scene;
   attempt(path + ".file", [&] { scene = loadScene(file(object["file"]), options); });

@@ -31,7 +31,7 @@ const Parameter<Effects>& findParameter(const EffectInfo& info, const std::strin
 
 EffectUse useOf(const json& value, const std::string& effect) {
   for (size_t i = 0; i < std::size(kUseWords); ++i)
-    if (value == kUseWords[i]) return static_cast<EffectUse>(i);
+    if (isText(value, kUseWords[i])) return static_cast<EffectUse>(i);
   refuseArgument(effect + " must be off, on or auto, is " + shown(value));
 }
 

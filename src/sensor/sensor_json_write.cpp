@@ -128,7 +128,7 @@ std::string patternsText(const std::vector<BeamList>& patterns) {
 std::string toJson(const Sensor& sensor) {
   validate(sensor);
   const std::string name = jsonText(json(sensor.name));
-  if (parseJson(name) != sensor.name)
+  if (!isText(parseJson(name), sensor.name))
     throw Error(ErrorCode::invalidArgument, "the sensor's name is not UTF-8, JSON cannot hold it");
   std::string out = "{\n  \"name\": " + name +
                     (sensor.isGrid() ? ",\n  \"columns\": " + std::to_string(sensor.columns) : "") +
