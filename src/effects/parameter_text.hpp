@@ -73,8 +73,9 @@ void readValue(const Parameter<Owner>& parameter, Owner& owner, const std::strin
                        flag.of(owner) = value.template get<bool>();
                      },
                      [&](const ChoiceParameter<Owner>& choice) {
-                       const auto found = std::find_if(choice.words.begin(), choice.words.end(),
-                                                       [&](const ChoiceWord& word) { return isText(value, word.name); });
+                       const auto found =
+                           std::find_if(choice.words.begin(), choice.words.end(),
+                                        [&](const ChoiceWord& word) { return isText(value, word.name); });
                        if (found == choice.words.end()) refuse();
                        choice.set(owner, static_cast<size_t>(found - choice.words.begin()));
                      },

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads PLY files into a Scene. A reader of our own: CGAL 5.5, the only packaged one besides assimp, fails on 16-bit
-// face lists and on nan, aborts on integer coordinates, and allocates whatever a hostile list asks for. assimp rounds to
-// float.
+// face lists and on nan, aborts on integer coordinates, and allocates whatever a hostile list asks for. assimp rounds
+// to float.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads STL files into a Scene. A reader of our own: CGAL 5.5 merges corners by operator<, so that a nan corner silently
-// becomes another one, and assimp rounds to float.
+// Reads STL files into a Scene. A reader of our own: CGAL 5.5 merges corners by operator<, so that a nan corner
+// silently becomes another one, and assimp rounds to float.
 #include <algorithm>
 #include <array>
 #include <cstring>

@@ -9,8 +9,8 @@
 
 namespace gnosphere::test {
 
-/// The library asks for one of these and does not get it. `device` is whatever a Vulkan device makes: memory, buffers, pipelines,
-/// and all else that takes memory.
+/// The library asks for one of these and does not get it. `device` is whatever a Vulkan device makes: memory, buffers,
+/// pipelines, and all else that takes memory.
 enum class Fails { memory, files, device };
 
 /// Whether the n-th one fails alone, or all from it on, as when memory has run out for good.
