@@ -2,7 +2,7 @@
 """LiDARs in MuJoCo raced: GnoSphere, mj_multiRay(), and mujoco-lidar's back end of Warp on the CPU, if they are
 installed.
 
-    python mujoco_lidars.py [--geoms 200] [--subdivisions 4] [--frames 10] [--heads VLP-16,HDL-64E]
+    python mujoco_lidars.py [--geoms 200] [--subdivisions 5] [--frames 10] [--heads VLP-16,HDL-64E]
 
 Every geom and the sensor move in every frame: a scene that stands still would be read from what GnoSphere keeps. Each
 frame is one of each contender, in turns; the first is not counted. Times are medians: of the clock, and of all cores.
