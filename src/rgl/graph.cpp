@@ -47,8 +47,8 @@ void setPriority(GraphNode& node, int32_t priority) {
   }
 }
 
-bool isAncestor(const GraphNode& node, const GraphNode& of) {
-  const std::vector<const GraphNode*> all = reached(of, &GraphNode::inputs);
+bool isAncestor(const GraphNode& node, GraphNode& of) {
+  const std::vector<GraphNode*> all = reached(of, {&GraphNode::inputs});
   return std::find(all.begin() + 1, all.end(), &node) != all.end();
 }
 
@@ -146,21 +146,17 @@ void checkRequired(const PointsNode& node, const PointsNode& input) {
       throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + " requires " + nameOf(field) + " to be present");
 }
 
-std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours) {
-  std::vector<const GraphNode*> found = {&node};
+std::vector<GraphNode*> reached(GraphNode& node, std::initializer_list<std::vector<GraphNode*> GraphNode::*> ways) {
+  std::vector<GraphNode*> found = {&node};
   for (size_t i = 0; i < found.size(); ++i)
-    for (const GraphNode* next : found[i]->*neighbours)
-      if (std::find(found.begin(), found.end(), next) == found.end()) found.push_back(next);
+    for (const auto way : ways)
+      for (GraphNode* next : found[i]->*way)
+        if (std::find(found.begin(), found.end(), next) == found.end()) found.push_back(next);
   return found;
 }
 
 std::vector<GraphNode*> connected(GraphNode& node) {
-  std::vector<GraphNode*> found = {&node};
-  for (size_t i = 0; i < found.size(); ++i)
-    for (const auto* neighbours : {&found[i]->outputs, &found[i]->inputs})
-      for (GraphNode* next : std::vector<GraphNode*>(*neighbours))
-        if (std::find(found.begin(), found.end(), next) == found.end()) found.push_back(next);
-  return found;
+  return reached(node, {&GraphNode::outputs, &GraphNode::inputs});
 }
 
 const PointsNode& resultsOf(rgl_node_t handle) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <random>
@@ -136,8 +137,8 @@ std::mt19937_64 randomSource();
 
 /// Marks the results of all nodes that are connected with this one as outdated.
 void outdate(GraphNode& node);
-/// A node and all nodes that its inputs (or its outputs) lead to, each once, however many ways lead to it.
-std::vector<const GraphNode*> reached(const GraphNode& node, std::vector<GraphNode*> GraphNode::*neighbours);
+/// A node and all nodes that its inputs, its outputs or both lead to, each once, however many ways lead to it.
+std::vector<GraphNode*> reached(GraphNode& node, std::initializer_list<std::vector<GraphNode*> GraphNode::*> ways);
 /// The nodes that are connected with a node, and the node.
 std::vector<GraphNode*> connected(GraphNode& node);
 

@@ -53,8 +53,8 @@ struct Picked {
 };
 
 // The fields that the nodes behind a node require.
-void collectRequired(const GraphNode& node, std::set<rgl_field_t>& fields) {
-  for (const GraphNode* each : reached(node, &GraphNode::outputs)) {
+void collectRequired(GraphNode& node, std::set<rgl_field_t>& fields) {
+  for (const GraphNode* each : reached(node, {&GraphNode::outputs})) {
     const auto* points = each == &node ? nullptr : dynamic_cast<const PointsNode*>(each);
     if (!points) continue;
     for (const rgl_field_t field : points->required())

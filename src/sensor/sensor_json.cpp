@@ -234,9 +234,9 @@ void readSector(const Source& source, const json& root, Sensor& sensor) {
     sensor.maskedBeams = wholes<uint32_t>(source, *masked, "masked_beams");
   const auto near = root.find("near_hits");
   if (near == root.end()) return;
-  if (*near != json("hide") && *near != json("see_through"))
-    source.refuse("'near_hits' must be \"hide\" or \"see_through\"");
-  sensor.nearHits = *near == json("hide") ? NearHits::hide : NearHits::seeThrough;
+  const bool hide = isText(*near, "hide");
+  if (!hide && !isText(*near, "see_through")) source.refuse("'near_hits' must be \"hide\" or \"see_through\"");
+  sensor.nearHits = hide ? NearHits::hide : NearHits::seeThrough;
 }
 
 /// Reads columns and channels of a grid.
