@@ -9,11 +9,13 @@ void meetAgain() {
 }
 
 // Mesa's lavapipe goes through the lanes one by one for a ballot, an election or the value of the first lane, but
-// shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles.
+// shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles. A loop
+// with a known number of steps is unrolled; lavapipe keeps a mask of active lanes in every other loop.
+#define EACH_STEP(k) [[unroll]] for (uint k = 0; k < 5; ++k)
 uvec4 ballotOf(bool condition) {
   if (!kLanesInStep || gl_SubgroupSize > 32) return subgroupBallot(condition);
   uint bits = condition ? 1u << gl_SubgroupInvocationID : 0;
-  for (uint step = 1; step < gl_SubgroupSize; step <<= 1) bits |= subgroupShuffle(bits, gl_SubgroupInvocationID ^ step);
+  EACH_STEP(k) if (1u << k < gl_SubgroupSize) bits |= subgroupShuffle(bits, gl_SubgroupInvocationID ^ 1u << k);
   return uvec4(bits, 0, 0, 0);
 }
 

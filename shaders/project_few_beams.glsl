@@ -2,6 +2,9 @@
 // Where few beams may meet a cluster, tries these beams on all of its triangles. Finding the beams of each triangle costs
 // more, because the beams are compared with the cluster's box first, which most of them miss.
 
+// A lane has at most so many triangles of a cluster in subgroups of four lanes, which are the smallest.
+const uint kMostTriangleRounds = kClusterTriangles / 4;
+
 // A line through the sensor passes through a box if its volume with each half edge and the box's centre is small enough.
 struct LineTest {
   vec3 sides[3];   // cross products of the second and third half edge, of the third and first, of the first and second
@@ -18,7 +21,7 @@ struct FewBeams {
 
 // True if few beams may be tried on all triangles of a cluster of this material.
 bool mayTryAll(uint material) {
-  bool possible = gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION && (EFFECTS & kStrays) == 0;
+  bool possible = gl_SubgroupSize >= 4 && gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION && (EFFECTS & kStrays) == 0;
   possible = possible && (CULLING & kCullRows) != 0 && (CULLING & kCullColumns) != 0 && SHIFTS_TURNED;
   if (!possible) return false;
   if (PANES && isPaneMaterial(material)) return false;
@@ -66,24 +69,83 @@ FewBeams fromLane(FewBeams few, uint lane) {
   return told;
 }
 
-void offerHit(Triangle triangle, Turned turned, Beam beam, uint index) {
+// A hit as the bits of a word: the range and the number of the triangle.
+const uvec2 kNoHit = uvec2(0xffffffffu);
+
+uvec2 nearerOf(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y) ? a : b; }
+
+uvec2 hitOf(Triangle triangle, uint row, Beam beam, uint index) {
   vec3 a = triangle.a, b = triangle.b, c = triangle.c, side;
   triangle.rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
   if (ORIGINS) triangle.rangeMin = max(triangle.rangeMin - motion.shift, 0.0);
   Prepared prepared = prepare(triangle);
   float range;
-  bool surrounded = surrounds(turned.q, aboveBeam(turned, beam.cosElevation, beam.sinElevation));
-  if (!surrounded || !meetRounded(triangle, prepared, turned, beam, index, side, range)) return;
+  bool met = meetRounded(triangle, prepared, turnedFrom(triangle, row, beam.azimuth), beam, index, side, range);
   vec2 window = windowOf(prepared, index);
-  if (range >= window.x && range <= window.y) offerNearest(index, range, triangle.id);
+  return met && range >= window.x && range <= window.y ? uvec2(floatBitsToUint(range), triangle.id) : kNoHit;
 }
 
-// Tries the beams on all triangles of the cluster. Returns false if none of them can meet it. All lanes of the subgroup
-// must call this.
+// Returns four bits for each of three vertices, whose coordinates across a beam are q and w: whether the vertex lies to
+// the right of the beam, to its left, below and above. Both bits are set where a coordinate is 0.
+uint sidesOf(vec3 q, vec3 w) {
+  uvec3 sides = uvec3(lessThanEqual(q, vec3(0.0))) | uvec3(greaterThanEqual(q, vec3(0.0))) << 1 |
+                uvec3(lessThanEqual(w, vec3(0.0))) << 2 | uvec3(greaterThanEqual(w, vec3(0.0))) << 3;
+  return sides.x | sides.y << 4 | sides.z << 8;
+}
+
+// Returns on which sides of a beam the lane's vertices lie, four bits for each. Three vertices are turned together, as the
+// corners of a triangle are, so that the inside test gets the same coordinates.
+uint sidesOf(Vertices vertices, uint row, Beam beam) {
+  uint sides = 0;
+  [[unroll]] for (uint k = 0; k < kMostVertexRounds; k += 3)
+    if (k < kVertexRounds && k * gl_SubgroupSize < vertices.count) {
+      Triangle three =
+          Triangle(vertices.corners[k], vertices.corners[k + 1], vertices.corners[k + 2], 0, false, 0.0, false);
+      Turned turned = turnedFrom(three, row, beam.azimuth);
+      sides |= sidesOf(turned.q, aboveBeam(turned, beam.cosElevation, beam.sinElevation)) << 4 * k;
+    }
+  return sides;
+}
+
+// True if the corners of a triangle surround a beam, as surrounds() tells: otherwise the beam misses the triangle.
+bool surroundedBy(uint sides, uvec3 corners) {
+  uvec3 lanes = corners & (gl_SubgroupSize - 1), shifts = corners / gl_SubgroupSize * 4;
+  uint all = subgroupShuffle(sides, lanes.x) >> shifts.x | subgroupShuffle(sides, lanes.y) >> shifts.y |
+             subgroupShuffle(sides, lanes.z) >> shifts.z;
+  return (all & 15) == 15;
+}
+
+// Returns the nearest hit of a beam, the same for all lanes. `packed` has the corners of the lane's triangles. Most
+// triangles do not surround the beam, which costs less to find for the vertices than for each triangle.
+uvec2 nearestHit(LoadedCluster loaded, Vertices vertices, uint packed[kMostTriangleRounds], uint row, Beam beam,
+                 uint index) {
+  uint sides = sidesOf(vertices, row, beam), possible = 0;  // one bit for each of the lane's triangles
+  [[unroll]] for (uint k = 0; k < kMostTriangleRounds; ++k)
+    if (k * gl_SubgroupSize < kClusterTriangles && k * gl_SubgroupSize < loaded.triangleCount)
+      possible |= surroundedBy(sides, numbersOf(loaded, packed[k])) ? 1u << k : 0u;
+  uvec2 nearest = kNoHit;
+  while (ballotOf(possible != 0).x != 0) {
+    bool some = possible != 0;
+    uint round = some ? findMSB(possible) : 0, number = round * gl_SubgroupSize + gl_SubgroupInvocationID;
+    uvec2 triangle = triangleCorners.at[loaded.triangleFirst + min(number, loaded.triangleCount - 1)];
+    mat3 corners = cornersOf(loaded, vertices, numbersOf(loaded, triangle.x));
+    Triangle tried = Triangle(corners[0], corners[1], corners[2], placedFirstOf(loaded.instance) + triangle.y,
+                              isOneSided(loaded), 0.0, false);
+    if (some) nearest = nearerOf(nearest, hitOf(tried, row, beam, index));
+    possible &= ~(1u << round);
+  }
+  EACH_STEP(k)
+    if (1u << k < gl_SubgroupSize)
+      nearest = nearerOf(nearest, subgroupShuffle(nearest, gl_SubgroupInvocationID ^ 1u << k));
+  return nearest;
+}
+
+// Tries the beams on all triangles of the cluster, which must have room for its vertices. Returns false if none of the
+// beams can meet it. All lanes of the subgroup must call this.
 bool tryOnAll(LoadedCluster loaded, FewBeams few) {
   Vertices vertices;
   vertices.count = 0;
-  bool oneSided = isOneSided(loaded);
+  uint packed[kMostTriangleRounds];
   for (uint first = 0; first < few.count; first += gl_SubgroupSize) {
     // Each lane loads a beam.
     uint k = min(first + gl_SubgroupInvocationID, few.count - 1), down = smallWhole(floor((float(k) + 0.5) / float(few.columnCount)));
@@ -98,32 +160,29 @@ bool tryOnAll(LoadedCluster loaded, FewBeams few) {
     if (left == 0) continue;
     if (vertices.count == 0) {
       vertices.count = loaded.vertexCount;
-      if (haveRoom(vertices.count))
-        [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
-          if (k * gl_SubgroupSize < vertices.count) vertices.corners[k] = loadedVertex(loaded, k);
-    }
-    for (uint from = 0; from < loaded.triangleCount; from += gl_SubgroupSize) {
+      [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+        if (k * gl_SubgroupSize < vertices.count) vertices.corners[k] = loadedVertex(loaded, k);
       // Lanes without a triangle try the last one again.
-      uint number = min(from + gl_SubgroupInvocationID, loaded.triangleCount - 1);
-      uvec2 packed = triangleCorners.at[loaded.triangleFirst + number];
-      mat3 corners = cornersOf(loaded, vertices, numbersOf(loaded, packed.x));
-      Triangle triangle = Triangle(corners[0], corners[1], corners[2], placedFirstOf(loaded.instance) + packed.y, oneSided,
-                                   0.0, false);
-      for (uint beams = left; beams != 0;) {
-        uint lane = findMSB(beams);
-        beams ^= 1u << lane;
-        vec2 azimuth = subgroupShuffle(own.azimuth, lane);
-        float cosElevation = subgroupShuffle(own.cosElevation, lane), sinElevation = subgroupShuffle(own.sinElevation, lane);
-        uint at = subgroupShuffle(index, lane);
-        Turned turned = turnedFrom(triangle, ORIGINS ? subgroupShuffle(row, lane) : 0, azimuth);
-        if (any(lessThanEqual(turned.q, vec3(0.0))) && any(greaterThanEqual(turned.q, vec3(0.0)))) {
-          vec3 side = watertightSides(turned, cosElevation, sinElevation);
-          if (all(lessThanEqual(side, vec3(0.0))) || (!oneSided && all(greaterThanEqual(side, vec3(0.0)))))
-            offerHit(triangle, turned, beamOf(azimuth, cosElevation, sinElevation), at);
-        }
-      }
+      [[unroll]] for (uint k = 0; k < kMostTriangleRounds; ++k)
+        if (k * gl_SubgroupSize < kClusterTriangles && k * gl_SubgroupSize < loaded.triangleCount)
+          packed[k] = triangleCorners.at[loaded.triangleFirst + min(k * gl_SubgroupSize + gl_SubgroupInvocationID,
+                                                                    loaded.triangleCount - 1)].x;
     }
-    if (there && pass.last == 0 && words.at[firstWord() + index].y != known) markStale(row, column);
+    uvec2 nearest = kNoHit;  // of the lane's beam
+    for (uint beams = left; beams != 0;) {
+      uint lane = findMSB(beams);
+      beams ^= 1u << lane;
+      Beam beam = beamOf(subgroupShuffle(own.azimuth, lane), subgroupShuffle(own.cosElevation, lane),
+                         subgroupShuffle(own.sinElevation, lane));
+      uvec2 hit = nearestHit(loaded, vertices, packed, ORIGINS ? subgroupShuffle(row, lane) : 0, beam,
+                             subgroupShuffle(index, lane));
+      if (gl_SubgroupInvocationID == lane) nearest = hit;
+    }
+    // The lanes offer their hits together, because lavapipe goes through all lanes for each atomic operation.
+    if (nearest.x != kNoHit.x && nearest.x <= known) {
+      offerNearest(index, uintBitsToFloat(nearest.x), nearest.y);
+      if (pass.last == 0) markStale(row, column);
+    }
   }
   return vertices.count > 0;
 }

@@ -409,7 +409,7 @@ void main() {
   uint waiting = 0;
   for (bool more = true; more;) {
     more = nextCluster(next, batch, ofBatch, loaded, few);
-    if (more && few.count > 0 && loaded.triangleCount > 0) {
+    if (more && few.count > 0 && loaded.triangleCount > 0 && haveRoom(loaded.vertexCount)) {
       if (VIEWS) setView(loaded.number);
       if (tryOnAll(loaded, few)) {
         triangleCount += loaded.triangleCount;
