@@ -37,7 +37,7 @@ GNO_CONST float kCoordinateLimit = 1e9f;
 // and the shift of a vertex by the inside test's own rounding (3e-7). Ten times their sum is still small beside the
 // distance between rows, 4e-3.
 GNO_CONST float kKeySlack = 1e-5f;
-// The same for azimuth, in radians at the horizon; it grows as 1/cos(elevation).
+// The slack of an azimuth in radians, at the horizon; it grows as 1/cos(elevation).
 GNO_CONST float kAzimuthSlack = 2e-6f;
 // A beam index or list link that refers to nothing.
 GNO_CONST uint kNone = 0xffffffffu;
