@@ -29,7 +29,7 @@ struct BeamRow {
 
 BeamRow loadRow(uint row) {
   if (LISTED) return BeamRow(vec3(0.0), 0, 0);
-  return BeamRow(rows.at[row].angles, rows.at[row].channel, AZIMUTH_OFFSETS ? rows.at[row].azimuths : 0);
+  return BeamRow(loadedRow(row).angles, loadedRow(row).channel, AZIMUTH_OFFSETS ? loadedRow(row).azimuths : 0);
 }
 
 Beam listedBeam(uint index) {
@@ -39,7 +39,7 @@ Beam listedBeam(uint index) {
 
 Beam beamIn(BeamRow row, uint column) {
   if (LISTED) return listedBeam(column);
-  return beamOf(columns.at[row.azimuths + column], row.angles.x, row.angles.y);
+  return beamOf(loadedColumn(row.azimuths + column), row.angles.x, row.angles.y);
 }
 
 Beam beamWith(uint index) { return beamIn(loadRow(rowOf(index)), columnOf(index)); }

@@ -110,8 +110,8 @@ void seemFrom(Triangle triangle) {
 
 // One invocation tries all beams of a box.
 void trySmall(uint i) {
-  TaggedCorner c = projectedC.at[i];
-  Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
+  TaggedCorner c = loadedC(i);
+  Triangle triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
   Box box = boxOf(i, projectedColumns.at[i], c.tag);
   if (VIEWS) view = projectedViews.at[i];
   Prepared prepared = prepare(triangle);
@@ -192,7 +192,7 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   if (ORIGINS) blur += seemingAngle(motion.origins, 0.0, triangle.rangeMin);
   if (angle + blur > 0.5) return;
   float keyMin, keyMax;
-  keysBetween(turn(triangle, columns.at[first]), turn(triangle, columns.at[last]),
+  keysBetween(turn(triangle, loadedColumn(first)), turn(triangle, loadedColumn(last)),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
   // A box that spans all columns may contain a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
@@ -248,8 +248,8 @@ void tryTile(Tile tile) {
   bool shifts = ORIGINS && SHIFTS_TURNED, byColumn = !BESIDE_COLUMNS && !STAGGERED;
   if (ORIGINS) byColumn = byColumn && SHIFTS_TURNED;
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
-  vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
-  uint azimuths = AZIMUTH_OFFSETS ? rows.at[min(box.rowFirst + lane, box.rowLast)].azimuths : 0, loaded = 0;
+  vec2 angles = loadedRow(min(box.rowFirst + lane, box.rowLast)).angles.xy;
+  uint azimuths = AZIMUTH_OFFSETS ? loadedRow(min(box.rowFirst + lane, box.rowLast)).azimuths : 0, loaded = 0;
   for (uint part = tile.first; part < tile.end; part += width * gl_SubgroupSize) {
     uint kFrom = min(part + lane * width, tile.end - 1), from, to;
     rowsIn(tile, prepared, kFrom, min(kFrom + width, tile.end) - 1, angle, from, to);
@@ -260,7 +260,7 @@ void tryTile(Tile tile) {
       uint k = part + j * width + (lane & (width - 1));
       uint column = columnOf(tile, min(k, tile.end - 1));
       if (!areAtHand(box.rowFirst + row, box.rowFirst + rowEnd, column)) continue;
-      vec2 azimuth = columns.at[column];
+      vec2 azimuth = loadedColumn(column);
       Triangle seen = tile.triangle;
       if (byColumn) seen = seenFrom(tile.triangle, tile.slot, 0, column);
       if (MOTION && byColumn) prepared = prepare(seen);
@@ -269,8 +269,8 @@ void tryTile(Tile tile) {
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
         if (base != loaded) {
-          angles = rows.at[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
-          if (AZIMUTH_OFFSETS) azimuths = rows.at[min(box.rowFirst + base + lane, box.rowLast)].azimuths;
+          angles = loadedRow(min(box.rowFirst + base + lane, box.rowLast)).angles.xy;
+          if (AZIMUTH_OFFSETS) azimuths = loadedRow(min(box.rowFirst + base + lane, box.rowLast)).azimuths;
         }
         loaded = base;
         uint stop = min(rowEnd, base + gl_SubgroupSize);
@@ -292,7 +292,7 @@ void tryTile(Tile tile) {
               beam = beamOf(azimuth, elevation.x, elevation.y);
               if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
             } else {
-              beam = beamOf(columns.at[run + column], elevation.x, elevation.y);
+              beam = beamOf(loadedColumn(run + column), elevation.x, elevation.y);
               if (APART) {
                 ofBeam = seenFrom(tile.triangle, tile.slot, column, box.rowFirst + mine, beam.azimuth);
                 ready = prepare(ofBeam);

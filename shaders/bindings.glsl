@@ -74,3 +74,5 @@ GNO_DEVICE void loadMotion() {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);
 
 #endif
+
+#include "wide_loads.glsl"

@@ -114,10 +114,10 @@ uint boxColumnCount(Box box) {
 // Returns by how many columns the beams of a row that lie in a box are behind their places, at least and at most.
 vec2 behindIn(uint row, Box box) {
   if (!AZIMUTH_OFFSETS) return vec2(0.0);
-  uint beam = wrapColumn(int(wrapColumn(firstColumn(box))) - rows.at[row].first), end = beam + boxColumnCount(box);
+  uint beam = wrapColumn(int(wrapColumn(firstColumn(box))) - loadedRow(row).first), end = beam + boxColumnCount(box);
   // A box may hold the end and the start of a row.
   bool wraps = end > frame.columns;
-  return rows.at[row].behind + frame.stretch * vec2(wraps ? 0.0 : float(beam), wraps ? float(frame.columns) : float(end));
+  return loadedRow(row).behind + frame.stretch * vec2(wraps ? 0.0 : float(beam), wraps ? float(frame.columns) : float(end));
 }
 
 // True if a box has so few beams that one invocation tries them all; a subgroup shares the beams of a larger box.

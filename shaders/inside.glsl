@@ -28,7 +28,7 @@ Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
 
 float rangeMinOf(uint projected) { return abs(projectedB.at[projected].w); }
 
-Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.at[i], projectedC.at[i].corner); }
+Triangle loadProjected(uint i) { return triangleOf(loadedA(i), loadedB(i), loadedC(i).corner); }
 
 // Values of a triangle that do not depend on the beam. A pipeline computes only those that it uses.
 struct Prepared {

@@ -26,20 +26,20 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
 // Returns the sensor at a place in its table, which may lie between two entries.
 ColumnMotion columnMotionAt(float place) {
   uint before = uint(place);
-  return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
+  return motionBetween(loadedMotion(before), loadedMotion(before + 1), place - float(before));
 }
 
 // Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire
 // between two entries of the table, which are so close that a straight line joins them.
 ColumnMotion columnMotionOf(uint row, uint column) {
   if (LISTED) return columnMotionAt(beamOrigins.at[column].w);
-  if (STAGGERED) return columnMotionAt(momentOf(rows.at[row].first, rows.at[row].lag, column, frame.columns));
-  return columnMotions.at[column];
+  if (STAGGERED) return columnMotionAt(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
+  return loadedMotion(column);
 }
 
 // Returns the sensor at a place in its table. For a grid places are columns, and rounded down.
 ColumnMotion columnMotionOfPlace(float place) {
-  if (!LISTED) return columnMotions.at[uint(int(floor(place)) + int(frame.momentsBefore))];
+  if (!LISTED) return loadedMotion(uint(int(floor(place)) + int(frame.momentsBefore)));
   return columnMotionAt(place);
 }
 

@@ -32,7 +32,7 @@ Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0, 0); }
 bool firesWithin(Box box, uint row, uint column) {
   if (!TIMED || isWholeScan(box.times)) return true;
   uint time = LISTED ? min(uint(beamOrigins.at[column].w) / kSliceIntervals, kTimeSlices - 1)
-                     : uint(momentOf(rows.at[row].first, rows.at[row].lag, column, frame.columns));
+                     : uint(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
   return time >= box.times.x && time <= box.times.y;
 }
 
@@ -47,8 +47,8 @@ void enterCells(Box box, uint columnCount, inout Walk walk) {
 
 // Finds the columns of the walk's row whose beams may hit.
 void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk) {
-  walk.angles = rows.at[walk.row].angles.xy;
-  walk.azimuths = AZIMUTH_OFFSETS ? rows.at[walk.row].azimuths : 0;
+  walk.angles = loadedRow(walk.row).angles.xy;
+  walk.azimuths = AZIMUTH_OFFSETS ? loadedRow(walk.row).azimuths : 0;
   walk.k = 0;
   walk.kEnd = columnCount;
   if (!silhouette.known) return;
@@ -84,7 +84,7 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
   bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
   uint column = wrapColumn(firstColumn(box) + int(min(walk.k, columnCount - 1)));
   place = Place(walk.row, column, walk.row * frame.columns + column);
-  beam = beamOf(columns.at[walk.azimuths + column], walk.angles.x, walk.angles.y);
+  beam = beamOf(loadedColumn(walk.azimuths + column), walk.angles.x, walk.angles.y);
   bool fires = there && firesWithin(box, walk.row, column);
   walk.k += there ? 1 : 0;
   if (walk.k == walk.kEnd) {

@@ -10,6 +10,9 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
+#ifdef INT64
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -58,8 +61,9 @@ bool seen(uint number, Instance instance, Deformer deformer, uint cluster, out f
   if (deformed) {
     deformedBox(deformer, cluster, meshLow, meshHigh);
   } else {
-    meshLow = clusters.at[cluster].low;
-    meshHigh = clusters.at[cluster].high;
+    Group box = loadedBox(cluster);
+    meshLow = box.low;
+    meshHigh = box.high;
   }
   sensorBox(instance, meshLow, meshHigh, low, high);
   if (MOTION) widenByMotion(number, low, high);
@@ -158,12 +162,13 @@ void main() {
         later = max(later, uvec2(frame.rows - (entry.w & 0xffff), entry.w >> 16));
       } else {
         vec3 low, high;
-        sensorBox(instances.at[entry.x], groups.at[entry.y].low, groups.at[entry.y].high, low, high);
+        Group group = loadedGroup(entry.y);
+        sensorBox(loadedInstance(entry.x), group.low, group.high, low, high);
         middle = length(0.5 * (low + high));
         if (MOTION) widenByMotion(entry.x, low, high);
         setView(entry.x);
         keep = pass.occluders == 0 || !outOfSight(low, high);
-        if (keep) run = uvec2(groups.at[entry.y].clusterFirst, groups.at[entry.y].clusterCount);
+        if (keep) run = uvec2(group.clusterFirst, group.clusterCount);
         goesOn = pass.last == 0 && run.y > 1 && farthestPoint(low, high) >= shellMax;
         if (goesOn) noteLater(low, high, later);
       }

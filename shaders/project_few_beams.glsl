@@ -152,8 +152,8 @@ bool tryOnAll(LoadedCluster loaded, FewBeams few) {
     uint row = few.rowFirst + down, column = few.columnFirst + k - down * few.columnCount;
     column = min(column, column - frame.columns);  // after the last column comes the first again
     uint index = row * frame.columns + column, known = words.at[firstWord() + index].y;
-    Beam own = beamOf(columns.at[(AZIMUTH_OFFSETS ? rows.at[row].azimuths : 0) + column], rows.at[row].angles.x,
-                      rows.at[row].angles.y);
+    Beam own = beamOf(loadedColumn((AZIMUTH_OFFSETS ? loadedRow(row).azimuths : 0) + column), loadedRow(row).angles.x,
+                      loadedRow(row).angles.y);
     bool hidden = (CULLING & kCullOccluded) != 0 && known < floatBitsToUint(few.nearest);
     bool there = first + gl_SubgroupInvocationID < few.count && !hidden && mayPass(few.test, own.direction);
     uint left = ballotOf(there).x;

@@ -8,6 +8,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
+#ifdef INT64
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -51,13 +54,14 @@ void listGroups() {
     if (i < pass.placedCount) {
       uvec2 pair = placed.at[pass.placedFirst + i];
       vec3 low, high;
-      sensorBox(instances.at[pair.x], groups.at[pair.y].low, groups.at[pair.y].high, low, high);
+      Group group = loadedGroup(pair.y);
+      sensorBox(loadedInstance(pair.x), group.low, group.high, low, high);
       if (MOTION) widenByMotion(pair.x, low, high);
       setView(pair.x);
       keep = !outOfSight(low, high);
       float nearest = nearestPoint(low, high);
       entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));
-      if (keep && pass.last == 0) countClusters(groups.at[pair.y].clusterCount, nearest, farthestPoint(low, high));
+      if (keep && pass.last == 0) countClusters(group.clusterCount, nearest, farthestPoint(low, high));
     }
     uvec4 ballot = ballotOf(keep);
     uint slot = 0;

@@ -292,7 +292,9 @@ bool isHiddenByNow(uvec2 pair, uint material, out FewBeams few) {
   if (!triesHere) return false;
   if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
   vec3 low, high;
-  sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
+  Instance instance = loadedInstance(pair.x);
+  Group box = loadedBox(pair.y);
+  sensorBox(instance, box.low, box.high, low, high);
   if (MOTION) widenByMotion(pair.x, low, high);
   setView(pair.x);
   setSeeming(0.0);
@@ -307,7 +309,7 @@ bool isHiddenByNow(uvec2 pair, uint material, out FewBeams few) {
     few.columnCount = span.y - span.x;
     few.count = few.columnCount * (window.end - window.first);
     few.nearest = nearest;
-    few.test = lineTestOf(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high);
+    few.test = lineTestOf(instance, box.low, box.high);
     return few.count == 0;
   }
   return (CULLING & kCullOccluded) != 0 && hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);

@@ -14,6 +14,7 @@
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
 #include "effects_footprint.spv.h"
+#include "effects_footprint_int64.spv.h"
 #include "effects_footprint_looped.spv.h"
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
@@ -21,7 +22,9 @@
 #include "place_instances.spv.h"
 #include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
+#include "project_clusters_int64.spv.h"
 #include "project_groups.spv.h"
+#include "project_groups_int64.spv.h"
 #include "project_triangles.spv.h"
 #include "project_triangles_int64.spv.h"
 #include "project_triangles_int64_float64.spv.h"
@@ -40,19 +43,24 @@ Module byAtomics(const Variant& variant, Module without, Module with, Module wit
   return variant.float64 ? withDoubles : with;
 }
 
+Module byAtomics(const Variant& variant, Module without, Module with) {
+  return variant.options.BINNING == gpu::kBinningLists ? without : with;
+}
+
 Module moduleOf(const Variant& variant, bool unrolls) {
   switch (variant.kernel) {
     case gnosphere::Kernel::fit_clusters: return fit_clusters;
     case gnosphere::Kernel::place_instances: return place_instances;
-    case gnosphere::Kernel::project_groups: return project_groups;
-    case gnosphere::Kernel::project_clusters: return project_clusters;
+    case gnosphere::Kernel::project_groups: return byAtomics(variant, project_groups, project_groups_int64);
+    case gnosphere::Kernel::project_clusters: return byAtomics(variant, project_clusters, project_clusters_int64);
     case gnosphere::Kernel::project_triangles:
       return byAtomics(variant, project_triangles, project_triangles_int64, project_triangles_int64_float64);
     case gnosphere::Kernel::bin: return byAtomics(variant, bin, bin_int64, bin_int64_float64);
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
-    case gnosphere::Kernel::effects_footprint: return unrolls ? Module(effects_footprint) : effects_footprint_looped;
+    case gnosphere::Kernel::effects_footprint:
+      return unrolls ? byAtomics(variant, effects_footprint, effects_footprint_int64) : effects_footprint_looped;
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;

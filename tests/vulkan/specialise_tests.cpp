@@ -339,7 +339,7 @@ TEST_CASE("kernels of a plain scan are optimised to the operations that spirv-op
   options.BINNING = 2, options.CULLING = 31;
   const OptionWords words = wordsOf(options);
   const Words constants(words.begin(), words.end());
-  for (const char* kernel : {"project_groups", "bin_int64", "resolve"}) {
+  for (const char* kernel : {"project_groups_int64", "bin_int64", "resolve"}) {
     INFO(kernel);
     const Words module = wordsIn(folder / (std::string(kernel) + ".spv"));
     const Words specialised = vulkan::specialised(module, constants);
