@@ -22,17 +22,21 @@ inline unsigned threadCount() {
   return count;
 }
 
-/// Starts a thread that a caller cannot do without. `name` says what the thread does, for the Error of a system that
+/// The sentence of a system that starts no more threads. `name` says what the threads do.
+inline std::string noMoreThreads(const std::string& name, const std::system_error& error) {
+  return name + " cannot be started (" + error.code().message() +
+         "): end other programs, or raise the limits of processes and of memory (ulimit -u and -v, TasksMax of "
+         "systemd, or pids and memory of the container)";
+}
+
+/// Starts a thread that its caller cannot do without. `name` says what the thread does, for the Error of a system that
 /// starts no more threads.
 template <typename Work>
 std::thread startThread(const std::string& name, Work work) {
   try {
     return std::thread(std::move(work));
   } catch (const std::system_error& error) {
-    throw Error(ErrorCode::outOfMemory,
-                name + " cannot be started (" + error.code().message() +
-                    "): end other programs, or raise the limits of processes and of memory (ulimit -u and -v, "
-                    "TasksMax of systemd, or pids and memory of the container)");
+    throw Error(ErrorCode::outOfMemory, noMoreThreads(name, error));
   }
 }
 

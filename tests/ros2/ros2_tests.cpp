@@ -219,6 +219,19 @@ TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence"
   CHECK(clouds.counts().published == 0);
 }
 
+TEST_CASE("ROS 2: a topic is refused when its thread, or those of Cyclone DDS, cannot be started") {
+  const auto publish = [] { Publisher(MessageType::clock, "none", latched()); };
+  const auto refused = [&](const std::string& begin) {
+    const NoMoreThreads none;
+    CHECK_THROWS_MATCHES(publish(), Error,
+                         MessageMatches(StartsWith(begin + " cannot be started (Resource temporarily unavailable)")));
+  };
+  refused("the topic rt/none cannot be published: the 8 threads that Cyclone DDS may need");
+  const Publisher other(MessageType::clock, "other", latched());  // keeps the threads of Cyclone DDS
+  refused("ros2::Publisher: the thread that sends the messages of rt/none");
+  CHECK_NOTHROW(publish());
+}
+
 TEST_CASE("ROS 2: three seconds at 10 Hz without loss") {
   noneIsLost(30);
 }
