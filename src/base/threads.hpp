@@ -6,9 +6,13 @@
 #include <cstdint>
 #include <exception>
 #include <new>
+#include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 
@@ -16,6 +20,24 @@ namespace gnosphere {
 inline unsigned threadCount() {
   static const unsigned count = std::max(1u, std::thread::hardware_concurrency());
   return count;
+}
+
+/// The sentence of a system that starts no more threads. `name` says what the threads do.
+inline std::string noMoreThreads(const std::string& name, const std::system_error& error) {
+  return name + " cannot be started (" + error.code().message() +
+         "): end other programs, or raise the limits of processes and of memory (ulimit -u and -v, TasksMax of "
+         "systemd, or pids and memory of the container)";
+}
+
+/// Starts a thread that its caller cannot do without. `name` says what the thread does, for the Error of a system that
+/// starts no more threads.
+template <typename Work>
+std::thread startThread(const std::string& name, Work work) {
+  try {
+    return std::thread(std::move(work));
+  } catch (const std::system_error& error) {
+    throw Error(ErrorCode::outOfMemory, noMoreThreads(name, error));
+  }
 }
 
 /// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them.

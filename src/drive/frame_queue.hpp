@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/threads.hpp"
 #include "drive/record.hpp"
 
 namespace gnosphere::drive {
@@ -18,7 +19,7 @@ class FrameQueue {
  public:
   explicit FrameQueue(std::function<void(FrameRecord&)> write) : write_(std::move(write)) {
     empty_.resize(3);
-    thread_ = std::thread([this] { loop(); });
+    thread_ = startThread("a drive: the thread that writes or publishes frames", [this] { loop(); });
   }
   /// Frames that wait are dropped.
   ~FrameQueue() {

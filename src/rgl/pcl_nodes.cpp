@@ -27,11 +27,12 @@ class DownsampleNode : public PointsFilter {
       double x = 0, y = 0, z = 0;
       uint32_t count = 0;
     };
-    std::map<std::array<int64_t, 3>, Voxel> voxels;  // in the order z, y, x, as PCL lists them
+    // In the order z, y, x, as PCL lists them. The numbers of far voxels are whole, but too large for any integer.
+    std::map<std::array<float, 3>, Voxel> voxels;
     for (uint32_t i = 0; i < from.count; ++i) {
       const Vec& p = points[i];
       if (!std::isfinite(p.x + p.y + p.z)) continue;
-      const auto cell = [](float value, float leaf) { return static_cast<int64_t>(std::floor(value / leaf)); };
+      const auto cell = [](float value, float leaf) { return std::floor(value / leaf); };
       Voxel& voxel =
           voxels.try_emplace({cell(p.z, leaf_.z), cell(p.y, leaf_.y), cell(p.x, leaf_.x)}, Voxel{i}).first->second;
       voxel.x += p.x, voxel.y += p.y, voxel.z += p.z;

@@ -60,7 +60,8 @@ float RaytraceNode::intensityOf(const HitSurface& surface, const Ray& world, dou
     const auto coordinate = [&](int axis, int32_t size) {
       float uv = 0;
       for (int k = 0; k < 3; ++k) uv += weights[k] * entity.mesh->uvs[triangle[k]].value[axis];
-      return std::clamp(static_cast<int32_t>((uv - std::floor(uv)) * static_cast<float>(size)), 0, size - 1);
+      const float part = std::max(0.0f, uv - std::floor(uv));  // 0 if a coordinate is not finite
+      return static_cast<int32_t>(std::min(static_cast<int64_t>(part * static_cast<float>(size)), int64_t{size} - 1));
     };
     const TextureObject& texture = *entity.texture;
     value = texture.texels[size_t(coordinate(1, texture.height)) * texture.width + coordinate(0, texture.width)];
@@ -88,7 +89,7 @@ void RaytraceNode::writePoint(const Run& run, size_t ray, size_t point, rgl_retu
   if (to.type) to.type[point] = type;
   const float offset = distortion ? (*run.rays.offsets)[ray] : 0;
   if (to.time) to.time[point] = double{offset} * 1e-3;
-  if (to.time32) to.time32[point] = static_cast<uint32_t>(double{offset} * 1e6);
+  if (to.time32) to.time32[point] = static_cast<uint32_t>(std::min(4294967295.0, std::max(0.0, double{offset} * 1e6)));
   if (to.pose) to.pose[point] = nominal;
 
   const Vec none{kNaN, kNaN, kNaN};

@@ -6,7 +6,10 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <thread>
+#include <vector>
 
+#include "base/threads.hpp"
 #include "messages.h"
 #include "ros2/wire.hpp"
 
@@ -36,10 +39,27 @@ std::string configuration(bool localhostOnly) {
   return chosen.empty() ? kLocalhost : kLocalhost + ("," + chosen);  // what comes later counts
 }
 
+// Cyclone DDS 0.10 starts six for a domain on the loopback interface, and one more for multicast.
+constexpr int kThreadsOfDomain = 8;
+
+/// Cyclone DDS ends the process if one of its threads cannot be started, so as many threads are tried before.
+void needThreads() {
+  std::mutex mutex;
+  std::vector<std::jthread> threads;  // wait until all have been started, and end before the mutex does
+  const std::lock_guard held(mutex);
+  try {
+    for (int i = 0; i < kThreadsOfDomain; ++i) threads.emplace_back([&mutex] { const std::lock_guard wait(mutex); });
+  } catch (const std::system_error& error) {
+    throw Failure{
+        noMoreThreads("the " + std::to_string(kThreadsOfDomain) + " threads that Cyclone DDS may need", error)};
+  }
+}
+
 /// A domain of this process, which all its topics share.
 class Domain {
  public:
   Domain(uint32_t number, bool localhostOnly) : localhostOnly_(localhostOnly) {
+    needThreads();
     const dds_entity_t made = dds_create_domain(number, configuration(localhostOnly).c_str());
     if (made != DDS_RETCODE_PRECONDITION_NOT_MET)  // another part of the process has made it
       domain_ = entityOf(made, "the domain");

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 #include "ros2/check.hpp"
 #include "ros2/wire.hpp"
@@ -83,7 +84,11 @@ Topic topicOf(MessageType type, const std::string& name, const PublisherOptions&
 class Publisher::Queue {
  public:
   explicit Queue(const Topic& topic)
-      : type_(topic.type), depth_(topic.qos.depth), wire_(openWire(topic)), thread_([this] { loop(); }) {}
+      : type_(topic.type),
+        depth_(topic.qos.depth),
+        wire_(openWire(topic)),
+        thread_(
+            startThread("ros2::Publisher: the thread that sends the messages of " + topic.name, [this] { loop(); })) {}
   ~Queue() {
     {
       const std::lock_guard lock(mutex_);

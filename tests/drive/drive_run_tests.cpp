@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames of a drive: what is in them, and that nothing but the drive file decides it.
 #include <algorithm>
+#include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -10,10 +11,12 @@
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
+#include "no_more_threads.hpp"
 #include "npy_rows.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs;
 
 namespace {
@@ -163,6 +166,20 @@ TEST_CASE("a frame that is half there is made again, and with verify one whose b
   fs::remove(folder / "out/mcap/drive.mcap");  // its chunks are gone, so every frame has to be made again
   CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 0);
   checkSameFiles(folder / "whole", folder / "out");
+}
+
+TEST_CASE("a run whose thread for writing cannot be started is refused, and can be repeated") {
+  const DriveFolder folder;
+  const Json json = smallDrive();
+  {
+    const NoMoreThreads none;
+    CHECK_THROWS_MATCHES(
+        folder.run(json), Error,
+        MessageMatches(StartsWith("a drive: the thread that writes or publishes frames cannot be started (Resource "
+                                  "temporarily unavailable)") &&
+                       ContainsSubstring("raise the limits")));
+  }
+  CHECK(folder.run(json).finished);
 }
 
 TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {

@@ -1,41 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work shared among threads, and simulators in several threads.
-#include <pthread.h>
-
 #include <chrono>
 #include <new>
 #include <thread>
 
 #include "base/threads.hpp"
+#include "no_more_threads.hpp"
 #include "support.hpp"
 
 namespace gnosphere::test {
-namespace {
-
-// While an object of this class exists, the system can start no thread, for lack of memory for its stack.
-class NoMoreThreads {
- public:
-  NoMoreThreads() {
-    pthread_getattr_default_np(&before_);
-    pthread_attr_t huge;
-    pthread_attr_init(&huge);
-    pthread_attr_setstacksize(&huge, size_t{1} << 50);
-    pthread_setattr_default_np(&huge);
-    pthread_attr_destroy(&huge);
-  }
-  ~NoMoreThreads() {
-    pthread_setattr_default_np(&before_);
-    pthread_attr_destroy(&before_);
-  }
-  NoMoreThreads(const NoMoreThreads&) = delete;
-  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
-
- private:
-  pthread_attr_t before_;
-};
-
-}  // namespace
-
 TEST_CASE("all runs are completed by however many threads the system starts") {
   const auto runsOf = [](uint64_t threads) {
     std::vector<std::atomic<int>> done(1000);

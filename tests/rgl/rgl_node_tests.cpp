@@ -179,6 +179,18 @@ TEST_CASE("RGL: merges, ground and voxels") {
   const std::string file = bytesOf(folder / "two.pcd");
   CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
   CHECK(file.find("POINTS 2\n") != std::string::npos);
+
+  // Voxels so far away that no integer has their numbers.
+  const std::vector<rgl_vec3f> far = {{{1e25f, 0, 0}}, {{2e25f, 0, 0}}, {{-1e25f, 0, 0}}};
+  OK(rgl_node_points_from_array(&array, far.data(), 3, &field, 1));
+  OK(rgl_graph_run(array));
+  int32_t count = 0;
+  OK(rgl_graph_get_result_size(voxels, field, &count, nullptr));
+  REQUIRE(count == 3);
+  rgl_vec3f three[3];
+  OK(rgl_graph_get_result_data(voxels, field, three));
+  for (int i = 0; i < 3; ++i) CHECK(three[i].value[0] == std::vector{-1e25f, 1e25f, 2e25f}[i]);
+
   std::vector<rgl_vec3f> town;
   for (int i = 0; i < 400; ++i) {
     const float x = static_cast<float>(i % 20), y = static_cast<float>(i / 20);

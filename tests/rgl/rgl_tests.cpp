@@ -316,6 +316,12 @@ TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a diverge
   lidar.run();
   CHECK(distances() == std::vector<float>{5, 8});  // the second ray is 2 m beside the small square
   CHECK(lidar.get<uint32_t>(RGL_FIELD_TIME_STAMP_U32) == std::vector<uint32_t>{0, 500'000'000});
+  // Times that 32 bits cannot hold become the least and the greatest that they can.
+  const float outside[] = {-1, 5000};
+  OK(rgl_node_rays_set_time_offsets(&offsets, outside, 2));
+  lidar.run();
+  CHECK(lidar.get<uint32_t>(RGL_FIELD_TIME_STAMP_U32) == std::vector<uint32_t>{0, 0xffffffff});
+  OK(rgl_node_rays_set_time_offsets(&offsets, times, 2));
 
   OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, false));
   OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.6f, 0.6f));

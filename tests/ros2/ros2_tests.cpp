@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests of messages that arrive at a subscriber, and of harm that a subscriber can do to a publisher.
+#include <gnosphere_ros2.h>
+
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <cstring>
 
 #include "gnosphere/gnosphere.hpp"
 #include "gnosphere/ros2.hpp"
+#include "no_more_threads.hpp"
 #include "ros2/listening.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::ros2;
 using namespace gnosphere::test;
 using Catch::Approx;
-using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
 using Time = std::chrono::steady_clock;
 
 namespace {
@@ -215,6 +219,19 @@ TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence"
   CHECK(clouds.counts().published == 0);
 }
 
+TEST_CASE("ROS 2: a topic is refused when its thread, or those of Cyclone DDS, cannot be started") {
+  const auto publish = [] { Publisher(MessageType::clock, "none", latched()); };
+  const auto refused = [&](const std::string& begin) {
+    const NoMoreThreads none;
+    CHECK_THROWS_MATCHES(publish(), Error,
+                         MessageMatches(StartsWith(begin + " cannot be started (Resource temporarily unavailable)")));
+  };
+  refused("the topic rt/none cannot be published: the 8 threads that Cyclone DDS may need");
+  const Publisher other(MessageType::clock, "other", latched());  // keeps the threads of Cyclone DDS
+  refused("ros2::Publisher: the thread that sends the messages of rt/none");
+  CHECK_NOTHROW(publish());
+}
+
 TEST_CASE("ROS 2: three seconds at 10 Hz without loss") {
   noneIsLost(30);
 }
@@ -304,4 +321,19 @@ TEST_CASE("ROS 2: a message for which there is no memory is dropped and counted"
   }
   CHECK(publisher.counts().dropped == 3);
   CHECK(publisher.counts().sent == 0);
+}
+
+TEST_CASE("ROS 2: a topic whose thread cannot be started is refused", "[.forgetful]") {
+  const auto publish = [] { Publisher(MessageType::clock, "clock"); };
+  {
+    const NoMoreThreads none;
+    CHECK_THROWS_MATCHES(publish(), Error,
+                         MessageMatches(StartsWith("ros2::Publisher: the thread that sends the messages of rt/clock "
+                                                   "cannot be started (Resource temporarily unavailable)") &&
+                                        ContainsSubstring("raise the limits")));
+    gno_ros2_publisher publisher = nullptr;
+    CHECK(gno_ros2_publisher_create(GNO_ROS2_CLOCK, "clock", nullptr, &publisher) == GNO_OUT_OF_MEMORY);
+    CHECK(publisher == nullptr);
+  }
+  CHECK_NOTHROW(publish());
 }
