@@ -13,7 +13,6 @@
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
-#include "effects_footprint.spv.h"
 #include "effects_footprint_int64.spv.h"
 #include "effects_footprint_looped.spv.h"
 #include "effects_panes.spv.h"
@@ -60,7 +59,7 @@ Module moduleOf(const Variant& variant, bool unrolls) {
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
     case gnosphere::Kernel::effects_footprint:
-      return unrolls ? byAtomics(variant, effects_footprint, effects_footprint_int64) : effects_footprint_looped;
+      return unrolls ? byAtomics(variant, effects_footprint_looped, effects_footprint_int64) : effects_footprint_looped;
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;
