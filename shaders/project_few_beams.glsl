@@ -21,8 +21,9 @@ struct FewBeams {
 
 // True if few beams may be tried on all triangles of a cluster of this material.
 bool mayTryAll(uint material) {
-  bool possible = gl_SubgroupSize >= 4 && gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION && (EFFECTS & kStrays) == 0;
-  possible = possible && (CULLING & kCullRows) != 0 && (CULLING & kCullColumns) != 0 && SHIFTS_TURNED;
+  bool possible = gl_SubgroupSize >= 4 && gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION;
+  possible = possible && (EFFECTS & kStrays) == 0 && SHIFTS_TURNED;
+  possible = possible && (CULLING & kCullRows) != 0 && (CULLING & kCullColumns) != 0;
   if (!possible) return false;
   if (PANES && isPaneMaterial(material)) return false;
   return (EFFECTS & kCutOuts) == 0 || optics.at[material].passage.y == 0.0;
@@ -93,8 +94,8 @@ uint sidesOf(vec3 q, vec3 w) {
   return sides.x | sides.y << 4 | sides.z << 8;
 }
 
-// Returns on which sides of a beam the lane's vertices lie, four bits for each. Three vertices are turned together, as the
-// corners of a triangle are, so that the inside test gets the same coordinates.
+// Returns on which sides of a beam the lane's vertices lie, four bits for each. Three vertices are turned together, as
+// the corners of a triangle are, so that the inside test gets the same coordinates.
 uint sidesOf(Vertices vertices, uint row, Beam beam) {
   uint sides = 0;
   [[unroll]] for (uint k = 0; k < kMostVertexRounds; k += 3)

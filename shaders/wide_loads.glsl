@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads of entries of arrays, where each lane loads another entry. Where lanes run in step, lavapipe loads one component
-// after the other, and each of them lane by lane, so loads of 64 bits take half as long as twice as many of 32 bits.
+// Loads of entries of arrays, where each lane loads another entry. Where lanes run in step, lavapipe loads one
+// component after the other, and each of them lane by lane, so loads of 64 bits take half as long as twice as many of
+// 32 bits.
 
 #if defined(INT64) && defined(VULKAN)
 
