@@ -117,7 +117,8 @@ vec2 behindIn(uint row, Box box) {
   uint beam = wrapColumn(int(wrapColumn(firstColumn(box))) - loadedRow(row).first), end = beam + boxColumnCount(box);
   // A box may hold the end and the start of a row.
   bool wraps = end > frame.columns;
-  return loadedRow(row).behind + frame.stretch * vec2(wraps ? 0.0 : float(beam), wraps ? float(frame.columns) : float(end));
+  return loadedRow(row).behind +
+         frame.stretch * vec2(wraps ? 0.0 : float(beam), wraps ? float(frame.columns) : float(end));
 }
 
 // True if a box has so few beams that one invocation tries them all; a subgroup shares the beams of a larger box.

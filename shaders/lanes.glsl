@@ -8,14 +8,16 @@ void meetAgain() {
   if (!kLanesInStep) subgroupBarrier();
 }
 
+// Runs a statement for k = 0, 1, ... as long as 1 << k is less than the size of a subgroup of at most 32 lanes. Compilers
+// unroll it, because its number of steps is constant; lavapipe updates a mask of active lanes in each step of other loops.
+#define EACH_STEP(k) [[unroll]] for (uint k = 0; k < 5; ++k) if (1u << k < gl_SubgroupSize)
+
 // Mesa's lavapipe goes through the lanes one by one for a ballot, an election or the value of the first lane, but
-// shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles. A loop
-// with a known number of steps is unrolled; lavapipe keeps a mask of active lanes in every other loop.
-#define EACH_STEP(k) [[unroll]] for (uint k = 0; k < 5; ++k)
+// shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles.
 uvec4 ballotOf(bool condition) {
   if (!kLanesInStep || gl_SubgroupSize > 32) return subgroupBallot(condition);
   uint bits = condition ? 1u << gl_SubgroupInvocationID : 0;
-  EACH_STEP(k) if (1u << k < gl_SubgroupSize) bits |= subgroupShuffle(bits, gl_SubgroupInvocationID ^ 1u << k);
+  EACH_STEP(k) bits |= subgroupShuffle(bits, gl_SubgroupInvocationID ^ 1u << k);
   return uvec4(bits, 0, 0, 0);
 }
 

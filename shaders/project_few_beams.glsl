@@ -19,12 +19,12 @@ struct FewBeams {
   LineTest test;
 };
 
-// True if few beams may be tried on all triangles of a cluster of this material.
-bool mayTryAll(uint material) {
+// True if few beams may be tried on all triangles of a cluster with so many vertices of this material.
+bool mayTryAll(uint material, uint vertexCount) {
   bool possible = gl_SubgroupSize >= 4 && gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION;
   possible = possible && (EFFECTS & kStrays) == 0 && SHIFTS_TURNED;
   possible = possible && (CULLING & kCullRows) != 0 && (CULLING & kCullColumns) != 0;
-  if (!possible) return false;
+  if (!possible || !haveRoom(vertexCount)) return false;
   if (PANES && isPaneMaterial(material)) return false;
   return (EFFECTS & kCutOuts) == 0 || optics.at[material].passage.y == 0.0;
 }
@@ -86,8 +86,9 @@ uvec2 hitOf(Triangle triangle, uint row, Beam beam, uint index) {
   return met && range >= window.x && range <= window.y ? uvec2(floatBitsToUint(range), triangle.id) : kNoHit;
 }
 
-// Returns four bits for each of three vertices, whose coordinates across a beam are q and w: whether the vertex lies to
-// the right of the beam, to its left, below and above. Both bits are set where a coordinate is 0.
+// Returns four bits for each of three vertices: whether the vertex lies to the right of a beam, to its left, below it and
+// above it. The coordinates across the beam are q, which points left, and w, which points up; both bits of a coordinate
+// are set where it is 0.
 uint sidesOf(vec3 q, vec3 w) {
   uvec3 sides = uvec3(lessThanEqual(q, vec3(0.0))) | uvec3(greaterThanEqual(q, vec3(0.0))) << 1 |
                 uvec3(lessThanEqual(w, vec3(0.0))) << 2 | uvec3(greaterThanEqual(w, vec3(0.0))) << 3;
@@ -117,7 +118,8 @@ bool surroundedBy(uint sides, uvec3 corners) {
 }
 
 // Returns the nearest hit of a beam, the same for all lanes. `packed` has the corners of the lane's triangles. Most
-// triangles do not surround the beam, which costs less to find for the vertices than for each triangle.
+// triangles lie to one side of the beam, and comparing the cluster's vertices with the beam finds these triangles at less
+// cost than a test of each triangle.
 uvec2 nearestHit(LoadedCluster loaded, Vertices vertices, uint packed[kMostTriangleRounds], uint row, Beam beam,
                  uint index) {
   uint sides = sidesOf(vertices, row, beam), possible = 0;  // one bit for each of the lane's triangles
@@ -135,14 +137,12 @@ uvec2 nearestHit(LoadedCluster loaded, Vertices vertices, uint packed[kMostTrian
     if (some) nearest = nearerOf(nearest, hitOf(tried, row, beam, index));
     possible &= ~(1u << round);
   }
-  EACH_STEP(k)
-    if (1u << k < gl_SubgroupSize)
-      nearest = nearerOf(nearest, subgroupShuffle(nearest, gl_SubgroupInvocationID ^ 1u << k));
+  EACH_STEP(k) nearest = nearerOf(nearest, subgroupShuffle(nearest, gl_SubgroupInvocationID ^ 1u << k));
   return nearest;
 }
 
-// Tries the beams on all triangles of the cluster, which must have room for its vertices. Returns false if none of the
-// beams can meet it. All lanes of the subgroup must call this.
+// Tries the beams on all triangles of the cluster. Returns false if none of them can meet it. All lanes of the subgroup
+// must call this.
 bool tryOnAll(LoadedCluster loaded, FewBeams few) {
   Vertices vertices;
   vertices.count = 0;

@@ -286,7 +286,7 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 // Sets the beams that are tried on all triangles of a cluster, if they are few, and returns true if every beam that may
 // meet the cluster has a hit nearer than it by now. The cluster was not hidden when project_clusters listed it, but since
 // then this kernel has tried other triangles of the same shell. Each lane may ask about another cluster.
-bool isHiddenByNow(uvec2 pair, uint material, out FewBeams few) {
+bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few) {
   few.count = 0;
   bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && (!ORIGINS || SHIFTS_TURNED);
   if (!triesHere) return false;
@@ -301,7 +301,7 @@ bool isHiddenByNow(uvec2 pair, uint material, out FewBeams few) {
   float nearest = seemFromSensor(low, high);
   if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
   Window window = windowInTime(low, high, nearest);
-  if (mayTryAll(material) && inLimits(low) && inLimits(high) && window.first < window.end &&
+  if (mayTryAll(material, vertexCount) && inLimits(low) && inLimits(high) && window.first < window.end &&
       hasFewBeams(window, kBeamsTriedOnAll)) {
     uvec2 span = columnsOf(window);
     few.rowFirst = window.first;
@@ -339,7 +339,7 @@ bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, ino
     batch.done = 0;
     uint entry = gl_SubgroupInvocationID < batch.count ? i + gl_SubgroupInvocationID * stride : i;
     loadBatch(entry < near ? entry : pass.clusters - 1 - (entry - near), batch);
-    if (isHiddenByNow(batch.pair, batch.material, ofBatch)) batch.counts = 0;
+    if (isHiddenByNow(batch.pair, batch.material, batch.counts & 0xffff, ofBatch)) batch.counts = 0;
   }
   if (BINNING == kBinningSlabs) few = fromLane(ofBatch, batch.done);
   loadNext(batch, loaded);
@@ -411,7 +411,7 @@ void main() {
   uint waiting = 0;
   for (bool more = true; more;) {
     more = nextCluster(next, batch, ofBatch, loaded, few);
-    if (more && few.count > 0 && loaded.triangleCount > 0 && haveRoom(loaded.vertexCount)) {
+    if (more && few.count > 0 && loaded.triangleCount > 0) {
       if (VIEWS) setView(loaded.number);
       if (tryOnAll(loaded, few)) {
         triangleCount += loaded.triangleCount;

@@ -7,19 +7,22 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Wide { uint64_t at[]; };
 
-vec2 pairIn(Wide memory, uint i) { return uintBitsToFloat(unpackUint2x32(memory.at[i])); }
+uvec2 pairIn(Wide memory, uint i) { return unpackUint2x32(memory.at[i]); }
 
-// Return entry i of an array with 16 bytes per entry.
-vec4 vectorIn(Wide memory, uint i) { return vec4(pairIn(memory, 2 * i), pairIn(memory, 2 * i + 1)); }
+// Returns entry i of an array with 16 bytes per entry.
+uvec4 wordsIn(Wide memory, uint i) { return uvec4(pairIn(memory, 2 * i), pairIn(memory, 2 * i + 1)); }
+
+vec4 vectorIn(Wide memory, uint i) { return uintBitsToFloat(wordsIn(memory, i)); }
+
 TaggedCorner cornerIn(Wide memory, uint i) {
-  vec4 values = vectorIn(memory, i);
-  return TaggedCorner(values.xyz, floatBitsToUint(values.w));
+  uvec4 words = wordsIn(memory, i);
+  return TaggedCorner(uintBitsToFloat(words.xyz), words.w);
 }
 
 Row rowIn(Wide memory, uint i) {
-  TaggedCorner angles = cornerIn(memory, 2 * i);
-  vec4 places = vectorIn(memory, 2 * i + 1);
-  return Row(angles.corner, angles.tag, floatBitsToUint(places.x), floatBitsToInt(places.y), places.z, places.w);
+  uvec4 angles = wordsIn(memory, 2 * i), places = wordsIn(memory, 2 * i + 1);
+  return Row(uintBitsToFloat(angles.xyz), angles.w, places.x, int(places.y), uintBitsToFloat(places.z),
+             uintBitsToFloat(places.w));
 }
 
 Instance instanceIn(Wide memory, uint i) {
@@ -39,31 +42,25 @@ Group groupIn(Wide memory, uint i) {
   return Group(low.corner, low.tag, high.corner, high.tag);
 }
 
-#define LOADED(array_, i_, wide_) \
+#define LOADED(wide_, plain_)     \
   if (kLanesInStep) return wide_; \
-  return array_.at[i_];
+  return plain_;
 
 #else
-#define LOADED(array_, i_, wide_) return array_.at[i_];
+#define LOADED(wide_, plain_) return plain_;
 #endif
 
-TaggedCorner loadedA(uint i) { LOADED(projectedA, i, cornerIn(Wide(projectedA), i)) }
-vec4 loadedB(uint i) { LOADED(projectedB, i, vectorIn(Wide(projectedB), i)) }
-TaggedCorner loadedC(uint i) { LOADED(projectedC, i, cornerIn(Wide(projectedC), i)) }
-vec2 loadedColumn(uint i) { LOADED(columns, i, pairIn(Wide(columns), i)) }
-Row loadedRow(uint i) { LOADED(rows, i, rowIn(Wide(rows), i)) }
-Instance loadedInstance(uint i) { LOADED(instances, i, instanceIn(Wide(instances), i)) }
-ColumnMotion loadedMotion(uint i) { LOADED(columnMotions, i, motionIn(Wide(columnMotions), i)) }
-Group loadedGroup(uint i) { LOADED(groups, i, groupIn(Wide(groups), i)) }
+TaggedCorner loadedA(uint i) { LOADED(cornerIn(Wide(projectedA), i), projectedA.at[i]) }
+vec4 loadedB(uint i) { LOADED(vectorIn(Wide(projectedB), i), projectedB.at[i]) }
+TaggedCorner loadedC(uint i) { LOADED(cornerIn(Wide(projectedC), i), projectedC.at[i]) }
+vec2 loadedColumn(uint i) { LOADED(uintBitsToFloat(pairIn(Wide(columns), i)), columns.at[i]) }
+Row loadedRow(uint i) { LOADED(rowIn(Wide(rows), i), rows.at[i]) }
+Instance loadedInstance(uint i) { LOADED(instanceIn(Wide(instances), i), instances.at[i]) }
+ColumnMotion loadedMotion(uint i) { LOADED(motionIn(Wide(columnMotions), i), columnMotions.at[i]) }
+Group loadedGroup(uint i) { LOADED(groupIn(Wide(groups), i), groups.at[i]) }
 
-// The box of a cluster: the first half of Cluster is laid out as a Group is.
-Group loadedBox(uint cluster) {
-#if defined(INT64) && defined(VULKAN)
-  if (kLanesInStep) {
-    TaggedCorner low = cornerIn(Wide(clusters), 4 * cluster), high = cornerIn(Wide(clusters), 4 * cluster + 1);
-    return Group(low.corner, low.tag, high.corner, high.tag);
-  }
-#endif
-  return Group(clusters.at[cluster].low, clusters.at[cluster].vertexFirst, clusters.at[cluster].high,
-               clusters.at[cluster].triangleFirst);
+// Returns the box of a cluster. A Cluster is as large as two Groups, and its first half is laid out as a Group is.
+Group loadedBox(uint i) {
+  LOADED(groupIn(Wide(clusters), 2 * i),
+         Group(clusters.at[i].low, clusters.at[i].vertexFirst, clusters.at[i].high, clusters.at[i].triangleFirst))
 }

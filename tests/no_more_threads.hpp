@@ -7,7 +7,8 @@
 
 namespace gnosphere::test {
 
-/// While an object of this class exists, the system can start no thread, for lack of memory for its stack.
+/// While an object of this class exists, this process cannot start a thread, because a thread's stack is larger than
+/// any memory.
 class NoMoreThreads {
  public:
   NoMoreThreads() {

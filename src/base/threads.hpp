@@ -22,15 +22,15 @@ inline unsigned threadCount() {
   return count;
 }
 
-/// The sentence of a system that starts no more threads. `name` says what the threads do.
+/// Returns the message about threads that the system cannot start. `name` says what the threads do.
 inline std::string noMoreThreads(const std::string& name, const std::system_error& error) {
   return name + " cannot be started (" + error.code().message() +
          "): end other programs, or raise the limits of processes and of memory (ulimit -u and -v, TasksMax of "
          "systemd, or pids and memory of the container)";
 }
 
-/// Starts a thread that its caller cannot do without. `name` says what the thread does, for the Error of a system that
-/// starts no more threads.
+/// Starts a thread that its caller cannot do without. If the system cannot start it, throws an Error that says what the
+/// thread does, which is `name`.
 template <typename Work>
 std::thread startThread(const std::string& name, Work work) {
   try {

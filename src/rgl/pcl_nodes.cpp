@@ -27,7 +27,8 @@ class DownsampleNode : public PointsFilter {
       double x = 0, y = 0, z = 0;
       uint32_t count = 0;
     };
-    // In the order z, y, x, as PCL lists them. The numbers of far voxels are whole, but too large for any integer.
+    // Voxels are ordered by z, y and x, as PCL lists them. Their numbers are floats, because the numbers of far voxels
+    // are too large for any integer.
     std::map<std::array<float, 3>, Voxel> voxels;
     for (uint32_t i = 0; i < from.count; ++i) {
       const Vec& p = points[i];

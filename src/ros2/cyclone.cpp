@@ -39,7 +39,7 @@ std::string configuration(bool localhostOnly) {
   return chosen.empty() ? kLocalhost : kLocalhost + ("," + chosen);  // what comes later counts
 }
 
-// Cyclone DDS 0.10 starts six for a domain on the loopback interface, and one more for multicast.
+// Cyclone DDS 0.10 starts six threads for a domain on the loopback interface, and one more thread for multicast.
 constexpr int kThreadsOfDomain = 8;
 
 /// Cyclone DDS ends the process if one of its threads cannot be started, so as many threads are tried before.

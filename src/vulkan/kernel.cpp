@@ -36,14 +36,14 @@ namespace {
 
 using Module = std::span<const uint32_t>;
 
-// Returns the module for devices without 64-bit atomics, with them, or with double precision as well.
-Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
-  if (variant.options.BINNING == gpu::kBinningLists && !variant.float64) return without;
-  return variant.float64 ? withDoubles : with;
-}
-
+// Returns the module for devices without 64-bit atomics, or with them.
 Module byAtomics(const Variant& variant, Module without, Module with) {
   return variant.options.BINNING == gpu::kBinningLists ? without : with;
+}
+
+// Returns the module for such devices, or for those with double precision as well.
+Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
+  return variant.float64 ? withDoubles : byAtomics(variant, without, with);
 }
 
 Module moduleOf(const Variant& variant, bool unrolls) {
@@ -59,7 +59,8 @@ Module moduleOf(const Variant& variant, bool unrolls) {
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
     case gnosphere::Kernel::effects_footprint:
-      return unrolls ? byAtomics(variant, effects_footprint_looped, effects_footprint_int64) : effects_footprint_looped;
+      return byAtomics(variant, effects_footprint_looped,
+                       unrolls ? Module(effects_footprint_int64) : effects_footprint_looped);
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;
