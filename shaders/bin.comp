@@ -166,6 +166,14 @@ float driftWithin(Triangle triangle, float count) {
   return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * count;
 }
 
+// True if the vertical axis may pass through a triangle, or by it at most at the distance `margin`. Its box then need not
+// span all columns, because the boxes of a moving sensor are cut to intervals of the scan.
+bool mayMeetAxis(Turned turned, float margin) {
+  vec3 p = turned.p, q = turned.q;
+  return min(min(p.x, p.y), p.z) <= margin && max(max(p.x, p.y), p.z) >= -margin &&
+         min(min(q.x, q.y), q.z) <= margin && max(max(q.x, q.y), q.z) >= -margin;
+}
+
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
 // lane computes its own range of columns.
 void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
@@ -191,11 +199,10 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   if (MOTION) blur += driftWithin(triangle, angle * frame.columnsPerRadian);
   if (ORIGINS) blur += seemingAngle(motion.origins, 0.0, triangle.rangeMin);
   if (angle + blur > 0.5) return;
-  float keyMin, keyMax;
-  keysBetween(turn(triangle, loadedColumn(first)), turn(triangle, loadedColumn(last)),
-              blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
-  // A box that spans all columns may contain a pole.
-  if (boxColumnCount(tile.box) == frame.columns) {
+  float keyMin, keyMax, farthest = max(max(far.x, far.y), far.z);
+  Turned turned = turn(triangle, loadedColumn(first));
+  keysBetween(turned, turn(triangle, loadedColumn(last)), blur * farthest, keyMin, keyMax);
+  if (mayMeetAxis(turned, (blur + 1e-3) * farthest)) {
     if (min(min(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) < 0.0) keyMin = -1.0;
     if (max(max(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) > 0.0) keyMax = 1.0;
   }

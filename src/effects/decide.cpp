@@ -65,6 +65,7 @@ void leaveOut(Plan::Decision& decision, const std::string& reason) {
   if (!decision.in) return;
   if (decision.request == EffectUse::on) refuseRequest(decision.effect + " is on, but " + reason);
   decision.in = false;
+  decision.leftOut = true;
   decision.reason = reason;
 }
 

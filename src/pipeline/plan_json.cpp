@@ -47,6 +47,7 @@ std::string toJson(const Plan& plan) {
     json["effects"].push_back({{"effect", decision.effect},
                                {"request", kUseWords[static_cast<size_t>(decision.request)]},
                                {"in", decision.in},
+                               {"left_out", decision.leftOut},
                                {"reason", decision.reason}});
   }
   json["fields"] = plan.fields;

@@ -136,6 +136,15 @@ TEST_CASE("fields that can be derived from the sensor need no request before the
   CHECK(std::count(text.begin(), text.end(), '\n') == 28801);
 }
 
+TEST_CASE("scan tells the effects that an accuracy leaves out, and why") {
+  const Workplace place;
+  const Result exact = place.run("scan floor.obj --sensor Puck --accuracy exact -o cloud.pcd");
+  REQUIRE(exact.status == 0);
+  CHECK_THAT(exact.out, ContainsSubstring("\nleft out   sensor-motion (motion within a scan needs accuracy standard), "
+                                          "object-motion (motion within a scan needs accuracy standard)\n"));
+  CHECK_THAT(place.run("scan floor.obj --sensor Puck -o cloud.pcd").out, !ContainsSubstring("left out"));
+}
+
 TEST_CASE("cut-out materials whose images are missing cause a warning") {
   const Workplace place;
   place.put("leaf.gltf", R"({"asset": {"version": "2.0"}, "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":

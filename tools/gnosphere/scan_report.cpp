@@ -142,12 +142,12 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// Returns text such as "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty
-/// if only geometry is simulated.
-std::string effectsIn(const Plan& plan) {
+/// Returns the effects for which `member` is true, such as "transmission (3 of 48 materials let light through),
+/// intensity (needed by transmission)"; empty if there are none.
+std::string effectsWith(bool Plan::Decision::*member, const Plan& plan) {
   std::string text;
   for (const Plan::Decision& decision : plan.effects)
-    if (decision.in) text += (text.empty() ? "" : ", ") + decision.effect + " (" + decision.reason + ")";
+    if (decision.*member) text += (text.empty() ? "" : ", ") + decision.effect + " (" + decision.reason + ")";
   return text;
 }
 
@@ -173,7 +173,9 @@ void printSummary(const ScanReport& report) {
                     (moves ? " at " + grouped(report.trajectory.size()) + " poses: "
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
-  if (const std::string effects = effectsIn(report.simulator.plan()); !effects.empty()) say("effects", effects);
+  const Plan plan = report.simulator.plan();
+  if (const std::string in = effectsWith(&Plan::Decision::in, plan); !in.empty()) say("effects", in);
+  if (const std::string out = effectsWith(&Plan::Decision::leftOut, plan); !out.empty()) say("left out", out);
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   shareOf(counters.hits, counters.beams) + ")");
   if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
