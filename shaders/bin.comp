@@ -166,8 +166,8 @@ float driftWithin(Triangle triangle, float count) {
   return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * count;
 }
 
-// True if the vertical axis may pass through a triangle, or by it at most at the distance `margin`. Its box then need not
-// span all columns, because the boxes of a moving sensor are cut to intervals of the scan.
+// True if the sensor's vertical axis may pass through a triangle, or within `margin` metres of it. The columns of a box
+// do not tell this, because the boxes of a moving sensor are cut to intervals of the scan.
 bool mayMeetAxis(Turned turned, float margin) {
   vec3 p = turned.p, q = turned.q;
   return min(min(p.x, p.y), p.z) <= margin && max(max(p.x, p.y), p.z) >= -margin &&
@@ -202,6 +202,7 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   float keyMin, keyMax, farthest = max(max(far.x, far.y), far.z);
   Turned turned = turn(triangle, loadedColumn(first));
   keysBetween(turned, turn(triangle, loadedColumn(last)), blur * farthest, keyMin, keyMax);
+  // A thousandth of the distance is ten times what poleInside() allows for rounding.
   if (mayMeetAxis(turned, (blur + 1e-3) * farthest)) {
     if (min(min(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) < 0.0) keyMin = -1.0;
     if (max(max(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) > 0.0) keyMax = 1.0;

@@ -38,7 +38,7 @@ Sensor uneven() {
   return sensor;
 }
 
-/// Lasers of which each fires at a time of its own.
+/// The lasers of a column fire at different times.
 Sensor staggered() {
   Sensor sensor = spinning();
   sensor.name = "staggered";
@@ -168,8 +168,8 @@ TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinat
   }
 }
 
-// A triangle above a sensor and below its height has beams in all columns. While the sensor moves, they are found in
-// parts of the scan, none of which has all columns.
+// If a triangle surrounds the vertical axis of a sensor, beams in all columns may hit it. While the sensor moves, such
+// a triangle is bounded for parts of the scan, and no part has all columns.
 TEST_CASE("nothing is lost of large triangles around a moving sensor", "[combinations]") {
   needVulkan();
   std::vector<Sensor> sensors = {spinning(), uneven(), staggered(), prisms()};

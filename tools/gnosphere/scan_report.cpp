@@ -142,8 +142,8 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// Returns the effects for which `member` is true, such as "transmission (3 of 48 materials let light through),
-/// intensity (needed by transmission)"; empty if there are none.
+/// Returns the names and reasons of the effects for which `member` is true, such as "transmission (3 of 48 materials
+/// let light through), intensity (needed by transmission)"; empty if there are none.
 std::string effectsWith(bool Plan::Decision::*member, const Plan& plan) {
   std::string text;
   for (const Plan::Decision& decision : plan.effects)
