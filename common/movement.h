@@ -35,7 +35,7 @@ struct MotionBounds {
   float secondsPerColumn, seconds;      // per column, and for the whole scan
   uint instances, sensor;               // 1 if instances move, if the sensor moves; else its columns' frames are one
   float middle, columnsToMiddle;        // from the start of the scan to its middle: seconds, and columns
-  vec3 drift;                           // metres by which the sensor moves from column to column, on average
+  vec3 drift;                           // metres by which the sensor moves in secondsPerColumn, on average
   float wander, wanderPerColumn;        // most metres that it is elsewhere than with this average, and per column
 };
 

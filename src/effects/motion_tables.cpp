@@ -114,7 +114,8 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   tables.columns.resize(times.count, column);
   const double toMiddle = times.halfway;
   const Drift drift = driftOf(places, toMiddle);
-  const glm::dvec3 perColumn = moves ? glm::transpose(middle.turn) * drift.perColumn : glm::dvec3(0);
+  const double order = times.step < 0 ? -1 : 1;  // a clockwise head fires its last column first
+  const glm::dvec3 perColumn = moves ? glm::transpose(middle.turn) * (order * drift.perColumn) : glm::dvec3(0);
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
   tables.bounds = {up(shift + lasers.distance),
                    up(turn),

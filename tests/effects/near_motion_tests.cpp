@@ -27,6 +27,13 @@ Sensor spinning() {
   return sensor;
 }
 
+Sensor clockwise() {
+  Sensor sensor = spinning();
+  sensor.name = "clockwise";
+  sensor.azimuthSpanDeg = -360;
+  return sensor;
+}
+
 /// Lasers with azimuth offsets, some of them more than a column, away from the sensor's origin.
 Sensor uneven() {
   Sensor sensor = spinning();
@@ -133,7 +140,7 @@ double cpuOf(Simulator& simulator, const Shot& shot) {
 
 TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinations]") {
   needVulkan();
-  std::vector<Sensor> sensors = {spinning(), uneven(), prisms()};
+  std::vector<Sensor> sensors = {spinning(), clockwise(), uneven(), prisms()};
   if (everyCombination()) sensors.push_back(asList(spinning()));
   const std::vector<Scan> expected = expectedScans(sensors);
   std::vector<Binning> ways = {Binning::automatic};
