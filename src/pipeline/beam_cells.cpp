@@ -128,9 +128,9 @@ gpu::vec2 rangesOf(const Sensor& sensor, uint64_t frame, uint32_t number) {
   return {static_cast<float>(window.least), static_cast<float>(window.most)};
 }
 
-// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all that can be
-// hit have the sensor's. Nothing is nearer than the first word of a place without a beam, and the masked beams of a
-// list, its last ones, are in no cell.
+// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all have the
+// sensor's. Nothing is nearer than the first word of a place without a beam. The masked beams of a list, its last ones,
+// are in no cell, but the cause of their having no return is read from their ranges.
 void setRanges(const Sensor& sensor, BeamTables& tables) {
   gpu::Frame& frame = tables.frame;
   frame.hidesNear = sensor.nearHits == NearHits::hide;
@@ -144,6 +144,7 @@ void setRanges(const Sensor& sensor, BeamTables& tables) {
     frame.rangeMin = std::min(frame.rangeMin, range.x);
     frame.rangeMax = std::max(frame.rangeMax, range.y);
   }
+  if (tables.listed && tables.masked > 0) frame.ownRanges = 1;
   if (frame.ownRanges == 0) tables.ranges.clear();
 }
 

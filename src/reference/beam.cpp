@@ -42,7 +42,7 @@ Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
   const double farthest = std::max({norm(corners[0]), norm(corners[1]), norm(corners[2])});
   const double tilt = (2 * (error.relative * farthest + error.absolute) + 10 * kUnitRoundoff * longest) / height +
                       kDirectionError + line.astray;
-  const double cosine = -dot(normalAgainst(line.direction, corners), line.direction);
+  const double cosine = std::abs(dot(normalTowardsOrigin(corners), line.direction));
   const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
   return rounded(cosine, std::min(sine * tilt + tilt * tilt / 2, 1.0), 8 * kUnitRoundoff);
 }

@@ -108,7 +108,7 @@ void Judge::storeSurface(const Reported& reported, const Hit& hit, size_t at, Sc
   if (float* const normals = columns.data<float>(Field::normal)) {
     const Vec3 corners[3] = {axis.frame.toSensor(triangle.corners[0]), axis.frame.toSensor(triangle.corners[1]),
                              axis.frame.toSensor(triangle.corners[2])};
-    const Vec3 normal = normalAgainst(axis.direction, corners);
+    const Vec3 normal = normalTowardsOrigin(corners);
     put(reported.turned(normal, deskew_), normals + 3 * at);
     columns.data<float>(Field::incidence)[at] =
         static_cast<float>(std::acos(std::clamp(-dot(normal, axis.direction), 0.0, 1.0)));

@@ -39,11 +39,11 @@ std::array<double, 2> barycentricsOf(const Triangle& triangle, const Weights& we
   return {sorted[1], sorted[2]};
 }
 
-Vec3 normalAgainst(const Vec3& direction, const Vec3 (&corners)[3]) {
+Vec3 normalTowardsOrigin(const Vec3 (&corners)[3]) {
   const Vec3 normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
   const double length = norm(normal);
   if (!(length > 0)) return {};
-  return (dot(normal, direction) > 0 ? -1 / length : 1 / length) * normal;
+  return (dot(normal, corners[0]) > 0 ? -1 / length : 1 / length) * normal;
 }
 
 bool isHole(const Scene& scene, const Triangle& triangle, const Weights& weights) {

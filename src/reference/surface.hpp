@@ -14,8 +14,8 @@ using Weights = std::array<double, 3>;
 uint32_t materialOf(const Scene& scene, const Triangle& triangle);
 /// Returns the weights of the second and third corner, in the mesh's order.
 std::array<double, 2> barycentricsOf(const Triangle& triangle, const Weights& weights);
-/// Unit normal that points against the direction, all in one frame; 0 for a triangle without area.
-Vec3 normalAgainst(const Vec3& direction, const Vec3 (&corners)[3]);
+/// Unit normal on the side of the corners' frame's origin; 0 for a triangle without area.
+Vec3 normalTowardsOrigin(const Vec3 (&corners)[3]);
 
 /// Returns whether the texture has a hole there: alpha of the nearest pixel is below the material's cut-off (glTF 2.0,
 /// 3.9.4).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects on the device compared with the reference: equal random numbers, and differences only by single precision.
 #include "effects/scan_support.hpp"
+#include "lists/list_sensors.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
@@ -128,6 +129,39 @@ TEST_CASE("scattering and attenuation of the medium are the same on every device
   effects = physical();
   effects.volumes = {EffectUse::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}, {{-20, -20, 0}, {-4, 20, 3}, 0.1}}};
   requireSame(effects);
+}
+
+TEST_CASE("masked beams of a list return nothing, not even from fog, and their cause is that they are dead") {
+  Sensor sensor = listSensor("rosette", rosette(3000, 0.6));
+  for (uint32_t beam = 0; beam < 3000; beam += 7) sensor.maskedBeams.push_back(beam);
+  Effects effects = physical();
+  effects.fog = {EffectUse::on, 30};
+  const Differences found = compared(effects, stillFields(), sensor, {0, 5e-4, 2e-3});
+  INFO(listed(found));
+  CHECK(found.all() == 0);
+}
+
+TEST_CASE("the normal points to the sensor also where only the edge of the footprint meets a surface") {
+  // The sensor is 1 mm above the plane of a floor, so the axes of many beams pass above the floor or along it.
+  Sensor sensor = gridSensor(500, 9, -0.2, 0.2, 60);
+  sensor.divergenceHorizontal = sensor.divergenceVertical = 5e-3;
+  MeshBuilder floor;
+  floor.quad({-40, -40, kPose.position.z - 1e-3}, {80, 0, 0}, {0, 80, 0});
+  Effects effects = physical();
+  effects.divergence.use = EffectUse::on;
+  TestOptions options = optionsOn("reference");
+  options.effects = effects;
+  options.fields = stillFields();
+  const Pose upright = {kPose.position, {}};
+  const Scan reference = scanOf(sceneOf(floor.take()), sensor, upright, options);
+  const auto up = reference.column<float>(Field::normal, 2), incidences = reference.column<float>(Field::incidence);
+  size_t beyond = 0;
+  for (size_t beam = 0; beam < reference.beamCount(); ++beam)
+    if (reference.hit(beam)) {
+      CHECK(up[beam] > 0.999);
+      beyond += incidences[beam] == static_cast<float>(std::numbers::pi / 2);
+    }
+  CHECK(beyond > 1000);
 }
 
 TEST_CASE("several returns of one beam keep their order and their surfaces") {
