@@ -78,7 +78,7 @@ struct RecordPlan {
   uint streams;     // entries of recordStreams
   uint gaps;        // entries of recordGaps
   uint classes;     // entries of instanceClasses
-  uint directions;  // 1 if points do not lie on their beams, which then have an entry in beamDirections
+  uint directions;  // 1 if points do not tell the directions of beams, which beamDirections then has
   uint frame;       // number of the scan
   uint group;       // number of the group of beams
 };

@@ -59,8 +59,9 @@ struct SensorPlan {
   /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
-  /// Whether every point without deskew lies on the axis of its beam, seen from the sensor's origin.
-  bool pointsOnBeams() const { return !origins && !has(gpu::kAngleNoise); }
+  /// Whether every point without deskew lies on the axis of its beam, seen from the sensor's origin, and away from it;
+  /// range noise may move a point to the origin.
+  bool pointsTellDirections() const { return !origins && !has(gpu::kAngleNoise | gpu::kRangeNoise); }
   /// Whether light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
   bool panes() const { return has(gpu::kTransmission) && !footprint(); }
   /// Whether the stages read the optics of materials.

@@ -133,7 +133,7 @@ std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern) {
 
 std::vector<gpu::vec4> beamDirections(const SensorPlan& plan, size_t pattern) {
   std::vector<gpu::vec4> directions;
-  if (!asks(plan.layout, {Field::incidence}) || plan.pointsOnBeams()) return directions;
+  if (!asks(plan.layout, {Field::incidence}) || plan.pointsTellDirections()) return directions;
   directions.resize(plan.sensor.beamCount());
   for (size_t beam = 0; beam < directions.size(); ++beam) {
     const Vec3 d = directionOf(plan.sensor, beam, pattern);

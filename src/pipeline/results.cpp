@@ -108,8 +108,8 @@ void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t coun
 }
 
 // Computes angles of incidence, from the directions of beams in the frame in which points are reported. Usually that is
-// the direction of the point, but not if lasers are beside the sensor's origin, if noise moves points off their beams,
-// or with deskew.
+// the direction of the point, but not if lasers are beside the sensor's origin, if noise moves points off their beams
+// or to the range 0, or with deskew.
 class Incidence {
  public:
   Incidence(const SensorPlan& plan, const Shot& shot, const Scan& scan)
@@ -117,7 +117,7 @@ class Incidence {
         shot_(shot),
         scan_(scan),
         turned_(plan.has(gpu::kSensorMotion) && plan.effects.sensorMotion.deskew && !shot.motion.stamps.empty()) {
-    atPoint_ = !turned_ && plan.pointsOnBeams();
+    atPoint_ = !turned_ && plan.pointsTellDirections();
   }
 
   float of(uint64_t entry, const gpu::vec3& normal) const {
