@@ -46,11 +46,12 @@ struct Step {
   Shot shot;
   std::vector<std::pair<size_t, Transform>> transforms;      ///< by instance
   std::vector<std::pair<size_t, Deformation>> deformations;  ///< by mesh
+  std::vector<Instance> added;
 };
 
 struct Request {
   Scene scene;
-  SensorRequest sensor;
+  std::vector<SensorRequest> sensors;
   SimulatorOptions options;
   std::vector<Step> steps;
   std::string text;  ///< what was drawn, for messages
@@ -262,6 +263,7 @@ Effects anyEffects(Draw& draw, std::ostringstream& text) {
   maybe(15, effects.dropOut.use, "drop-out");
   if (draw.often(15)) effects.fog.visibility = 100;
   if (draw.often(10)) effects.snow.rate = 3;
+  if (draw.often(10)) effects.volumes.boxes = {{{-3, -8, -2}, {6, 5, 2}, 0.1}};
   effects.sensorMotion.deskew = draw.often(30);
   return effects;
 }
@@ -280,10 +282,11 @@ SensorMotion driving(Draw& draw, const Pose& start) {
   return motion;
 }
 
-/// Three shots. Some of them are from the same pose, between some of them instances or vertices have moved, and some
-/// see motion within the scan.
-std::vector<Step> anySteps(Draw& draw, const Scene& scene, bool moving, bool turning, std::ostringstream& text) {
-  std::vector<Step> steps(3);
+/// Shots, some of them from the same pose. Between some of them instances or vertices have moved or instances were
+/// added, and some see motion within the scan.
+std::vector<Step> anySteps(Draw& draw, const Request& request, bool moving, bool turning, std::ostringstream& text) {
+  const Scene& scene = request.scene;
+  std::vector<Step> steps(4);
   const bool upright = draw.often(60), samePose = draw.often(30), changing = draw.often(40);
   const auto moved = [&](uint32_t i, bool turns) {
     const Vec3 by = draw.within(2);
@@ -294,6 +297,7 @@ std::vector<Step> anySteps(Draw& draw, const Scene& scene, bool moving, bool tur
     Shot& shot = step.shot;
     shot.frame = draw.below(1000);
     shot.world = draw.below(3);
+    shot.sensor = draw.below(static_cast<uint32_t>(request.sensors.size()));
     shot.pose.position = draw.within(draw.magnitude(0.1, 12));
     shot.pose.position.z = draw.between(-1.5, 2);
     if (upright) {
@@ -304,8 +308,11 @@ std::vector<Step> anySteps(Draw& draw, const Scene& scene, bool moving, bool tur
     }
     if (samePose) shot.pose = steps[0].shot.pose;
     if (moving && draw.often(50)) shot.motion = driving(draw, shot.pose);
+    if (request.sensors[shot.sensor].variableWeather && draw.often(60))
+      shot.weather = Weather{draw.often(50) ? 80.0 : 0, draw.often(30) ? 20.0 : 0, draw.often(30) ? 2.0 : 0, {}};
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
       if (changing && draw.often(30)) step.transforms.push_back({i, moved(i, true)});
+      if (changing && draw.often(5)) step.added.push_back({"", scene.instances[i].mesh, moved(i, true)});
       if (moving && !changing && draw.often(15)) shot.instanceMotions.push_back({i, moved(i, turning)});
     }
     for (uint32_t i = 0; i < scene.meshes.size(); ++i) {
@@ -327,10 +334,32 @@ void shift(Request& request, const Vec3& by) {
   for (Instance& instance : request.scene.instances) instance.transform = away * instance.transform;
   for (Step& step : request.steps) {
     for (auto& [instance, transform] : step.transforms) transform = away * transform;
+    for (Instance& instance : step.added) instance.transform = away * instance.transform;
     for (InstanceMotion& motion : step.shot.instanceMotions) motion.end = away * motion.end;
     for (SensorMotion::Stamp& stamp : step.shot.motion.stamps) stamp.pose.position = away * stamp.pose.position;
     step.shot.pose.position = away * step.shot.pose.position;
   }
+}
+
+SensorRequest anySensor(Draw& draw, const Scene& scene, bool clean, bool exact, std::ostringstream& text) {
+  SensorRequest request;
+  request.sensor = draw.often(45) ? anyHead(draw) : draw.often(70) ? anyGrid(draw) : anyList(draw);
+  text << "; " << request.sensor.name << " of " << request.sensor.beamCount();
+  const std::vector<Field> geometry = {Field::normal, Field::incidence, Field::material, Field::classId};
+  if (clean) {
+    request.effects = Effects::none();
+    request.effects.sensorMotion.use = request.effects.objectMotion.use = exact ? EffectUse::off : EffectUse::automatic;
+    request.fields = draw.of<std::vector<Field>>({{}, {}, geometry});
+    text << ", clean";
+  } else {
+    request.effects = anyEffects(draw, text);
+    request.fields = draw.of<std::vector<Field>>(
+        {{}, {Field::intensity}, {Field::label, Field::cause}, stillFields(), effectFields(), {Field::velocity}});
+    request.variableWeather = draw.often(15);
+  }
+  text << ", " << request.fields.size() << " fields";
+  if (draw.often(15)) request.ignoredInstances.push_back(draw.below(static_cast<uint32_t>(scene.instances.size())));
+  return request;
 }
 
 Request anyRequest(uint32_t number) {
@@ -338,24 +367,10 @@ Request anyRequest(uint32_t number) {
   Request request;
   std::ostringstream text;
   request.scene = anyScene(draw, text);
-  Sensor& sensor = request.sensor.sensor;
-  sensor = draw.often(45) ? anyHead(draw) : draw.often(70) ? anyGrid(draw) : anyList(draw);
-  text << "; " << sensor.name << " of " << sensor.beamCount();
-  request.options = vulkanOptions();
   const bool clean = draw.often(30), exact = draw.often(20);  // `exact` knows no motion
-  const std::vector<Field> geometry = {Field::normal, Field::incidence, Field::material, Field::classId};
-  if (clean) {
-    request.sensor.effects = Effects::none();
-    request.sensor.effects.sensorMotion.use = request.sensor.effects.objectMotion.use =
-        exact ? EffectUse::off : EffectUse::automatic;
-    request.sensor.fields = draw.of<std::vector<Field>>({{}, {}, geometry});
-    text << ", clean";
-  } else {
-    request.sensor.effects = anyEffects(draw, text);
-    request.sensor.fields = draw.of<std::vector<Field>>(
-        {{}, {Field::intensity}, {Field::label, Field::cause}, stillFields(), effectFields(), {Field::velocity}});
-  }
-  text << ", " << request.sensor.fields.size() << " fields";
+  for (uint32_t count = draw.often(25) ? 2 : 1; count > 0; --count)
+    request.sensors.push_back(anySensor(draw, request.scene, clean, exact, text));
+  request.options = vulkanOptions();
   if (exact) {
     request.options.accuracy = Accuracy::exact;
     text << ", exact";
@@ -364,8 +379,11 @@ Request anyRequest(uint32_t number) {
     request.options.tuning.binning = draw.of<Binning>({Binning::nearest, Binning::lists, Binning::slabs});
     text << ", binning " << int(request.options.tuning.binning);
   }
-  if (draw.often(15)) request.sensor.ignoredInstances.push_back(draw.below(uint32_t(request.scene.instances.size())));
-  request.steps = anySteps(draw, request.scene, !exact, clean, text);
+  if (draw.often(20)) {
+    request.options.faces = draw.often(50) ? ReflectingFaces::front : ReflectingFaces::both;
+    text << ", faces " << int(request.options.faces);
+  }
+  request.steps = anySteps(draw, request, !exact, clean, text);
   if (draw.often(15)) {
     shift(request, {4.1e5, 5.6e6, 300});
     text << ", far away";
@@ -374,11 +392,20 @@ Request anyRequest(uint32_t number) {
   return request;
 }
 
-/// Checks that a batch of the shots has the bytes of the single scans.
-void requireBatch(Simulator& device, const std::vector<Shot>& shots, const std::vector<Scan>& scans) {
-  const Batch batch = device.scanBatch(shots, std::vector{Field::triangle, Field::instance});
+/// Checks that the shots together give the bytes of the single scans, and so does a batch of those of one sensor.
+void requireTogether(Simulator& device, const std::vector<Shot>& shots, const std::vector<Scan>& scans) {
+  device.scanAll(shots, [&](size_t i, const Scan& scan) { CHECK(firstBytes(scans[i], scan) == "none"); });
+  std::vector<Shot> some;
+  std::vector<size_t> places;
+  for (size_t i = 0; i < shots.size(); ++i)
+    if (shots[i].sensor == shots[0].sensor) {
+      some.push_back(shots[i]);
+      places.push_back(i);
+    }
+  const Batch batch = device.scanBatch(some, std::vector{Field::triangle, Field::instance});
   size_t entry = 0;
-  for (const Scan& scan : scans) {
+  for (const size_t i : places) {
+    const Scan& scan = scans[i];
     const size_t count = scan.ranges.size();
     const auto same = [&](const auto& whole, const auto& part) {
       return std::memcmp(whole.data() + entry, part.data(), count * sizeof part[0]) == 0;
@@ -393,21 +420,22 @@ void requireBatch(Simulator& device, const std::vector<Shot>& shots, const std::
 void change(Simulator& simulator, const Step& step) {
   for (const auto& [instance, transform] : step.transforms) simulator.setTransform(instance, transform);
   for (const auto& [mesh, deformation] : step.deformations) simulator.setDeformation(mesh, deformation);
+  simulator.addInstances(step.added);
 }
 
 void requireRequest(uint32_t number) {
   Request request = anyRequest(number);
   INFO("request " << number << ":" << request.text);
-  Simulator device(request.scene, {request.sensor}, request.options);
+  Simulator device(request.scene, request.sensors, request.options);
   request.options.device = DeviceChoice::Kind::reference;
-  Simulator truth(request.scene, {request.sensor}, request.options);
+  Simulator truth(request.scene, request.sensors, request.options);
   std::vector<Shot> shots;
   std::vector<Scan> scans(request.steps.size());
   bool changed = false;
   for (size_t i = 0; i < scans.size(); ++i) {
     INFO("shot " << i);
     const Step& step = request.steps[i];
-    changed = changed || !step.transforms.empty() || !step.deformations.empty();
+    changed = changed || !step.transforms.empty() || !step.deformations.empty() || !step.added.empty();
     change(truth, step);
     change(device, step);
     shots.push_back(step.shot);
@@ -422,12 +450,12 @@ void requireRequest(uint32_t number) {
     CHECK(found.all() == 0);
     CHECK(found.ties < found.beams / 4 + 10);
   }
-  if (!changed) requireBatch(device, shots, scans);
+  if (!changed) requireTogether(device, shots, scans);
 }
 
 }  // namespace
 
-TEST_CASE("requests drawn at random equal the reference, and their batches the single scans", "[combinations]") {
+TEST_CASE("requests drawn at random equal the reference, and shots together the single scans", "[combinations]") {
   needVulkan();
   const char* seed = std::getenv("GNOSPHERE_RANDOM_SEED");
   const auto first = static_cast<uint32_t>(seed ? std::stoul(seed) : 0);
