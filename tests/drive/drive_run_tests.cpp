@@ -13,6 +13,7 @@
 #include "drive_support.hpp"
 #include "no_more_threads.hpp"
 #include "npy_rows.hpp"
+#include "support.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -121,6 +122,31 @@ TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and co
   const drive::RunReport again = drive::run(drive, optionsFor(folder / "parts"));
   CHECK(again.kept == 10);
   CHECK(again.device.empty());  // nothing was scanned
+}
+
+TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") {
+  needVulkan();
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["sensors"].erase(json["sensors"].begin() + 1, json["sensors"].end());
+  json["sensors"][0]["effects"] = "auto";
+  drive::RunOptions options;
+  options.out = folder / "warned";
+  options.endFrame = 1;
+  options.simulator = vulkanOptions();
+  std::vector<std::string> warnings;
+  options.simulator.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  json["accuracy"] = "exact";
+  run(folder.read(json), options);
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0] == "sensor '" + json["sensors"][0]["name"].get<std::string>() +
+                           "': sensor-motion is left out: motion within a scan needs accuracy standard");
+  CHECK_THAT(warnings[1], ContainsSubstring("object-motion is left out"));
+  warnings.clear();
+  options.out = folder / "unwarned";
+  json["accuracy"] = "standard";
+  run(folder.read(json), options);
+  CHECK(warnings.empty());
 }
 
 TEST_CASE("a shard that there is not and an empty range of frames are refused before anything is written") {
