@@ -341,6 +341,24 @@ void shift(Request& request, const Vec3& by) {
   }
 }
 
+/// Choices that affect the time alone.
+Tuning anyTuning(Draw& draw, std::ostringstream& text) {
+  Tuning tuning;
+  if (draw.often(20)) {
+    tuning.binning = draw.of<Binning>({Binning::nearest, Binning::lists, Binning::slabs});
+    text << ", binning " << int(tuning.binning);
+  }
+  if (draw.often(75)) return tuning;
+  for (bool* use : {&tuning.culling.range, &tuning.culling.rows, &tuning.culling.columns, &tuning.culling.cones,
+                    &tuning.keepStill, &tuning.float64})
+    *use = draw.often(60);
+  tuning.culling.occlusion = static_cast<Culling::Occlusion>(draw.below(3));
+  if (draw.often(50)) tuning.maxBatchBytes = static_cast<uint64_t>(draw.magnitude(1e4, 1e7));
+  if (draw.often(50)) tuning.maxSubmissionWork = static_cast<uint64_t>(draw.magnitude(1e3, 1e6));
+  text << ", tuned";
+  return tuning;
+}
+
 SensorRequest anySensor(Draw& draw, const Scene& scene, bool clean, bool exact, std::ostringstream& text) {
   SensorRequest request;
   request.sensor = draw.often(45) ? anyHead(draw) : draw.often(70) ? anyGrid(draw) : anyList(draw);
@@ -375,10 +393,7 @@ Request anyRequest(uint32_t number) {
     request.options.accuracy = Accuracy::exact;
     text << ", exact";
   }
-  if (draw.often(20)) {
-    request.options.tuning.binning = draw.of<Binning>({Binning::nearest, Binning::lists, Binning::slabs});
-    text << ", binning " << int(request.options.tuning.binning);
-  }
+  request.options.tuning = anyTuning(draw, text);
   if (draw.often(20)) {
     request.options.faces = draw.often(50) ? ReflectingFaces::front : ReflectingFaces::both;
     text << ", faces " << int(request.options.faces);
