@@ -128,9 +128,9 @@ gpu::vec2 rangesOf(const Sensor& sensor, uint64_t frame, uint32_t number) {
   return {static_cast<float>(window.least), static_cast<float>(window.most)};
 }
 
-// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all have the
-// sensor's. Nothing is nearer than the first word of a place without a beam. The masked beams of a list, its last ones,
-// are in no cell, but the cause of their having no return is read from their ranges.
+// Sets what kernels must know of range windows. `ranges` has the windows of all beams, by index; it is emptied if every
+// beam has the window of the sensor. No hit is nearer than the first word of a place without a beam. The masked beams
+// of a list come last and are in no cell; their empty windows tell the kernels of effects that they never fire.
 void setRanges(const Sensor& sensor, BeamTables& tables) {
   gpu::Frame& frame = tables.frame;
   frame.hidesNear = sensor.nearHits == NearHits::hide;

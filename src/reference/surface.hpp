@@ -14,7 +14,7 @@ using Weights = std::array<double, 3>;
 uint32_t materialOf(const Scene& scene, const Triangle& triangle);
 /// Returns the weights of the second and third corner, in the mesh's order.
 std::array<double, 2> barycentricsOf(const Triangle& triangle, const Weights& weights);
-/// Unit normal on the side of the corners' frame's origin; 0 for a triangle without area.
+/// Returns the unit normal that points towards the origin of the corners' frame, or 0 for a triangle without area.
 Vec3 normalTowardsOrigin(const Vec3 (&corners)[3]);
 
 /// Returns whether the texture has a hole there: alpha of the nearest pixel is below the material's cut-off (glTF 2.0,

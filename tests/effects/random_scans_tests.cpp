@@ -2,8 +2,8 @@
 // Whole requests drawn at random, the device against the reference: scene, head, effects, accuracy, fields, poses and
 // motion together. The other tests vary one of these and hold the rest.
 //
-// GNOSPHERE_RANDOM_SEED=N looks for faults in requests that no test has tried: the test then draws the requests N, N +
-// 1 and so on. A failure names the number of the request, which is enough to draw the request again.
+// GNOSPHERE_RANDOM_SEED=N looks for faults in requests that no test has tried: the test then draws request N and those
+// after it. A failure names the number of the request, which is enough to draw the request again.
 #include <cmath>
 #include <sstream>
 
@@ -18,13 +18,13 @@ namespace {
 class Draw {
  public:
   explicit Draw(uint32_t seed) : random_(seed * 2654435761u + 12345) {}
-  /// A number between two others.
+  /// Returns a number between `low` and `high`, with equal chances for intervals of equal length.
   double between(double low, double high) { return low + (high - low) * (random_() + 1) / 2; }
-  /// A positive number between two others, all magnitudes alike.
+  /// Returns a positive number between `low` and `high`, with equal chances for intervals of equal ratio.
   double magnitude(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
   uint32_t bits() { return random_.bits(); }
   uint32_t below(uint32_t count) { return bits() % count; }
-  /// True in `percent` of a hundred draws.
+  /// Returns true with a probability of `percent` / 100.
   bool often(uint32_t percent) { return below(100) < percent; }
   template <typename T>
   T of(const std::vector<T>& choices) {
@@ -41,7 +41,7 @@ class Draw {
   Random random_;
 };
 
-/// A shot, and what changes in the scene before it.
+/// A step changes the scene, and then takes a shot.
 struct Step {
   Shot shot;
   std::vector<std::pair<size_t, Transform>> transforms;      ///< by instance
@@ -173,7 +173,7 @@ Scene anyScene(Draw& draw, std::ostringstream& text) {
   return scene;
 }
 
-/// A spinning head of no vendor, with what heads may have.
+/// Returns a spinning head with random channels, range windows, sector, footprint and masked beams.
 Sensor anyGrid(Draw& draw) {
   const uint32_t columns = 100 + draw.below(900), channels = 1 + draw.below(24);
   const double low = draw.between(-89, 0), high = draw.between(1, 89);
@@ -201,7 +201,7 @@ Sensor anyGrid(Draw& draw) {
   return sensor;
 }
 
-/// A list of beams, some from several places, some wherever they like.
+/// Returns a list of beams, in a rosette or in random directions, from one origin or from three.
 Sensor anyList(Draw& draw) {
   BeamList beams;
   const uint32_t count = 200 + draw.below(4000);
@@ -221,7 +221,7 @@ Sensor anyList(Draw& draw) {
   return sensor;
 }
 
-/// A head of the catalogue, with a part of its columns so that the reference takes a second.
+/// Returns a head of the catalogue with fewer columns, so that the reference takes a second.
 Sensor anyHead(Draw& draw) {
   const Sensor head = builtinSensor(draw.of(sensorCatalogue()).name);
   if (!head.isGrid()) return head.beamCount() > 40'000 ? anyList(draw) : head;
@@ -268,7 +268,7 @@ Effects anyEffects(Draw& draw, std::ostringstream& text) {
   return effects;
 }
 
-/// Straight or turning at up to 30 m/s and 6 rad/s.
+/// Returns the motion of a sensor that drives straight or turns, at up to 25 m/s along each axis and 5 rad/s.
 SensorMotion driving(Draw& draw, const Pose& start) {
   SensorMotion motion{{{-0.01, start}}};
   const Vec3 speed = draw.within(draw.magnitude(0.5, 30));
@@ -277,7 +277,8 @@ SensorMotion driving(Draw& draw, const Pose& start) {
                   start.position.z + 0.02 * speed.z};
   const Quaternion& q = start.orientation;
   const double half = draw.often(60) ? draw.between(-0.3, 0.3) : 0, c = std::cos(half), s = std::sin(half);
-  end.orientation = {q.x * c + q.y * s, q.y * c - q.x * s, q.z * c + q.w * s, q.w * c - q.z * s};  // q * yaw
+  // The orientation at the end is q after a turn by 2 * half about the sensor's z axis.
+  end.orientation = {q.x * c + q.y * s, q.y * c - q.x * s, q.z * c + q.w * s, q.w * c - q.z * s};
   motion.stamps.push_back({0.11, end});
   return motion;
 }
@@ -328,7 +329,7 @@ std::vector<Step> anySteps(Draw& draw, const Request& request, bool moving, bool
   return steps;
 }
 
-/// Moves everything far from the origin of the world, as in scenes with geographic coordinates.
+/// Moves the scene and all poses by an offset, such as that of a scene with geographic coordinates.
 void shift(Request& request, const Vec3& by) {
   const Transform away = translation(by.x, by.y, by.z);
   for (Instance& instance : request.scene.instances) instance.transform = away * instance.transform;
@@ -341,7 +342,7 @@ void shift(Request& request, const Vec3& by) {
   }
 }
 
-/// Choices that affect the time alone.
+/// Draws the choices that change the time of a scan, and not its cloud.
 Tuning anyTuning(Draw& draw, std::ostringstream& text) {
   Tuning tuning;
   if (draw.often(20)) {
@@ -385,7 +386,7 @@ Request anyRequest(uint32_t number) {
   Request request;
   std::ostringstream text;
   request.scene = anyScene(draw, text);
-  const bool clean = draw.often(30), exact = draw.often(20);  // `exact` knows no motion
+  const bool clean = draw.often(30), exact = draw.often(20);  // the accuracy `exact` has no motion
   for (uint32_t count = draw.often(25) ? 2 : 1; count > 0; --count)
     request.sensors.push_back(anySensor(draw, request.scene, clean, exact, text));
   request.options = vulkanOptions();
