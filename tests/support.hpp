@@ -36,10 +36,15 @@ struct TestOptions : SimulatorOptions {
   std::vector<Field> fields;
 };
 
-inline Simulator makeSimulator(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup = {}) {
+/// Requests the effects and fields of the options from every sensor.
+inline std::vector<SensorRequest> requestsOf(const std::vector<Sensor>& sensors, const TestOptions& setup) {
   std::vector<SensorRequest> requests;
   for (const Sensor& sensor : sensors) requests.push_back({sensor, setup.effects, setup.fields});
-  return Simulator(scene, requests, setup);
+  return requests;
+}
+
+inline Simulator makeSimulator(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup = {}) {
+  return Simulator(scene, requestsOf(sensors, setup), setup);
 }
 inline Simulator makeSimulator(const Scene& scene, const Sensor& sensor, const TestOptions& setup = {}) {
   return makeSimulator(scene, std::vector{sensor}, setup);

@@ -34,14 +34,16 @@ inline void needCuda() {
 /// The CUDA backend on the host for one scene: does the work of Simulator without its checks.
 class CudaOnHost {
  public:
-  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup,
+  CudaOnHost(const Scene& scene, const std::vector<SensorRequest>& requests, const SimulatorOptions& setup,
              decltype(&cuda_on_host::makeBackend) makeBackend = cuda_on_host::makeBackend)
-      : sensors_(sensors), setup_(setup), planner_(setup_) {
+      : requests_(requests), setup_(setup), planner_(setup_) {
     SensorPlans plans;
-    for (const Sensor& sensor : sensors)
-      plans.push_back(planner_.plan(scene, {sensor, setup.effects, setup.fields}, plans.size(), false));
+    for (const SensorRequest& request : requests) plans.push_back(planner_.plan(scene, request, plans.size(), false));
     backend_ = makeBackend(scene, plans, setup_);
   }
+  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup,
+             decltype(&cuda_on_host::makeBackend) makeBackend = cuda_on_host::makeBackend)
+      : CudaOnHost(scene, requestsOf(sensors, setup), setup, makeBackend) {}
 
   Scan scan(const Pose& pose, size_t sensor = 0) {
     Shot shot;
@@ -53,7 +55,7 @@ class CudaOnHost {
   }
   void scanInto(const Shot& shot, Scan& result) {
     backend_->scanAll({&shot, 1}, result, [](size_t) {});
-    const Sensor& sensor = sensors_[shot.sensor];
+    const Sensor& sensor = requests_[shot.sensor].sensor;
     result.sensor = sensor.name;
     result.columns = sensor.columns;
     result.channels = static_cast<uint32_t>(sensor.channels.size());
@@ -62,8 +64,8 @@ class CudaOnHost {
   Backend& backend() { return *backend_; }
 
  private:
-  std::vector<Sensor> sensors_;
-  TestOptions setup_;
+  std::vector<SensorRequest> requests_;
+  SimulatorOptions setup_;
   SensorPlanner planner_;
   std::unique_ptr<Backend> backend_;
 };

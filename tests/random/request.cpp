@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole requests drawn at random, the device against the reference: scene, head, effects, accuracy, fields, poses and
-// motion together. The other tests vary one of these and hold the rest.
-//
-// GNOSPHERE_RANDOM_SEED=N looks for faults in requests that no test has tried: the test then draws request N and those
-// after it. A failure names the number of the request, which is enough to draw the request again.
+#include "random/request.hpp"
+
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 #include "deformable.hpp"
@@ -39,22 +37,6 @@ class Draw {
 
  private:
   Random random_;
-};
-
-/// A step changes the scene, and then takes a shot.
-struct Step {
-  Shot shot;
-  std::vector<std::pair<size_t, Transform>> transforms;      ///< by instance
-  std::vector<std::pair<size_t, Deformation>> deformations;  ///< by mesh
-  std::vector<Instance> added;
-};
-
-struct Request {
-  Scene scene;
-  std::vector<SensorRequest> sensors;
-  SimulatorOptions options;
-  std::vector<Step> steps;
-  std::string text;  ///< what was drawn, for messages
 };
 
 Material anyMaterial(Draw& draw) {
@@ -381,6 +363,8 @@ SensorRequest anySensor(Draw& draw, const Scene& scene, bool clean, bool exact, 
   return request;
 }
 
+}  // namespace
+
 Request anyRequest(uint32_t number) {
   Draw draw(number);
   Request request;
@@ -408,75 +392,17 @@ Request anyRequest(uint32_t number) {
   return request;
 }
 
-/// Checks that the shots together give the bytes of the single scans, and so does a batch of those of one sensor.
-void requireTogether(Simulator& device, const std::vector<Shot>& shots, const std::vector<Scan>& scans) {
-  device.scanAll(shots, [&](size_t i, const Scan& scan) { CHECK(firstBytes(scans[i], scan) == "none"); });
-  std::vector<Shot> some;
-  std::vector<size_t> places;
-  for (size_t i = 0; i < shots.size(); ++i)
-    if (shots[i].sensor == shots[0].sensor) {
-      some.push_back(shots[i]);
-      places.push_back(i);
-    }
-  const Batch batch = device.scanBatch(some, std::vector{Field::triangle, Field::instance});
-  size_t entry = 0;
-  for (const size_t i : places) {
-    const Scan& scan = scans[i];
-    const size_t count = scan.ranges.size();
-    const auto same = [&](const auto& whole, const auto& part) {
-      return std::memcmp(whole.data() + entry, part.data(), count * sizeof part[0]) == 0;
-    };
-    CHECK((same(batch.ranges(), scan.ranges) && same(batch.triangles(), scan.triangles) &&
-           same(batch.instances(), scan.instances)));
-    entry += count;
-  }
-  CHECK(entry == batch.entries());
-}
-
 void change(Simulator& simulator, const Step& step) {
   for (const auto& [instance, transform] : step.transforms) simulator.setTransform(instance, transform);
   for (const auto& [mesh, deformation] : step.deformations) simulator.setDeformation(mesh, deformation);
   simulator.addInstances(step.added);
 }
 
-void requireRequest(uint32_t number) {
-  Request request = anyRequest(number);
-  INFO("request " << number << ":" << request.text);
-  Simulator device(request.scene, request.sensors, request.options);
-  request.options.device = DeviceChoice::Kind::reference;
-  Simulator truth(request.scene, request.sensors, request.options);
-  std::vector<Shot> shots;
-  std::vector<Scan> scans(request.steps.size());
-  bool changed = false;
-  for (size_t i = 0; i < scans.size(); ++i) {
-    INFO("shot " << i);
-    const Step& step = request.steps[i];
-    changed = changed || !step.transforms.empty() || !step.deformations.empty() || !step.added.empty();
-    change(truth, step);
-    change(device, step);
-    shots.push_back(step.shot);
-    Scan expected;
-    truth.scanInto(step.shot, expected);
-    device.scanInto(step.shot, scans[i]);
-    const Differences found = differences(expected, scans[i], {1e-4, 2e-3, 4e-3, 2e-3});
-    INFO("beams " << found.beams << ", ties " << found.ties << ", causes " << found.causes << ", returns "
-                  << found.returns << ", owners " << found.owners << ", ranges " << found.ranges << ", points "
-                  << found.points << ", intensities " << found.intensities << ", widths " << found.widths
-                  << ", surfaces " << found.surfaces << ", speeds " << found.speeds << "; first: " << found.first);
-    CHECK(found.all() == 0);
-    CHECK(found.ties < found.beams / 4 + 10);
-  }
-  if (!changed) requireTogether(device, shots, scans);
-}
-
-}  // namespace
-
-TEST_CASE("requests drawn at random equal the reference, and shots together the single scans", "[combinations]") {
-  needVulkan();
-  const char* seed = std::getenv("GNOSPHERE_RANDOM_SEED");
-  const auto first = static_cast<uint32_t>(seed ? std::stoul(seed) : 0);
-  const uint32_t count = everyCombination() ? 40 : 2;
-  for (uint32_t number = first; number < first + count; ++number) requireRequest(number);
+std::vector<uint32_t> numbersToTry(uint32_t count) {
+  const char* first = std::getenv("GNOSPHERE_RANDOM_SEED");
+  std::vector<uint32_t> numbers(everyCombination() ? 20 * count : count);
+  std::iota(numbers.begin(), numbers.end(), static_cast<uint32_t>(first ? std::stoul(first) : 0));
+  return numbers;
 }
 
 }  // namespace gnosphere::test

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests drawn at random: scans that an application records on its own device, against scans on a device of our own.
+#include <memory>
+
+#include "engine/recorded.hpp"
+#include "random/request.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+/// The records and the header of one recorded scan.
+struct Results {
+  Results(const VulkanApp& app, uint64_t bytes) : records(app, bytes), header(app, sizeof(RecordHeader)) {}
+  VulkanApp::Buffer records, header;
+};
+
+/// A layout with the geometry of each return and with every field that the request asks for, but for the incidence with
+/// deskew, which a device does not know.
+RecordLayout layoutFor(const SensorRequest& request, uint32_t number) {
+  std::vector<Field> fields = {Field::x,        Field::range, Field::ring,    Field::beam,
+                               Field::triangle, Field::time,  Field::instance};
+  for (const Field field : request.fields)
+    if (field != Field::incidence || !request.effects.sensorMotion.deskew) fields.push_back(field);
+  RecordLayout layout = layoutOf(fields);
+  layout.compact = number % 2 == 0;
+  return layout;
+}
+
+/// The steps of a request recorded with two frames in flight. If `patient`, each is waited for, and recorded again
+/// until no list was too small; otherwise the next one is recorded meanwhile, and incomplete scans are not compared.
+void requireRecorded(VulkanApp& app, uint32_t number) {
+  Request request = anyRequest(number);
+  const bool patient = number % 3 != 0;
+  INFO("request " << number << (patient ? "" : ", two in flight") << ":" << request.text);
+  std::vector<SensorRequest> onHost = request.sensors, recordedSensors = request.sensors;
+  for (size_t i = 0; i < onHost.size(); ++i) {
+    recordedSensors[i].layout = layoutFor(request.sensors[i], number);
+    for (const RecordLayout::Value& value : recordedSensors[i].layout.values) onHost[i].fields.push_back(value.field);
+  }
+  SimulatorOptions own = request.options;
+  own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
+  Simulator expected(request.scene, onHost, own);
+  SimulatorOptions adopted = request.options;
+  adopted.device = vulkan::adopt(app.adopted());
+  adopted.validation = false;
+  Simulator recorded(request.scene, recordedSensors, adopted);
+  vulkan::Recorder recorder(recorded, 2);
+
+  std::vector<std::unique_ptr<Results>> results;
+  std::vector<Scan> scans(request.steps.size());
+  VulkanApp::Frame frames[] = {VulkanApp::Frame(app), VulkanApp::Frame(app)};
+  const auto record = [&](size_t i) {
+    VulkanApp::Frame& frame = frames[i % 2];
+    const vulkan::RecordedShot shot = {request.steps[i].shot, results[i]->records.range(), results[i]->header.range()};
+    recorder.record(frame.begin(), i % 2, {&shot, 1});
+    frame.submit();
+  };
+  for (size_t i = 0; i < scans.size(); ++i) {
+    const Step& step = request.steps[i];
+    change(expected, step);
+    change(recorded, step);
+    expected.scanInto(step.shot, scans[i]);
+    const RecordLayout& layout = recordedSensors[step.shot.sensor].layout;
+    results.push_back(std::make_unique<Results>(app, layout.bytesFor(scans[i].ranges.size())));
+    record(i);
+    for (int attempt = 0; patient && attempt < 8; ++attempt) {
+      frames[i % 2].wait();
+      if (results[i]->header.as<RecordHeader>()->incomplete == 0) break;
+      record(i);
+    }
+  }
+  for (VulkanApp::Frame& frame : frames) frame.wait();
+  for (size_t i = 0; i < scans.size(); ++i) {
+    INFO("shot " << i);
+    const RecordHeader& header = *results[i]->header.as<RecordHeader>();
+    CHECK(results[i]->records.guarded());
+    if (patient) CHECK(header.incomplete == 0);
+    if (header.incomplete != 0) continue;
+    const RecordLayout& layout = recordedSensors[request.steps[i].shot.sensor].layout;
+    const std::vector<std::byte> rows = rowsOf(scans[i], layout);
+    REQUIRE(header.rows * layout.stride == rows.size());
+    const auto bytes = std::as_const(results[i]->records).bytes();
+    const auto at = std::mismatch(rows.begin(), rows.end(), bytes.begin()).first - rows.begin();
+    INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout.stride) << " of " << header.rows << ", byte "
+                                    << at % static_cast<ptrdiff_t>(layout.stride));
+    CHECK(at == static_cast<ptrdiff_t>(rows.size()));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("recorded scans have the bytes of scans on a device of our own for requests drawn at random",
+          "[combinations]") {
+  needVulkan();
+  VulkanApp app;
+  for (const uint32_t number : numbersToTry(1)) requireRecorded(app, number);
+}
+
+}  // namespace gnosphere::test
