@@ -34,7 +34,7 @@ inline void needCuda() {
 /// The CUDA backend on the host for one scene: does the work of Simulator without its checks.
 class CudaOnHost {
  public:
-  CudaOnHost(const Scene& scene, const std::vector<SensorRequest>& requests, const SimulatorOptions& setup,
+  CudaOnHost(const SimulatorOptions& setup, const Scene& scene, const std::vector<SensorRequest>& requests,
              decltype(&cuda_on_host::makeBackend) makeBackend = cuda_on_host::makeBackend)
       : requests_(requests), setup_(setup), planner_(setup_) {
     SensorPlans plans;
@@ -43,7 +43,7 @@ class CudaOnHost {
   }
   CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup,
              decltype(&cuda_on_host::makeBackend) makeBackend = cuda_on_host::makeBackend)
-      : CudaOnHost(scene, requestsOf(sensors, setup), setup, makeBackend) {}
+      : CudaOnHost(setup, scene, requestsOf(sensors, setup), makeBackend) {}
 
   Scan scan(const Pose& pose, size_t sensor = 0) {
     Shot shot;

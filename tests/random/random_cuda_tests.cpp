@@ -17,7 +17,7 @@ void requireSame(uint32_t number) {
   Request request = anyRequest(number);
   INFO("request " << number << ":" << request.text);
   Simulator vulkan(request.scene, request.sensors, request.options);
-  CudaOnHost cuda(request.scene, request.sensors, request.options);
+  CudaOnHost cuda(request.options, request.scene, request.sensors);
   for (size_t i = 0; i < request.steps.size(); ++i) {
     INFO("shot " << i);
     Step& step = request.steps[i];
