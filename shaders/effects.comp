@@ -36,7 +36,8 @@ layout(local_size_x = 64) in;
 // The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes, and its hit if not.
 uint beamIndex, wordIndex, rowIndex, columnIndex;
 bool many;
-vec2 beamAzimuth;
+ColumnMotion beamMotion;  // where the sensor is when the beam fires; this and the next one only with motion
+vec3 beamOrigin;          // of the beam's laser in the sensor's frame
 vec3 beamDirection, lightDirection, pointDirection;
 uvec2 hitWord;
 float hitRange;  // NaN if there is no hit
@@ -51,11 +52,9 @@ void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
   VolumeBox box = volumes.at[i];
   if (MOTION) {
-    ColumnMotion at = columnMotionOf(rowIndex, columnIndex);
-    vec3 laser = originOf(rowIndex, beamAzimuth);
-    box.row0 = seenPlane(at, laser, box.row0);
-    box.row1 = seenPlane(at, laser, box.row1);
-    box.row2 = seenPlane(at, laser, box.row2);
+    box.row0 = seenPlane(beamMotion, beamOrigin, box.row0);
+    box.row1 = seenPlane(beamMotion, beamOrigin, box.row1);
+    box.row2 = seenPlane(beamMotion, beamOrigin, box.row2);
   }
   return box;
 }
@@ -73,7 +72,7 @@ Echo loadEcho(uint k) {
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
     vec3 direction = lightDirection;
-    if (MOTION) direction = reportedDirection(rowIndex, columnIndex, direction);
+    if (MOTION) direction = reportedDirection(beamMotion, direction);
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
@@ -82,12 +81,12 @@ Echo loadEcho(uint k) {
 
 // Returns the velocity of the point of a deformed triangle that the beam meets, in the column's frame; `point` is as
 // seen from the laser.
-vec3 deformedVelocityAt(uvec2 owner, ColumnMotion now, vec3 point) {
-  Surface surface = surfaceOf(wordIndex, owner);
+vec3 deformedVelocityAt(uvec2 owner, vec3 point) {
+  Surface surface = surfaceOf(owner, beamMotion, beamOrigin);
   vec2 shares = barycentricsOf(surface.corners, point);
   precise vec3 velocity = surface.velocities.a + (surface.velocities.b - surface.velocities.a) * shares.x +
                           (surface.velocities.c - surface.velocities.a) * shares.y;
-  return rotated(now.row0, now.row1, now.row2, velocity);
+  return rotated(beamMotion.row0, beamMotion.row1, beamMotion.row2, velocity);
 }
 
 // Stores the surface's velocity and its radial speed. Without motion both are 0.
@@ -95,17 +94,16 @@ void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    ColumnMotion now = columnMotionOf(rowIndex, columnIndex);
-    vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
+    vec3 point = beamDirection * range + beamOrigin;
     if (owner.x != kNone && motion.instances != 0) {
       InstanceMotion moving = instanceMotions.at[owner.y];
       if (DEFORMED != kDeformsNothing && moving.bound.z != 0.0)
-        velocity = deformedVelocityAt(owner, now, point - originOf(rowIndex, beamAzimuth));
+        velocity = deformedVelocityAt(owner, point - beamOrigin);
       else
-        velocity = velocityAt(moving, now, point);
+        velocity = velocityAt(moving, beamMotion, point);
     }
-    radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
-    velocity = reportedDirection(rowIndex, columnIndex, velocity);
+    radial = radialSpeed(beamDirection, velocity, beamMotion.velocity.xyz);
+    velocity = reportedDirection(beamMotion, velocity);
   }
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
@@ -119,7 +117,7 @@ void storeWord(Return value, uvec2 owner) {
 }
 
 void storePoint(uint at, Return value, uvec2 owner) {
-  vec3 position = MOTION ? reported(columnIndex, rowIndex, beamAzimuth, pointDirection, value.range)
+  vec3 position = MOTION ? reported(beamMotion, beamOrigin, pointDirection, value.range)
                          : pointDirection * value.range;
   points.at[at] = value.label != kLabelNone ? vec4(position, value.range) : vec4(notANumber());
   owners.at[at] = owner;
@@ -197,7 +195,8 @@ void loadHit(bool own) {
   if (SIGNALS) looks = looks || LOOKS_AT_MATERIALS;
   if (!(looks || SPEEDS || POINTS)) return;
   Surface surface;
-  findHit(wordIndex, there ? hitWord.x : kNone, looks, hitOwner, surface);
+  findHit(there ? hitWord.x : kNone, looks, hitOwner, surface);
+  if (looks) surface = seenSurface(surface, beamMotion, beamOrigin);
   hitSurface = SurfaceRecord(surface.normal, surface.material);
   if ((FIELDS & kFieldBarycentrics) != 0) hitBarycentrics = barycentricsOf(surface.corners, lightDirection * hitRange);
 }
@@ -206,7 +205,10 @@ void loadHit(bool own) {
 void answer(BeamRow row, bool own) {
   beamIndex = numberIn(row, wordIndex, columnIndex);
   Beam axis = beamIn(row, columnIndex);
-  beamAzimuth = axis.azimuth;
+  if (MOTION) {
+    beamMotion = columnMotionOf(rowIndex, columnIndex);
+    beamOrigin = originOf(rowIndex, axis.azimuth);
+  }
   beamDirection = lightDirection = axis.direction;
   if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[wordIndex]);
   if (!MANY_ECHOES) loadHit(own);

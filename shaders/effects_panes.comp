@@ -30,6 +30,9 @@ layout(local_size_x = 64) in;
 uint beamIndex, beamRow, beamColumn;
 Beam axis;
 vec3 direction;
+// Where the sensor is when the beam fires, and where the beam's laser is in the sensor's frame; only with motion.
+ColumnMotion beamMotion;
+vec3 beamOrigin;
 
 // The hits of the beam, in order of range.
 uint hitCount;
@@ -58,7 +61,8 @@ uint nextOf(uint k) {
 
 Triangle paneAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, axis.azimuth);
+  if (MOTION && (triangle.moves || motion.sensor != 0)) triangle = seenAt(triangle, projected, beamMotion);
+  if (MOTION) triangle = seenFrom(triangle, beamRow, axis.azimuth);
   return triangle;
 }
 
@@ -97,14 +101,13 @@ uint nextPane(float before, uvec2 opaque, out float range, out uint id) {
 }
 
 Surface surfaceOfHit(uint pane, uint id) {
-  if (pane == kNone) return surfaceOf(beamIndex, ownerOf(id));
+  if (pane == kNone) return surfaceOf(ownerOf(id), beamMotion, beamOrigin);
   Triangle triangle = paneAt(pane);
-  vec3 laser = vec3(0.0);
-  if (MOTION && SHIFTS_TURNED) laser = originOf(beamRow, axis.azimuth);
+  vec3 laser = MOTION && SHIFTS_TURNED ? beamOrigin : vec3(0.0);
   Surface surface;
   surface.corners = Corners(triangle.a - laser, triangle.b - laser, triangle.c - laser);
   surface.normal = normalOf(surface.corners);
-  if (MOTION) surface.normal = reportedDirection(beamRow, beamColumn, surface.normal);
+  if (MOTION) surface.normal = reportedDirection(beamMotion, surface.normal);
   surface.material = projectedMaterials.at[pane];
   return surface;
 }
@@ -139,7 +142,7 @@ void storeEcho(uint slot, vec3 echo, uint id) {
   echoes.at[slot] = vec4(echo, 1.0);
   echoOwners.at[slot] = owner;
   if ((FIELDS & kFieldSurface) != 0) {
-    Surface surface = surfaceOf(beamIndex, owner);
+    Surface surface = surfaceOf(owner, beamMotion, beamOrigin);
     echoSurfaces.at[slot] = SurfaceRecord(surface.normal, surface.material);
   }
 }
@@ -180,7 +183,11 @@ void main() {
     axis = beamWith(beamIndex);
     direction = axis.direction;
     if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
-    if (MOTION) direction = reportedDirection(beamRow, beamColumn, direction);
+    if (MOTION) {
+      beamMotion = columnMotionOf(beamRow, beamColumn);
+      beamOrigin = originOf(beamRow, axis.azimuth);
+      direction = reportedDirection(beamMotion, direction);
+    }
     follow();
     gatherEchoes(numberOf(beamIndex));
   }

@@ -51,10 +51,15 @@ vec3 originOf(uint row, vec2 azimuth) {
   return laserAt(laserOf(row), azimuth);
 }
 
-// Returns the point at a range along a beam, in the frame that points are reported in.
+// Returns the point at a range along a beam, in the frame that points are reported in. `at` is where the sensor is when
+// the beam fires.
+vec3 reported(ColumnMotion at, vec3 laser, vec3 direction, float range) {
+  if (STAGGERED && motion.sensor == 0) return reportedPoint(columnMotions.at[0], laser, direction, range);
+  return reportedPoint(at, laser, direction, range);
+}
+
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
-  if (STAGGERED && motion.sensor == 0) return reportedPoint(columnMotions.at[0], originOf(row, azimuth), direction, range);
-  return reportedPoint(columnMotionOf(row, column), originOf(row, azimuth), direction, range);
+  return reported(columnMotionOf(row, column), originOf(row, azimuth), direction, range);
 }
 
 // Returns the largest angle, in radians, by which an object at least `distance` away appears to move while the sensor
@@ -67,9 +72,12 @@ float seemingAngle(float shift, float turn, float distance) {
 }
 
 // Transforms a direction from the column's frame to the frame that points are reported in.
-vec3 reportedDirection(uint row, uint column, vec3 direction) {
-  ColumnMotion at = columnMotionOf(row, column);
+vec3 reportedDirection(ColumnMotion at, vec3 direction) {
   return rotated(at.report0, at.report1, at.report2, direction);
+}
+
+vec3 reportedDirection(uint row, uint column, vec3 direction) {
+  return reportedDirection(columnMotionOf(row, column), direction);
 }
 
 // Transforms a point from the column's frame to the frame at the middle of the scan. The rows are a rotation and a

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the owners and surfaces of the hits of a subgroup. Neighbouring beams mostly hit the same triangle, so only the
-// first of them looks it up, and the others take what it has found. With motion each beam sees its triangle at a
-// different time, and nothing is shared.
+// first of them looks it up, and the others take what it has found. With motion each beam sees its triangle from another
+// place, so they share the triangle where it is placed.
 
 // The placed triangle that the last lane has hit in the step before, its owner and its surface; at first none.
 uint lastId = kNone;
@@ -20,39 +20,37 @@ uint leaderOf(bool leading) {
   return leader;
 }
 
+Corners cornersFrom(Corners corners, uint lane) {
+  return Corners(subgroupShuffle(corners.a, lane), subgroupShuffle(corners.b, lane), subgroupShuffle(corners.c, lane));
+}
+
 // Returns the surface of another lane.
 Surface surfaceFrom(Surface surface, uint lane) {
-  surface.normal = subgroupShuffle(surface.normal, lane);
   surface.material = subgroupShuffle(surface.material, lane);
-  if ((FIELDS & kFieldBarycentrics) != 0)
-    surface.corners = Corners(subgroupShuffle(surface.corners.a, lane), subgroupShuffle(surface.corners.b, lane),
-                              subgroupShuffle(surface.corners.c, lane));
+  if (!MOTION) surface.normal = subgroupShuffle(surface.normal, lane);
+  if (MOTION || (FIELDS & kFieldBarycentrics) != 0) surface.corners = cornersFrom(surface.corners, lane);
+  if (MOTION && motion.instances != 0) surface.velocities = cornersFrom(surface.velocities, lane);
   return surface;
 }
 
-// Finds the owner of the placed triangle (kNone: none) that the beam with this index has hit, and its surface if
-// `looks`. All invocations of the subgroup must call this, and run through their beams together.
-void findHit(uint index, uint id, bool looks, out uvec2 owner, out Surface surface) {
+// Finds the owner of the placed triangle (kNone: none) that a beam has hit, and its placed surface if `looks`. All
+// invocations of the subgroup must call this, and run through their beams together.
+void findHit(uint id, bool looks, out uvec2 owner, out Surface placed) {
   owner = lastOwner;
-  surface = lastSurface;
-  if (MOTION) {
-    owner = ownerOfHit(id);
-    if (looks) surface = surfaceOf(index, owner);
-    return;
-  }
+  placed = lastSurface;
   uint lane = gl_SubgroupInvocationID, last = gl_SubgroupSize - 1;
   uint before = subgroupShuffle(id, (lane - 1) & last);
   bool leading = id != (lane == 0 ? lastId : before);
   if (!subgroupAny(leading)) return;
   if (leading) {
     owner = ownerOfHit(id);
-    if (looks) surface = surfaceOf(index, owner);
+    if (looks) placed = placedSurfaceOf(owner);
   }
   uint leader = leaderOf(leading);
   if (leader == kNone) leader = lane;  // it still has what the step before has found
   owner = subgroupShuffle(owner, leader);
-  if (looks) surface = surfaceFrom(surface, leader);
+  if (looks) placed = surfaceFrom(placed, leader);
   lastId = subgroupShuffle(id, last);
   lastOwner = subgroupShuffle(owner, last);
-  if (looks) lastSurface = surfaceFrom(surface, last);
+  if (looks) lastSurface = surfaceFrom(placed, last);
 }

@@ -35,20 +35,6 @@ Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uint clust
                  vertexVelocity(moving, instance, t.c, cluster, vertices.z));
 }
 
-// Returns the corners in the frame of the column when it fires, as seen from the laser.
-Corners seenFrom(Corners t, Corners velocities, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotionOf(row, column);
-  vec3 origin = originOf(row, azimuth);
-  return Corners(inColumn(at, t.a, velocities.a) - origin, inColumn(at, t.b, velocities.b) - origin,
-                 inColumn(at, t.c, velocities.c) - origin);
-}
-
-Corners seenFrom(Corners t, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotionOf(row, column);
-  vec3 origin = originOf(row, azimuth);
-  return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
-}
-
 struct Surface {
   Corners corners;     // as the beam sees them
   Corners velocities;  // of the corners, m/s in the sensor's axes; only if instances move
@@ -74,26 +60,33 @@ Surface noSurface() {
   return surface;
 }
 
-// Returns the surface that the beam with this index has hit.
-Surface surfaceOf(uint index, uvec2 owner) {
+// Returns the surface of a triangle in the frame in which scenes are projected, whatever moves. With motion it has no
+// normal yet.
+Surface placedSurfaceOf(uvec2 owner) {
   Surface surface = noSurface();
   if (owner.x == kNone) return surface;
   uint slot = triangleSlots.at[meshTriangles.at[instanceMeshes.at[owner.y]] + owner.x];
   uint cluster = slot / kClusterTriangles;
   uvec3 vertices = verticesOf(cluster, slot % kClusterTriangles);
   surface.corners = cornersOf(instances.at[owner.y], vertices);
-  if (MOTION) {
-    uint column = columnOf(index), row = rowOf(index);
-    vec2 azimuth = beamWith(index).azimuth;
-    if (motion.instances != 0) {
-      surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, surface.corners, cluster, vertices);
-      surface.corners = seenFrom(surface.corners, surface.velocities, column, row, azimuth);
-    } else {
-      surface.corners = seenFrom(surface.corners, column, row, azimuth);
-    }
-  }
-  surface.normal = normalOf(surface.corners);
-  if (MOTION) surface.normal = reportedDirection(rowOf(index), columnOf(index), surface.normal);
+  if (!MOTION)
+    surface.normal = normalOf(surface.corners);
+  else if (motion.instances != 0)
+    surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, surface.corners, cluster, vertices);
   surface.material = clusters.at[cluster].material;
   return surface;
 }
+
+// Returns a placed surface as a beam sees it from its laser, when the sensor is at `at`.
+Surface seenSurface(Surface surface, ColumnMotion at, vec3 laser) {
+  if (!MOTION || surface.material == kNone) return surface;
+  Corners t = surface.corners, v = surface.velocities;
+  if (motion.instances != 0)
+    surface.corners = Corners(inColumn(at, t.a, v.a) - laser, inColumn(at, t.b, v.b) - laser, inColumn(at, t.c, v.c) - laser);
+  else
+    surface.corners = Corners(inColumn(at, t.a) - laser, inColumn(at, t.b) - laser, inColumn(at, t.c) - laser);
+  surface.normal = reportedDirection(at, normalOf(surface.corners));
+  return surface;
+}
+
+Surface surfaceOf(uvec2 owner, ColumnMotion at, vec3 laser) { return seenSurface(placedSurfaceOf(owner), at, laser); }
