@@ -42,11 +42,28 @@ Course courseOf(mat3 corners, mat3 velocities) {
   return course;
 }
 
-// Widens the bounds of a triangle that appears elsewhere by up to `angle`. Up to half a radian, asin(x) is at most
+// Sets the angles by which a triangle appears elsewhere that moves by up to `shift` metres and is turned by up to `turn`
+// radians, and is seen from each laser. The corners are in the frame that the triangle moves from.
+void seemInMotion(mat3 corners, float shift, float turn) {
+  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+  float angle = seemingAngle(shift, turn, nearestPoint(low, high));
+  setSeeming(0.0);
+  if (ORIGINS) {
+    float moved = shift + 1.05 * turn * length(max(abs(low), abs(high)));
+    seemFromLasers(low - moved, high + moved);
+  }
+  seeming += angle;
+  seemingAcross += angle;
+  seemingUp += angle;
+}
+
+// Widens the bounds of a triangle by the angles by which it appears elsewhere. Up to half a radian, asin(x) is at most
 // 1.05 x; beyond that, every column is covered.
-void widenBy(float angle, inout Outline outline, inout Box box) {
-  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6), across = angle * inverse;
-  if (across + spreadAcross() * inverse > 0.5) {
+void widenBySeeming(inout Outline outline, inout Box box) {
+  outline.keyMin -= seemingUp;
+  outline.keyMax += seemingUp;
+  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6), across = seemingAcross * inverse;
+  if (spreadAcross() * inverse > 0.5) {
     box.columnMin = 0.0;
     box.columnMax = float(frame.columns);
   } else {
@@ -54,8 +71,6 @@ void widenBy(float angle, inout Outline outline, inout Box box) {
     box.columnMin -= more;
     box.columnMax += more;
   }
-  outline.keyMin -= angle;
-  outline.keyMax += angle;
 }
 
 // Returns the place of a point's azimuth among the columns, not less than that of the first.
@@ -77,7 +92,7 @@ uint seeingColumn(mat3 corners, mat3 velocities) {
 // Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
 // columns are unwrapped so that they lie around `at`. Returns false if the triangle moves too fast for this, or if both
 // the start and the end of the scan may see it.
-bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box) {
+bool widenByMotion(uint at, mat3 seen, Course course, inout Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   if (box.columnMax - box.columnMin >= 0.5 * turnColumns) return false;
   float wrap = floor((float(at) - 0.5 * (box.columnMin + box.columnMax)) / turnColumns + 0.5) * turnColumns;
@@ -89,13 +104,13 @@ bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box)
   float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
   float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
+  if (ORIGINS) reach += seemingAngle(motion.left, 0.0, course.nearest) * inverse * frame.columnsPerRadian;
   // Rows with shifts look in that direction earlier or later.
   if (STAGGERED) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
-  float angle = perColumn * columnsAway + seemingAngle(motion.origins + course.rounding, 0.0, course.nearest);
-  if (angle > 0.25) return false;
-  widenBy(angle, outline, box);
-  setSeeming(angle);
+  seemInMotion(seen, course.perColumn * columnsAway + course.rounding, motion.turnPerColumn * columnsAway);
+  if (seeming > 0.25) return false;
+  widenBySeeming(outline, box);
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
   float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
   float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
@@ -150,7 +165,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     if (inOne) {
       inOne = false;
       projected.seen = mat3(a, b, c);
-      projected.inOneFrame = widenByMotion(uint(places.x), course, outline, box);
+      projected.inOneFrame = widenByMotion(uint(places.x), projected.seen, course, outline, box);
       if (projected.inOneFrame) {
         fate = fateIn(outline, rangeMin, box);
         more = false;
@@ -160,10 +175,12 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     } else {
       float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));
       float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
-      float angle = seemingAngle(shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn), nearest);
       rangeMin = max(nearest - shift, course.nearest);
       float area = areaOf(outline, box);
-      widenBy(angle, outline, box);
+      seemInMotion(mat3(a, b, c), min(course.perColumn * reach + course.rounding, 2.0 * course.shift),
+                   min(motion.turnPerColumn * reach, 2.0 * motion.turn));
+      widenBySeeming(outline, box);
+      setSeeming(0.0);
       bool muchWider = areaOf(outline, box) > 2.0 * area;
       cutColumns(part, box);
       bool any = coverRows(outline, box) && boxColumnCount(box) > 0 && anyBeams;
