@@ -227,6 +227,34 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   }
 }
 
+// Tries the beams of a tile of cells that fire within the time of its box, which are few of those in the cells. Each
+// lane looks for its next such beam, so that most lanes have one when they try them together.
+void tryFiring(Tile tile) {
+  Box box = tile.box;
+  uint count = tile.end - tile.first, run = min(count, frame.columns - tile.column);  // cells, and those before the seam
+  uint row = box.rowFirst, index = 0, end = 0, before = 0;  // `before` counts the beams of earlier runs of cells
+  bool wrapped = false;
+  while (true) {
+    uint found = kNone;
+    while (found == kNone && (index < end || row <= box.rowLast)) {
+      if (index >= end) {
+        uint cell = row * frame.columns + (wrapped ? 0 : tile.column), first = cellStarts.at[cell];
+        end = cellStarts.at[cell + (wrapped ? count - run : run)];
+        index = first + (gl_SubgroupInvocationID - before & gl_SubgroupSize - 1);
+        before += end - first;
+        wrapped = !wrapped && run < count;
+        row += wrapped ? 0 : 1;
+      }
+      if (index < end && firesWithin(box, index, index)) found = index;
+      index += gl_SubgroupSize;
+    }
+    if (found == kNone) return;
+    Beam beam = listedBeam(found);
+    Triangle seen = seenFrom(tile.triangle, tile.slot, found, found, beam.azimuth);
+    tryBeam(seen, prepare(seen), turnedFrom(seen, found, beam.azimuth), beam, found, tile.slot);
+  }
+}
+
 // Loads a word near a column in each of the rows from..to - 1. The loop over these rows needs their words one after the
 // other and would wait for memory at each; here it waits once. The result is always true, because no triangle has such
 // a number, but the compiler does not know that and keeps the loads. Where lanes do not run in step, another lane may be
@@ -243,8 +271,12 @@ bool areAtHand(uint from, uint to, uint column) {
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
-  Prepared prepared = prepare(tile.triangle);
   lookAtSurface(tile.slot);
+  if (TIMED && LISTED) {
+    tryFiring(tile);
+    return;
+  }
+  Prepared prepared = prepare(tile.triangle);
   Box box = tile.box;
   uint lane = gl_SubgroupInvocationID;
   uint columnCount = tile.end - tile.first;
