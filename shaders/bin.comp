@@ -231,7 +231,8 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
 // lane looks for its next such beam, so that most lanes have one when they try them together.
 void tryFiring(Tile tile) {
   Box box = tile.box;
-  uint count = tile.end - tile.first, run = min(count, frame.columns - tile.column);  // cells, and those before the seam
+  uint count = tile.end - tile.first;
+  uint run = min(count, frame.columns - tile.column);  // cells before the seam
   uint row = box.rowFirst, index = 0, end = 0, before = 0;  // `before` counts the beams of earlier runs of cells
   bool wrapped = false;
   while (true) {

@@ -42,8 +42,8 @@ Course courseOf(mat3 corners, mat3 velocities) {
   return course;
 }
 
-// Sets the angles by which a triangle appears elsewhere that moves by up to `shift` metres and is turned by up to `turn`
-// radians, and is seen from each laser. The corners are in the frame that the triangle moves from.
+// Sets the angles by which a triangle appears elsewhere if it moves by up to `shift` metres, is turned by up to `turn`
+// radians, and is seen from any laser. The corners are in the frame that the triangle moves from.
 void seemInMotion(mat3 corners, float shift, float turn) {
   vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
   float angle = seemingAngle(shift, turn, nearestPoint(low, high));

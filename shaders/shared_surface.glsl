@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the owners and surfaces of the hits of a subgroup. Neighbouring beams mostly hit the same triangle, so only the
-// first of them looks it up, and the others take what it has found. With motion each beam sees its triangle from another
-// place, so they share the triangle where it is placed.
+// first of them looks it up, and the others take what it has found. With motion each beam sees its triangle from
+// another place, so beams share the triangle where it is placed.
 
 // The placed triangle that the last lane has hit in the step before, its owner and its surface; at first none.
 uint lastId = kNone;

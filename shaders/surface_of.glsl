@@ -82,7 +82,8 @@ Surface seenSurface(Surface surface, ColumnMotion at, vec3 laser) {
   if (!MOTION || surface.material == kNone) return surface;
   Corners t = surface.corners, v = surface.velocities;
   if (motion.instances != 0)
-    surface.corners = Corners(inColumn(at, t.a, v.a) - laser, inColumn(at, t.b, v.b) - laser, inColumn(at, t.c, v.c) - laser);
+    surface.corners =
+        Corners(inColumn(at, t.a, v.a) - laser, inColumn(at, t.b, v.b) - laser, inColumn(at, t.c, v.c) - laser);
   else
     surface.corners = Corners(inColumn(at, t.a) - laser, inColumn(at, t.b) - laser, inColumn(at, t.c) - laser);
   surface.normal = reportedDirection(at, normalOf(surface.corners));
