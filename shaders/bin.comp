@@ -62,7 +62,8 @@ void offer(uint beam, float range, uint projected, uint id) {
 }
 
 // Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle (with a footprint also
-// kPaneBit if it is a pane), the range of its hit (with a footprint, the least range), and the link before. A beam that meets a pane is listed when its chain begins.
+// kPaneBit if it is a pane), the range of its hit (with a footprint, the least range), and the link before. A beam that
+// meets a pane is listed when its chain begins.
 void link(uint beam, uint projected, uint rangeBits) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
@@ -187,9 +188,9 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   uint last = columnOf(tile, kTo + uint(ceil(BESIDE)));
   Triangle triangle = tile.triangle;
   if (MOTION) {
-    // Beams of a list fire at any time. So do the columns at the seam, which is not the same in each row.
+    // Columns at the seam fire at the start or at the end of the scan; the seam is not the same in each row.
     float early = float(first) - frame.shiftMax, late = float(last) - frame.shiftMin;
-    if (LISTED || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns ||
+    if (triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns ||
         (STAGGERED && (early < 0.0 || late > float(frame.columns - 1))))
       return;
     triangle = seenFrom(triangle, tile.slot, tile.box.rowFirst, first);
@@ -213,22 +214,21 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 }
 
-// Tries the listed beams of a cell.
+// Tries the listed beams of a cell, where nothing moves.
 void tryCell(Tile tile, Prepared prepared, uint cell) {
   for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
-    if (!firesWithin(tile.box, index, index)) continue;
     Beam beam = listedBeam(index);
     Triangle seen = tile.triangle;
-    if (APART) {
-      seen = seenFrom(tile.triangle, tile.slot, index, index, beam.azimuth);
+    if (ORIGINS) {
+      seen = seenFrom(tile.triangle, index, beam.azimuth);
       prepared = prepare(seen);
     }
     tryBeam(seen, prepared, turnedFrom(seen, index, beam.azimuth), beam, index, tile.slot);
   }
 }
 
-// Tries the beams of a tile of cells that fire within the time of its box, which are few of those in the cells. Each
-// lane looks for its next such beam, so that most lanes have one when they try them together.
+// Tries the beams in the cells of a tile that fire within the time of the tile's box; few do. Each lane looks for its
+// next such beam, so that most lanes have one when all of them try theirs.
 void tryFiring(Tile tile) {
   Box box = tile.box;
   uint count = tile.end - tile.first;

@@ -17,6 +17,7 @@
 #include "runs.glsl"
 #include "common/effects/doppler.h"
 #include "motion.glsl"
+#include "beam_place.glsl"
 #include "owner.glsl"
 #include "strays.glsl"
 #include "to_sensor.glsl"
@@ -36,8 +37,6 @@ layout(local_size_x = 64) in;
 // The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes, and its hit if not.
 uint beamIndex, wordIndex, rowIndex, columnIndex;
 bool many;
-ColumnMotion beamMotion;  // where the sensor is when the beam fires; this and the next one only with motion
-vec3 beamOrigin;          // of the beam's laser in the sensor's frame
 vec3 beamDirection, lightDirection, pointDirection;
 uvec2 hitWord;
 float hitRange;  // NaN if there is no hit
@@ -205,10 +204,7 @@ void loadHit(bool own) {
 void answer(BeamRow row, bool own) {
   beamIndex = numberIn(row, wordIndex, columnIndex);
   Beam axis = beamIn(row, columnIndex);
-  if (MOTION) {
-    beamMotion = columnMotionOf(rowIndex, columnIndex);
-    beamOrigin = originOf(rowIndex, axis.azimuth);
-  }
+  loadPlaceOfBeam(rowIndex, columnIndex, axis.azimuth);
   beamDirection = lightDirection = axis.direction;
   if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[wordIndex]);
   if (!MANY_ECHOES) loadHit(own);

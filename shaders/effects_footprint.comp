@@ -22,6 +22,7 @@
 #include "common/effects/intensity.h"
 #include "common/effects/returns.h"
 #include "motion.glsl"
+#include "beam_place.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"
@@ -280,7 +281,7 @@ void storeEcho(uint slot, vec3 echo, uint projected) {
   if ((FIELDS & kFieldSurface) != 0) {
     Triangle triangle = triangleAt(projected);
     vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
-    if (MOTION) normal = reportedDirection(beamRow, beamColumn, normal);
+    if (MOTION) normal = reportedDirection(beamMotion, normal);
     echoSurfaces.at[slot] = SurfaceRecord(normal, projectedMaterials.at[projected]);
   }
 }
@@ -391,13 +392,11 @@ void aim(uint index) {
 uint finish(uint index) {
   uint number = numberOf(index);
   if (MAPPED && number == kNone) return PASS;
-  beamRow = rowOf(index);
-  beamColumn = columnOf(index);
   Beam axis = beamWith(index);
   vec2 window = rangesOf(index);
   rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;
   rangeMax = window.y;
-  loadPlaceOfBeam(axis.azimuth);
+  loadPlaceOfBeam(rowOf(index), columnOf(index), axis.azimuth);
   openList(index);
   aim(index);
   if (PASS != kPassWithinOne) {

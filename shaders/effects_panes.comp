@@ -14,6 +14,7 @@
 #include "common/effects/intensity.h"
 #include "common/effects/returns.h"
 #include "motion.glsl"
+#include "beam_place.glsl"
 #include "to_sensor.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
@@ -25,14 +26,11 @@
 
 layout(local_size_x = 64) in;
 
-// The light of a beam: its index in row order, its place in the sensor's grid, its axis and its true direction, in the
-// frame that surfaces are in.
-uint beamIndex, beamRow, beamColumn;
+// The light of a beam: its index in row order, its row, its axis and its true direction, in the frame that surfaces are
+// in.
+uint beamIndex, beamRow;
 Beam axis;
 vec3 direction;
-// Where the sensor is when the beam fires, and where the beam's laser is in the sensor's frame; only with motion.
-ColumnMotion beamMotion;
-vec3 beamOrigin;
 
 // The hits of the beam, in order of range.
 uint hitCount;
@@ -61,7 +59,7 @@ uint nextOf(uint k) {
 
 Triangle paneAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (MOTION && (triangle.moves || motion.sensor != 0)) triangle = seenAt(triangle, projected, beamMotion);
+  if (MOTION && !atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
   if (MOTION) triangle = seenFrom(triangle, beamRow, axis.azimuth);
   return triangle;
 }
@@ -179,15 +177,11 @@ void main() {
   for (uint i = run.x + gl_SubgroupInvocationID; i < run.y; i += gl_SubgroupSize) {
     beamIndex = hardBeams.at[i];
     beamRow = rowOf(beamIndex);
-    beamColumn = columnOf(beamIndex);
     axis = beamWith(beamIndex);
     direction = axis.direction;
     if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
-    if (MOTION) {
-      beamMotion = columnMotionOf(beamRow, beamColumn);
-      beamOrigin = originOf(beamRow, axis.azimuth);
-      direction = reportedDirection(beamMotion, direction);
-    }
+    loadPlaceOfBeam(beamRow, columnOf(beamIndex), axis.azimuth);
+    if (MOTION) direction = reportedDirection(beamMotion, direction);
     follow();
     gatherEchoes(numberOf(beamIndex));
   }

@@ -59,21 +59,10 @@ struct Candidate {
   bool oneSided;
 };
 
-uint beamRow, beamColumn;
-// Where the sensor is when the beam fires, and where the beam's laser is in the sensor's frame: loaded once per beam,
-// because loads are what candidates cost.
-ColumnMotion beamMotion;
-vec3 beamOrigin;
-
-void loadPlaceOfBeam(vec2 azimuth) {
-  if (MOTION && (motion.sensor != 0 || motion.instances != 0)) beamMotion = columnMotionOf(beamRow, beamColumn);
-  if (ORIGINS) beamOrigin = originOf(beamRow, azimuth);
-}
-
 // Returns a projected triangle in the frame of the beam's laser.
 Triangle triangleAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (MOTION && (triangle.moves || motion.sensor != 0)) triangle = seenAt(triangle, projected, beamMotion);
+  if (MOTION && !atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
   if (ORIGINS) triangle = seenFromPoint(triangle, beamOrigin);
   return triangle;
 }

@@ -5,6 +5,9 @@
 
 #include "common/laser.h"
 
+// True if all lasers see a triangle always in the same place; `moves` is the triangle's.
+bool atRest(bool moves) { return !moves && motion.sensor == 0; }
+
 // Applies the rotation without the shift. Calling through() with w = 0 is not the same: adding 0 turns -0 into 0, and
 // some compilers omit the addition.
 vec3 rotated(vec4 row0, vec4 row1, vec4 row2, vec3 d) {
@@ -74,10 +77,6 @@ float seemingAngle(float shift, float turn, float distance) {
 // Transforms a direction from the column's frame to the frame that points are reported in.
 vec3 reportedDirection(ColumnMotion at, vec3 direction) {
   return rotated(at.report0, at.report1, at.report2, direction);
-}
-
-vec3 reportedDirection(uint row, uint column, vec3 direction) {
-  return reportedDirection(columnMotionOf(row, column), direction);
 }
 
 // Transforms a point from the column's frame to the frame at the middle of the scan. The rows are a rotation and a

@@ -4,9 +4,6 @@
 // other columns of its box fire. A triangle that moves fast around the sensor, because it is near, or that both the
 // start and the end of the scan may see, is bounded for intervals of the scan, and has a box for each.
 
-// True if all lasers see a triangle always in the same place.
-bool atRest(bool moves) { return !moves && motion.sensor == 0; }
-
 // As culledEarly(); `bound` is that of the triangle's instance.
 uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
   float shift = motion.shift + bound.x;
@@ -136,7 +133,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   box.times = uvec2(part.from, part.to);
   projected.seen = corners;
   projected.inOneFrame = true;
-  if (!MOTION || (!moves && motion.sensor == 0)) {
+  if (!MOTION || atRest(moves)) {
     vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
     rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
     if (rangeMin > frame.rangeMax) return kRange;

@@ -5,7 +5,7 @@
 // triangle from elsewhere, every beam costs more, which repays itself only where a whole subgroup would try the box in
 // stage bin.
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
-  bool seenFromOnePlace = BINNING == kBinningSlabs || !MOTION || (motion.sensor == 0 && !moves);
+  bool seenFromOnePlace = BINNING == kBinningSlabs || !MOTION || atRest(moves);
   if (ORIGINS) seenFromOnePlace = seenFromOnePlace && SHIFTS_TURNED;
   bool walks = silhouette.known || (LISTED && VIEWS);  // cells of a list are all tried
   bool few = BINNING == kBinningSlabs && walks && walkLength(silhouette, box) <= kTriedSteps;

@@ -25,7 +25,7 @@ Triangle seenAt(Triangle triangle, uint slot, ColumnMotion at) {
 
 // Transforms the triangle to the frame of the sensor when the beam in a column of a row fires.
 Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
-  if (!MOTION || (!triangle.moves && motion.sensor == 0)) return triangle;
+  if (!MOTION || atRest(triangle.moves)) return triangle;
   return seenAt(triangle, slot, columnMotionOf(row, column));
 }
 

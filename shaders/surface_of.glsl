@@ -31,7 +31,8 @@ vec3 normalOf(Corners t) {
 
 // Returns the velocities of the corners of a triangle that moves, m/s in the sensor's axes.
 Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uint cluster, uvec3 vertices) {
-  return Corners(vertexVelocity(moving, instance, t.a, cluster, vertices.x), vertexVelocity(moving, instance, t.b, cluster, vertices.y),
+  return Corners(vertexVelocity(moving, instance, t.a, cluster, vertices.x),
+                 vertexVelocity(moving, instance, t.b, cluster, vertices.y),
                  vertexVelocity(moving, instance, t.c, cluster, vertices.z));
 }
 
