@@ -243,33 +243,50 @@ bool goOn() {
   return any;
 }
 
+// The number of layers in which the beam has hits. Most light meets one pane at most, so the others are skipped.
+uint layersMet;
+#define IS_MET(layer) (HELD_LAYERS == 1u || layer < layersMet)
+
+// Returns the least range after `after` of the hits that count; kNothing if there is none.
 float nextRange(float after) {
   float least = kNothing;
   [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
 #define NEXT(s) \
   if (ranges[layer * RAYS + s] > after && energies[layer * RAYS + s] >= 0.0) least = min(least, ranges[layer * RAYS + s]);
-    EACH_RAY(NEXT)
+    if (IS_MET(layer)) {
+      EACH_RAY(NEXT)
+    }
   }
   return least;
 }
 
-// Returns the farthest range of the echo that starts at `first`. Hits whose ranges differ by at most the separation
-// from the next belong to one echo.
-float endOfEcho(float first) {
-  float end = first, before, last = 0.0;
+// Returns the largest range of the hits that count; 0 if there is none.
+float lastRange() {
+  float last = 0.0;
   [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
 #define LAST(s) \
   last = max(last, ranges[layer * RAYS + s] < kNothing && energies[layer * RAYS + s] >= 0.0 ? ranges[layer * RAYS + s] : 0.0);
-    EACH_RAY(LAST)
+    if (IS_MET(layer)) {
+      EACH_RAY(LAST)
+    }
   }
+  return last;
+}
+
+// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. Hits whose ranges differ
+// by at most the separation from the next belong to one echo.
+float endOfEcho(float first, float last) {
   if (last <= sumOf(first, parameters.separation)) return last;
+  float end = first, before;
   do {
     before = end;
     float reach = sumOf(end, parameters.separation);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
 #define FOLLOW(s) \
   if (ranges[layer * RAYS + s] <= reach && energies[layer * RAYS + s] >= 0.0) end = max(end, ranges[layer * RAYS + s]);
-      EACH_RAY(FOLLOW)
+      if (IS_MET(layer)) {
+        EACH_RAY(FOLLOW)
+      }
     }
   } while (end > before);
   return end;
@@ -300,22 +317,24 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
 
 void gatherEchoes(uint index, uint beam) {
   uint count = 0;
-  float first = nextRange(0.0);
+  float first = nextRange(0.0), last = lastRange();
   while (first < kNothing) {
     if (count == kMaxEchoes) {
       atomicAdd(counters.lostEchoes, 1);
       break;
     }
-    float end = endOfEcho(first), most = -1.0;
+    float end = endOfEcho(first, last), most = -1.0;
     uint strongest = 0;
     vec3 sums = vec3(0.0);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
 #define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
-      EACH_RAY(ADD)
+      if (IS_MET(layer)) {
+        EACH_RAY(ADD)
+      }
     }
     storeEcho(echoPlace(index, count), echoOf(first, sums), strongest);
     ++count;
-    first = nextRange(end);
+    first = end < last ? nextRange(end) : kNothing;
   }
   echoCounts.at[beam] = count;
 }
@@ -323,17 +342,10 @@ void gatherEchoes(uint index, uint beam) {
 // Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end
 // light, however close they are to a pane.
 void follow(uint index, uint beam, Beam axis) {
-  if (LAYERS > 1) {
-    [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
-#define NO_HIT(s) ranges[layer * RAYS + s] = kNothing;
-      EACH_RAY(NO_HIT)
-    }
-  }
 #define NONE_BEFORE(s) rangesBefore[s] = 0.0;
   EACH_RAY(NONE_BEFORE)
   forget();
   bool lit = true;
-  uint layers = 0;
   // All searches share one loop, because their code is long.
   [[dont_unroll]] for (uint search = 0; search <= LAYERS && lit; ++search) {
     if (search > 0) beginLayer();
@@ -346,12 +358,8 @@ void follow(uint index, uint beam, Beam axis) {
     } else {
       keepLayer(search - 1);
       lit = goOn();
-      layers = search;
+      layersMet = search;
     }
-  }
-  if (LAYERS > 1 && layers < LAYERS) {
-#define NO_LAST(s) ranges[LAST_LAYER + s] = kNothing;
-    EACH_RAY(NO_LAST)
   }
   if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   gatherEchoes(index, beam);
