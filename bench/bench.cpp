@@ -20,8 +20,9 @@ void print(const Case& entry, const Session& session, const Report& report) {
   printHead(session.device());
   std::printf("\n## %s: %s\n", entry.name, entry.description);
   std::vector<Table> tables = report.tables;
-  if (Table cuda = cudaTable(report.outcomes); !cuda.rows.empty()) tables.push_back(cuda);
+  tables.push_back(cudaTable(report.outcomes));
   for (const Table& table : tables) {
+    if (table.rows.empty()) continue;
     std::printf("\n");
     cli::printMarkdown(table.rows);
     if (!table.note.empty()) std::printf("\n%s\n", table.note.c_str());

@@ -149,7 +149,7 @@ Table timesTable(const std::vector<Outcome>& outcomes) {
       const bool ours = &s == &outcome.standings[0];
       table.rows.push_back({outcome.label, s.name, orDash(s.buildMs), orDash(s.renewMs.median), bareMs(s.scanMs.median),
                             orDash(s.deviceMs.median), medianCell(s.totalMs), bareMs(s.meanMs),
-                            ours ? "1" : times(s.ratio), ours ? "1" : times(s.deviceRatio),
+                            ours ? "1" : times(s.ratio), ours && s.deviceMs.median > 0 ? "1" : times(s.deviceRatio),
                             ours ? "" : cli::grouped(s.agreement.differ())});
     }
   }
@@ -180,6 +180,7 @@ Table stagesTable(const std::vector<Outcome>& outcomes) {
       for (const StageTime& stage : s.stages)
         table.rows.push_back({outcome.label, s.name, stage.name, bareMs(stage.ms),
                               formatted("%.0f %%", 100 * stage.ms / s.totalMs.median)});
+  if (table.rows.size() == 1) table.rows.clear();
   return table;
 }
 

@@ -99,6 +99,7 @@ SimulatorOptions Session::simulatorOptions() const {
   settings.device = deviceByName(options_.device);
   settings.faces = ReflectingFaces::material;  // rivals see both faces; the check of their results proves it
   settings.tuning.keepStill = false;           // whole scans are timed, even if a run has only one pose
+  settings.tuning.stageTimes = timesStages_;
   cli::apply(options_.settings, settings);
   return settings;
 }

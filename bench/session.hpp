@@ -81,6 +81,8 @@ class Session {
   std::vector<Pose> poses(const Scene& scene) const;
 
   SimulatorOptions simulatorOptions() const;
+  /// Measures stages on CPU devices, too, for cases that report nothing else: see Tuning::stageTimes.
+  void timeStages() { timesStages_ = true; }
   std::vector<std::unique_ptr<Contender>> contenders(const Round& round);
   /// Runs a contest and adds its outcome; a round that does not fit GnoSphere's device is left out, with a note.
   void hold(const Round& round, std::vector<Outcome>& outcomes);
@@ -101,6 +103,7 @@ class Session {
   Options options_;
   std::vector<std::string> rivals_;
   std::vector<Pose> trajectory_;
+  bool timesStages_ = false;
   DeviceInfo device_;
   Rates rates_;
   std::vector<std::string> notes_;

@@ -41,6 +41,7 @@ Report table4(Session& session) {
 }
 
 Report figure5(Session& session) {
+  session.timeStages();
   Report report = {overSensors(session, {"HDL-64E", "Hypothetical-256"}, Motion::transforms), {}, "beams"};
   report.tables = {stagesTable(report.outcomes)};
   return report;

@@ -171,8 +171,9 @@ struct StageTime {
   double ms = 0;
 };
 
-/// Times that one scan took. `gpuMs` and `stages` come from device timestamps; without these they are zero and empty.
-/// The stage "resolve" is the exception: it runs on the host if only geometry is planned.
+/// Times that one scan took. `gpuMs` and `stages` come from device timestamps; without these, and on a CPU device
+/// unless Tuning::stageTimes asks for them, they are zero and empty. The stage "resolve" runs on the host if only
+/// geometry is planned; its time is not part of `gpuMs`.
 struct Timings {
   double wallMs = 0;  ///< from the submission until the results can be read on the host
   double gpuMs = 0;

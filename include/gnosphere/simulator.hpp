@@ -109,6 +109,10 @@ struct Tuning {
   /// beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or the paper's bounds.
   bool keepStill = true;
   bool float64 = true;  ///< if false, double precision is not used even if the device has it
+  /// If true, Timings::gpuMs and Timings::stages are measured on a CPU device, too. Other devices always measure them:
+  /// it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes about 1 ms of a scan,
+  /// as long as a scan of few beams itself.
+  bool stageTimes = false;
   /// Most bytes that shots which are submitted together (see Simulator::scanAll()) take on the device in lists of
   /// instances and clusters; at least one shot is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
   uint64_t maxBatchBytes = 0;

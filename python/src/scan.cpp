@@ -198,10 +198,10 @@ void bindCounters(nb::module_& m) {
       .def_ro("ms", &StageTime::ms, "Milliseconds.");
   auto timings =
       nb::class_<Timings>(m, "Timings",
-                          "Times of one scan. gpu_ms and stages come from device timestamps; without these they "
-                          "are zero and empty.");
+                          "Times of one scan. gpu_ms and stages come from device timestamps; without these, and on a "
+                          "CPU device unless Tuning.stage_times asks for them, they are zero and empty.");
   timings.def_ro("wall_ms", &Timings::wallMs, "From the submission until the results can be read on the host.")
-      .def_ro("gpu_ms", &Timings::gpuMs, "Milliseconds by the timestamps of the device; 0 if it has none.");
+      .def_ro("gpu_ms", &Timings::gpuMs, "Milliseconds by the timestamps of the device.");
   readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
 }
 

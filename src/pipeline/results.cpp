@@ -31,6 +31,12 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   inRuns(count, (count + slices - 1) / slices, threads, work);
 }
 
+// Adds the time since `start` as that of stage resolve, if the stages on the device are timed.
+void addResolve(Clock::time_point start, Timings& timings) {
+  if (!timings.stages.empty())
+    timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+}
+
 // Resolves the words of all rows on several threads; returns the number of hits.
 uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
                    const ShotMotion* motion, Scan& scan) {
@@ -42,7 +48,7 @@ uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const In
     hits += resolveWords(plan, device.words, device.tables, instances, motion, static_cast<uint32_t>(first),
                          static_cast<uint32_t>(end), placesOf(scan));
   });
-  scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  addResolve(start, scan.timings);
   return hits;
 }
 
@@ -251,7 +257,7 @@ void readHits(const SensorPlan& plan, const DeviceResults& device, const Instanc
     inSlices(shots.size(), frame.beams, [&](uint64_t first, uint64_t end) {
       for (uint64_t view = first; view < end; ++view) resolve(view, 0, count);
     });
-  sum.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  addResolve(start, sum.timings);
   uint64_t usable = 0;
   for (const Shot& shot : shots) {
     const WorldContent placed = instances.contentOf(shot.world);

@@ -109,6 +109,7 @@ class VulkanMachine final : public Machine {
   explicit VulkanMachine(const SimulatorOptions& options)
       : lent_(lendDevice(options)), warn_(options.warn), trace_(options.trace), transfer_(device_) {
     const Capabilities& capabilities = device_.capabilities();
+    timesStages_ = !capabilities.cpu || options.tuning.stageTimes || trace_;
     traits_ = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64};
   }
 
@@ -135,8 +136,10 @@ class VulkanMachine final : public Machine {
     writeAddresses(arrays, frame.addresses.mapped());
     frame.addresses.flush();
     Commands& commands = frame.commands;
-    commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : std::count_if(steps.begin(), steps.end(), isStamp)));
+    const auto stamps = timesStages_ ? std::count_if(steps.begin(), steps.end(), isStamp) : 0;
+    commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : stamps));
     StepRecorder(kernels_, commands.buffer(), frame.addresses.address(), arrays).record(steps, [&](const Step& step) {
+      if (isStamp(step) && !timesStages_) return;
       if (step.kind == Step::Kind::start) return commands.start();
       if (step.kind == Step::Kind::finish) return commands.finished(step.stage);
       if (step.kind == Step::Kind::cut) commands.cut();
@@ -184,6 +187,7 @@ class VulkanMachine final : public Machine {
   Device& device_ = lent_->device;
   Kernels& kernels_ = lent_->kernels;
   std::function<void(const std::string&)> warn_, trace_;
+  bool timesStages_;
   Transfer transfer_;
   Recordings recordings_{device_};
   Traits traits_;

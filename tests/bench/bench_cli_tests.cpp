@@ -159,7 +159,9 @@ TEST_CASE("the case effects times each effect, and checks that switched-off effe
   needVulkan();
   const Workplace place;
   const json effects =
-      casesOf(place, "effects --triangles 20000 --runs 1 --sensor VLP-16 --rivals none --json r.json --plot p.svg")
+      casesOf(place,
+              "effects --triangles 20000 --runs 1 --sensor VLP-16 --rivals none --set tuning.stage_times=true "
+              "--json r.json --plot p.svg")
           .at("effects");
   CHECK(xmlProblem(place.get("p.svg")) == "");
   CHECK(effects.at("off_requests") == 17);
@@ -170,6 +172,7 @@ TEST_CASE("the case effects times each effect, and checks that switched-off effe
   CHECK(bare.at("times_bare").at("median") == 1);
   CHECK(off.at("bytes") == bare.at("bytes"));
   CHECK(off.at("dispatches") == bare.at("dispatches"));
+  CHECK(off.at("stages_ms").contains("project"));
   CHECK(!off.at("stages_ms").contains("effects"));
   for (const json& row : rows) {
     INFO(row.at("name"));

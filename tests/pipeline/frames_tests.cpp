@@ -195,6 +195,44 @@ TEST_CASE("a scan into existing arrays does not reallocate them") {
   }
 }
 
+TEST_CASE("the stages of a scan are timed on a CPU device only if they are asked for", "[second-driver]") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(11, 1500, 40, 20));
+  const SensorRequest request(gridSensor(200, 16, -30, 30), Effects::none());
+  const std::vector<Shot> shots(3);
+  Scan untimed;
+  for (const bool asked : {false, true}) {
+    SimulatorOptions options;
+    options.tuning.stageTimes = asked;
+    Simulator simulator(scene, request, options);
+    const bool timed = asked || simulator.device().type != "cpu";
+    const auto requireTimes = [&](const Timings& timings) {
+      std::vector<std::string> names;
+      for (const StageTime& stage : timings.stages) names.push_back(stage.name);
+      CHECK(names == (timed ? std::vector<std::string>{"project", "bin", "resolve"} : std::vector<std::string>{}));
+      CHECK((timings.gpuMs > 0) == timed);
+      CHECK(timings.wallMs > 0);
+    };
+    const Scan scan = simulator.scan({});
+    requireTimes(scan.timings);
+    requireTimes(simulator.scanBatch(shots).timings);
+    if (!asked)
+      untimed = scan;
+    else
+      CHECK(sameBytes(scan, untimed));
+  }
+}
+
+TEST_CASE("a traced scan is timed on every device") {
+  needVulkan();
+  size_t lines = 0;
+  SimulatorOptions options;
+  options.trace = [&](const std::string&) { ++lines; };
+  Simulator simulator(sceneOf(soup(11, 1500, 40, 20)), SensorRequest(gridSensor(200, 16, -30, 30)), options);
+  CHECK(simulator.scan({}).timings.gpuMs > 0);
+  CHECK(lines > 0);
+}
+
 TEST_CASE("the second set of results is allocated by the first scanAll") {
   needVulkan();
   const Sensor sensor = gridSensor(200, 16, -30, 30);
