@@ -767,7 +767,7 @@ typedef struct gno_stage_time {
   const char* name;
   double ms;
 } gno_stage_time;
-/* gpu_ms and the stages are 0 on a CPU device unless the option "tuning.stage_times" is true. */
+/* On a CPU device gpu_ms is 0 and there are no stages unless the option "tuning.stage_times" is true. */
 typedef struct gno_timings {
   size_t struct_size;
   double wall_ms, gpu_ms;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sensor and its lasers are when the beam that an invocation processes fires. Each beam loads its place once,
-// because a load of a pose reads two entries of the table and joins them.
+// Loads the pose of the sensor and the position of the laser at the time when an invocation's beam fires. Each beam
+// loads the pose once, because a load reads two entries of the table and interpolates between them.
 
 ColumnMotion beamMotion;  // the sensor; only with motion
 vec3 beamOrigin;          // the beam's laser in the sensor's frame; only with motion or origins of lasers

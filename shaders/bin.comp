@@ -227,8 +227,8 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   }
 }
 
-// Tries the beams in the cells of a tile that fire within the time of the tile's box; few do. Each lane looks for its
-// next such beam, so that most lanes have one when all of them try theirs.
+// Tries the beams in the cells of a tile that fire within the time of the tile's box. Few beams do, so each lane
+// looks for its next such beam, and most lanes have one when all lanes try their beams.
 void tryFiring(Tile tile) {
   Box box = tile.box;
   uint count = tile.end - tile.first;

@@ -243,7 +243,8 @@ bool goOn() {
   return any;
 }
 
-// The number of layers in which the beam has hits. Most light meets one pane at most, so the others are skipped.
+// The number of layers in which the beam has hits. Most light meets one pane at most, so few beams
+// need the remaining layers, which are skipped.
 uint layersMet;
 #define IS_MET(layer) (HELD_LAYERS == 1u || layer < layersMet)
 

@@ -104,12 +104,11 @@ std::vector<Option<S>> makeSimulatorTable() {
       {flag<&S::tuning, &Tuning::float64>("tuning.float64",
                                           "If false, double precision is not used even if the device has it."),
        time},
-      {flag<&S::tuning, &Tuning::stageTimes>("tuning.stage_times",
-                                             "If true, Timings::gpuMs and Timings::stages are measured on a CPU "
-                                             "device, too. Other devices always measure "
-                                             "them: it costs them nothing. Mesa's CPU driver stops its threads at "
-                                             "every timestamp, which takes about 1 ms "
-                                             "of a scan, as long as a scan of few beams itself."),
+      {flag<&S::tuning, &Tuning::stageTimes>(
+           "tuning.stage_times",
+           "If true, Timings::gpuMs and Timings::stages are measured on a CPU device, too. Other devices always "
+           "measure them: it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes "
+           "about 1 ms of a scan, as long as a scan of few beams itself."),
        time},
       {count<&S::tuning, &Tuning::maxBatchBytes>("tuning.max_batch_bytes", "bytes", 0, UINT64_MAX,
                                                  "Most bytes that shots which are submitted together (see "
