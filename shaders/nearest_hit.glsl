@@ -31,8 +31,13 @@ Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0, 0); }
 // True if the beam in a column of a row fires within the time of a box.
 bool firesWithin(Box box, uint row, uint column) {
   if (!TIMED || isWholeScan(box.times)) return true;
-  uint time = LISTED ? min(uint(beamOrigins.at[column].w) / kSliceIntervals, kTimeSlices - 1)
-                     : uint(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
+  if (LISTED) {
+    // Slices are compared as places in the table of poses, because some compilers convert to integers lane by lane.
+    float place = beamOrigins.at[column].w;
+    return place >= float(box.times.x * kSliceIntervals) &&
+           (place < float((box.times.y + 1) * kSliceIntervals) || box.times.y == kTimeSlices - 1);
+  }
+  uint time = uint(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
   return time >= box.times.x && time <= box.times.y;
 }
 
