@@ -94,6 +94,7 @@
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
   ARRAY(, vec4, projectedMotions)          /* per projected triangle that moves: m/s of its three corners */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
+  ARRAY(, BeamFrame, beamFrames)           /* per beam, by index, if BEAM_FRAMES */ \
   ARRAY(, vec2, strays)                    /* per beam, by rows: tangents of its angle error, to the left and up */ \
   ARRAY(, uint, hardBeams)                 /* beams, in row order, for the second footprint pass or effects_panes; from the end on for the third */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range, at most kMaxEchoes, or */ \

@@ -26,6 +26,12 @@ struct ColumnMotion {
   vec4 velocity;                   // of the sensor, m/s in the column's frame; w: seconds since the scan's start
 };
 
+// The frame of a beam when it fires: forward along its azimuth, to the left, up. The axes are in the sensor's frame at the
+// middle of the scan; w takes the place of the beam's laser off.
+struct BeamFrame {
+  vec4 forward, left, up;
+};
+
 // Bounds of the motion during the scan, relative to the sensor's frame at the middle of the scan.
 struct MotionBounds {
   float shift, turn;                    // most metres and radians that the sensor moves, laser origins included

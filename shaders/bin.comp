@@ -98,6 +98,12 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   }
 }
 
+// True if a beam has a hit nearer than all of a triangle. Asking costs less than a try if lasers see the triangle from
+// different places.
+bool isBehindHit(Triangle triangle, uint index) {
+  return BINNING != kBinningLists && words.at[firstWord() + index].y < floatBitsToUint(triangle.rangeMin);
+}
+
 Box boxOf(uint slot, vec2 span, uint packedRows) {
   return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16, TIMED ? projectedTimes.at[slot] : uvec2(0));
 }
@@ -107,6 +113,17 @@ void seemFrom(Triangle triangle) {
   if (!ORIGINS) return;
   vec3 a = triangle.a, b = triangle.b, c = triangle.c;
   seemFromLasers(min(min(a, b), c), max(max(a, b), c));
+}
+
+// Prepares a triangle that has been turned to a beam. A footprint needs the triangle's lengths alone, which are the same
+// in the frame of the beam.
+Prepared preparedFor(Triangle seen, Turned turned) {
+  if ((EFFECTS & kFootprint) != 0 && BEAM_FRAMES) {
+    seen.a = vec3(turned.p.x, turned.q.x, turned.z.x);
+    seen.b = vec3(turned.p.y, turned.q.y, turned.z.y);
+    seen.c = vec3(turned.p.z, turned.q.z, turned.z.z);
+  }
+  return prepare(seen);
 }
 
 // One invocation tries all beams of a box.
@@ -127,10 +144,12 @@ void trySmall(uint i) {
     if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
     Triangle seen = triangle;
     if (APART) {
+      if (isBehindHit(triangle, place.index)) continue;
       seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
-      prepared = prepare(seen);
     }
-    tryBeam(seen, prepared, turnedFrom(seen, place.row, beam.azimuth), beam, place.index, i);
+    Turned turned = turnedFrom(seen, place.row, place.index, beam.azimuth);
+    if (APART) prepared = preparedFor(seen, turned);
+    tryBeam(seen, prepared, turned, beam, place.index, i);
   }
 }
 
@@ -223,7 +242,7 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
       seen = seenFrom(tile.triangle, index, beam.azimuth);
       prepared = prepare(seen);
     }
-    tryBeam(seen, prepared, turnedFrom(seen, index, beam.azimuth), beam, index, tile.slot);
+    tryBeam(seen, prepared, turnedFrom(seen, index, index, beam.azimuth), beam, index, tile.slot);
   }
 }
 
@@ -250,9 +269,12 @@ void tryFiring(Tile tile) {
       index += gl_SubgroupSize;
     }
     if (found == kNone) return;
-    Beam beam = listedBeam(found);
-    Triangle seen = seenFrom(tile.triangle, tile.slot, found, found, beam.azimuth);
-    tryBeam(seen, prepare(seen), turnedFrom(seen, found, beam.azimuth), beam, found, tile.slot);
+    if (!isBehindHit(tile.triangle, found)) {
+      Beam beam = listedBeam(found);
+      Triangle seen = seenFrom(tile.triangle, tile.slot, found, found, beam.azimuth);
+      Turned turned = turnedFrom(seen, found, found, beam.azimuth);
+      tryBeam(seen, preparedFor(seen, turned), turned, beam, found, tile.slot);
+    }
   }
 }
 
@@ -321,11 +343,12 @@ void tryTile(Tile tile) {
           uint run = AZIMUTH_OFFSETS ? subgroupShuffle(azimuths, mine & (gl_SubgroupSize - 1)) : 0;
           // The test is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
+          uint index = (box.rowFirst + mine) * stride + column;
+          if (APART && !LISTED && !byColumn) here = here && !isBehindHit(tile.triangle, index);
           if (TIMED && !LISTED) here = here && firesWithin(tile.box, box.rowFirst + mine, column);
           if (LISTED) {
-            if (here) tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);
+            if (here) tryCell(tile, prepared, index);
           } else if (here) {
-            uint index = (box.rowFirst + mine) * stride + column;
             Beam beam;
             Triangle ofBeam = seen;
             Prepared ready = prepared;
@@ -336,9 +359,9 @@ void tryTile(Tile tile) {
               beam = beamOf(loadedColumn(run + column), elevation.x, elevation.y);
               if (APART) {
                 ofBeam = seenFrom(tile.triangle, tile.slot, column, box.rowFirst + mine, beam.azimuth);
-                ready = prepare(ofBeam);
               }
-              own = turnedFrom(ofBeam, box.rowFirst + mine, beam.azimuth);
+              own = turnedFrom(ofBeam, box.rowFirst + mine, index, beam.azimuth);
+              if (APART) ready = preparedFor(ofBeam, own);
             }
             tryBeam(ofBeam, ready, own, beam, index, tile.slot);
           }

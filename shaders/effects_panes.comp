@@ -59,8 +59,12 @@ uint nextOf(uint k) {
 
 Triangle paneAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (MOTION && !atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
-  if (MOTION) triangle = seenFrom(triangle, beamRow, axis.azimuth);
+  if (BEAM_FRAMES) {
+    if (triangle.moves) triangle = movedUntil(beamMotion.velocity.w, triangle, velocitiesOf(projected));
+  } else if (MOTION) {
+    if (!atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
+    triangle = seenFrom(triangle, beamRow, axis.azimuth);
+  }
   return triangle;
 }
 
@@ -73,7 +77,7 @@ uint paneOf(uint k, out float range) {
   uint projected = candidates.at[k];
   if (!isPane(projected)) return kNone;
   Triangle triangle = paneAt(projected);
-  bool met = meet(triangle, prepare(triangle), turnedFrom(triangle, beamRow, axis.azimuth), axis, beamIndex, projected, range);
+  bool met = meet(triangle, prepare(triangle), turnedFrom(triangle, beamRow, beamIndex, axis.azimuth), axis, beamIndex, projected, range);
   return met ? projected : kNone;
 }
 

@@ -4,6 +4,7 @@
 // scan.
 
 #include "common/laser.h"
+#include "whole_numbers.glsl"
 
 // True if all lasers see a triangle always in the same place; `moves` is the triangle's.
 bool atRest(bool moves) { return !moves && motion.sensor == 0; }
@@ -28,7 +29,7 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
 
 // Returns the sensor at a place in its table, which may lie between two entries.
 ColumnMotion columnMotionAt(float place) {
-  uint before = uint(place);
+  uint before = uint(whole(floor(place)));
   return motionBetween(loadedMotion(before), loadedMotion(before + 1), place - float(before));
 }
 

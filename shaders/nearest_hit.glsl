@@ -37,7 +37,7 @@ bool firesWithin(Box box, uint row, uint column) {
     return place >= float(box.times.x * kSliceIntervals) &&
            (place < float((box.times.y + 1) * kSliceIntervals) || box.times.y == kTimeSlices - 1);
   }
-  uint time = uint(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
+  uint time = uint(whole(floor(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns))));
   return time >= box.times.x && time <= box.times.y;
 }
 

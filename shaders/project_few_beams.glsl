@@ -81,7 +81,7 @@ uvec2 hitOf(Triangle triangle, uint row, Beam beam, uint index) {
   if (ORIGINS) triangle.rangeMin = max(triangle.rangeMin - motion.shift, 0.0);
   Prepared prepared = prepare(triangle);
   float range;
-  bool met = meetRounded(triangle, prepared, turnedFrom(triangle, row, beam.azimuth), beam, index, side, range);
+  bool met = meetRounded(triangle, prepared, turnedFrom(triangle, row, index, beam.azimuth), beam, index, side, range);
   vec2 window = windowOf(prepared, index);
   return met && range >= window.x && range <= window.y ? uvec2(floatBitsToUint(range), triangle.id) : kNoHit;
 }
@@ -103,7 +103,7 @@ uint sidesOf(Vertices vertices, uint row, Beam beam) {
     if (k < kVertexRounds && k * gl_SubgroupSize < vertices.count) {
       Triangle three =
           Triangle(vertices.corners[k], vertices.corners[k + 1], vertices.corners[k + 2], 0, false, 0.0, false);
-      Turned turned = turnedFrom(three, row, beam.azimuth);
+      Turned turned = turnedFrom(three, row, 0, beam.azimuth);
       sides |= sidesOf(turned.q, aboveBeam(turned, beam.cosElevation, beam.sinElevation)) << 4 * k;
     }
   return sides;

@@ -54,10 +54,15 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
     uint known = words.at[firstWord() + place.index].y;  // loaded before the test, which then need not wait for it
     Triangle seen = triangle;
     if (MOTION && BINNING == kBinningSlabs && !atRest(triangle.moves)) {
-      seen = seenAt(triangle, velocities, columnMotionOf(place.row, place.column));
+      if (BEAM_FRAMES) {
+        if (triangle.moves)
+          seen = movedUntil(columnMotionOf(place.row, place.column).velocity.w, triangle, velocities);
+      } else {
+        seen = seenAt(triangle, velocities, columnMotionOf(place.row, place.column));
+      }
       prepared = prepare(seen);
     }
-    if (meet(seen, prepared, turnedFrom(seen, place.row, beam.azimuth), beam, place.index, kNone, range) &&
+    if (meet(seen, prepared, turnedFrom(seen, place.row, place.index, beam.azimuth), beam, place.index, kNone, range) &&
         floatBitsToUint(range) <= known) {
       offerNearest(place.index, range, triangle.id);
       met = true;

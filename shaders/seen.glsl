@@ -15,11 +15,14 @@ Triangle seenAt(Triangle triangle, mat3 velocities, ColumnMotion at) {
   return triangle;
 }
 
+mat3 velocitiesOf(uint slot) {
+  return mat3(projectedMotions.at[3 * slot].xyz, projectedMotions.at[3 * slot + 1].xyz,
+              projectedMotions.at[3 * slot + 2].xyz);
+}
+
 Triangle seenAt(Triangle triangle, uint slot, ColumnMotion at) {
   mat3 velocities = mat3(0.0);
-  if (triangle.moves)
-    velocities = mat3(projectedMotions.at[3 * slot].xyz, projectedMotions.at[3 * slot + 1].xyz,
-                      projectedMotions.at[3 * slot + 2].xyz);
+  if (triangle.moves) velocities = velocitiesOf(slot);
   return seenAt(triangle, velocities, at);
 }
 
@@ -47,18 +50,48 @@ Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
   return seenFromPoint(triangle, originOf(row, azimuth));
 }
 
+// True if a kernel has computed the frame of every beam, which replaces the transformation of a triangle to the frame of
+// the sensor, the turn to the beam's azimuth and the shift to its laser.
+#define BEAM_FRAMES (TIMED && INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights)
+
+// Moves the corners of a triangle to where they are so many seconds after the start of the scan.
+Triangle movedUntil(float seconds, Triangle triangle, mat3 velocities) {
+  precise vec3 a = triangle.a + velocities[0] * seconds;
+  precise vec3 b = triangle.b + velocities[1] * seconds;
+  precise vec3 c = triangle.c + velocities[2] * seconds;
+  triangle.a = a;
+  triangle.b = b;
+  triangle.c = c;
+  return triangle;
+}
+
+vec3 cornersAlong(vec4 axis, Triangle triangle) {
+  vec3 x = vec3(triangle.a.x, triangle.b.x, triangle.c.x), y = vec3(triangle.a.y, triangle.b.y, triangle.c.y),
+       z = vec3(triangle.a.z, triangle.b.z, triangle.c.z);
+  precise vec3 result = axis.x * x + axis.y * y + axis.z * z + axis.w;
+  return result;
+}
+
 Turned shifted(Turned turned, vec3 laser) {
   precise Turned result = Turned(turned.p - laser.x, turned.q - laser.y, turned.z - laser.z);
   return result;
 }
 
-// Turns a triangle that seenFrom() has returned to a beam of the row.
-Turned turnedFrom(Triangle seen, uint row, vec2 azimuth) {
+// Turns a triangle that seenFrom() or seenBy() has returned to a beam of the row.
+Turned turnedFrom(Triangle seen, uint row, uint index, vec2 azimuth) {
+  if (BEAM_FRAMES && ((EFFECTS & kFootprint) != 0 || !atRest(seen.moves))) {
+    BeamFrame of = loadedBeamFrame(index);
+    return Turned(cornersAlong(of.forward, seen), cornersAlong(of.left, seen), cornersAlong(of.up, seen));
+  }
   Turned turned = turn(seen, azimuth);
   if (ORIGINS && SHIFTS_TURNED) turned = shifted(turned, laserOf(row));
   return turned;
 }
 
 Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
+  if (BEAM_FRAMES) {
+    if (!triangle.moves) return triangle;
+    return movedUntil(columnMotionOf(row, column).velocity.w, triangle, velocitiesOf(slot));
+  }
   return seenFrom(seenFrom(triangle, slot, row, column), row, azimuth);
 }

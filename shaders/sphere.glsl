@@ -82,19 +82,6 @@ bool betweenColumns(float from, float to) { return ceil(from - BESIDE) > floor(t
 // Returns the place of an azimuth among the columns.
 float columnAt(float azimuth) { return (azimuth + kPi) * frame.columnsPerRadian - frame.phase; }
 
-// Converts a whole number up to 2^31. Mesa's lavapipe converts the lanes one by one, with eight instructions each. So on
-// CPUs the number is added, in two halves, to a float whose last bit counts ones.
-int whole(float number) {
-  if (!kLanesInStep) return int(number);
-  float bounded = clamp(number, -2147483520.0, 2147483520.0), high = floor(bounded * (1.0 / 65536.0));
-  uint low = floatBitsToUint((bounded - high * 65536.0) + 12582912.0) - 0x4b400000u;
-  uint bits = (floatBitsToUint(high + 12582912.0) << 16) + low;
-  return number == number ? int(bits) : 0;
-}
-
-// The same for whole numbers from 0 to 2^22.
-uint smallWhole(float number) { return floatBitsToUint(number + 8388608.0) - 0x4b000000u; }
-
 // Wraps the number of a column. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and
 // the box spans up to 1 turn.
 uint wrapColumn(int column) {

@@ -37,6 +37,10 @@ ColumnMotion motionIn(Wide memory, uint i) {
                       vectorIn(memory, 7 * i + 6));
 }
 
+BeamFrame beamFrameIn(Wide memory, uint i) {
+  return BeamFrame(vectorIn(memory, 3 * i), vectorIn(memory, 3 * i + 1), vectorIn(memory, 3 * i + 2));
+}
+
 Group groupIn(Wide memory, uint i) {
   TaggedCorner low = cornerIn(memory, 2 * i), high = cornerIn(memory, 2 * i + 1);
   return Group(low.corner, low.tag, high.corner, high.tag);
@@ -57,6 +61,7 @@ vec2 loadedColumn(uint i) { LOADED(uintBitsToFloat(pairIn(Wide(columns), i)), co
 Row loadedRow(uint i) { LOADED(rowIn(Wide(rows), i), rows.at[i]) }
 Instance loadedInstance(uint i) { LOADED(instanceIn(Wide(instances), i), instances.at[i]) }
 ColumnMotion loadedMotion(uint i) { LOADED(motionIn(Wide(columnMotions), i), columnMotions.at[i]) }
+BeamFrame loadedBeamFrame(uint i) { LOADED(beamFrameIn(Wide(beamFrames), i), beamFrames.at[i]) }
 Group loadedGroup(uint i) { LOADED(groupIn(Wide(groups), i), groups.at[i]) }
 
 // Returns the box of a cluster. A Cluster is as large as two Groups, and its first half is laid out as a Group is.

@@ -141,6 +141,11 @@ void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
                      : launchAs<Stage, Moving<Known, 0>>(job, groupsX, groupsY);
 }
 
+struct beam_frames {
+  const Job& job;
+#include "glsl/beam_frames.comp"
+};
+
 struct project_groups {
   const Job& job;
 #include "glsl/project_groups.comp"
@@ -254,6 +259,7 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
   if (groupsX == 0 || groupsY == 0) return;
   const bool footprint = (job.options.EFFECTS & kFootprint) != 0;
   switch (kernel) {
+    case Kernel::beam_frames: return launch<beam_frames>(job, groupsX, groupsY);
     case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
     case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
     case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);

@@ -7,12 +7,16 @@
 #include <compare>
 #include <cstdint>
 
+#include "common/effects/bits.h"
+#include "common/options.h"
+
 namespace gnosphere {
 
 /// The kernels in the order in which they run, with the names of the shaders. All but the first belong to a scan.
 enum class Kernel : uint32_t {
   fit_clusters,
   place_instances,
+  beam_frames,
   project_groups,
   project_clusters,
   project_triangles,
@@ -28,7 +32,7 @@ enum class Kernel : uint32_t {
 
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
-      "fit_clusters",  "place_instances", "project_groups", "project_clusters", "project_triangles",
+      "fit_clusters",  "place_instances", "beam_frames", "project_groups", "project_clusters", "project_triangles",
       "bin",           "prefix_sum",      "resolve",        "effects_strays",   "effects_footprint",
       "effects_panes", "effects",         "records"};
   return kNames[static_cast<uint32_t>(kernel)];
@@ -51,6 +55,12 @@ struct Options {
 using OptionWords = std::array<uint32_t, sizeof(Options) / sizeof(uint32_t)>;
 inline OptionWords wordsOf(const Options& options) {
   return std::bit_cast<OptionWords>(options);
+}
+
+/// Returns whether a scan computes a frame for each beam: BEAM_FRAMES of shaders/seen.glsl.
+constexpr bool usesBeamFrames(const Options& options) {
+  return options.MOTION != 0 && (options.STAGGERED != 0 || options.LISTED != 0) &&
+         options.INSIDE == gpu::kInsideWatertight && options.RANGE == gpu::kRangeEdgeWeights;
 }
 
 /// Returns RAYS for a number of sub-rays. There are few sizes, so that footprints of all sizes share pipelines.

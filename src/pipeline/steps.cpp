@@ -21,6 +21,10 @@ class Steps {
       dispatchOnBeams("effects", Kernel::effects_strays);
       finish("effects");
     }
+    if (input_.moves && usesBeamFrames(input_.variant.options)) {
+      dispatchOnBeams("project", Kernel::beam_frames);
+      finish("project");
+    }
     if (still != StillImage::Use::use) scanShells(placed.still);
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);

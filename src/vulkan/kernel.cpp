@@ -16,6 +16,7 @@
 #include "effects_footprint_int64.spv.h"
 #include "effects_footprint_looped.spv.h"
 #include "effects_panes.spv.h"
+#include "beam_frames.spv.h"
 #include "effects_strays.spv.h"
 #include "fit_clusters.spv.h"
 #include "place_instances.spv.h"
@@ -50,6 +51,7 @@ Module moduleOf(const Variant& variant, bool unrolls) {
   switch (variant.kernel) {
     case gnosphere::Kernel::fit_clusters: return fit_clusters;
     case gnosphere::Kernel::place_instances: return place_instances;
+    case gnosphere::Kernel::beam_frames: return beam_frames;
     case gnosphere::Kernel::project_groups: return byAtomics(variant, project_groups, project_groups_int64);
     case gnosphere::Kernel::project_clusters: return byAtomics(variant, project_clusters, project_clusters_int64);
     case gnosphere::Kernel::project_triangles:

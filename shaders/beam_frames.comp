@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage project, before the triangles, if the sensor moves and the beams of a column or cell fire at different times. One
+// row of workgroups per channel: computes the frame of every beam. A beam is tried on several triangles, and computing
+// its frame each time took longer than all else of such a try.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#include "common/shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+#include "common/beam.h"
+#include "beams.glsl"
+#include "motion.glsl"
+#include "runs.glsl"
+
+layout(local_size_x = 64) in;
+
+void main() {
+  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uvec2 run = runOfBeams();
+  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
+    uint index = indexOf(gl_WorkGroupID.y, column);
+    ColumnMotion at = columnMotionOf(LISTED ? column : gl_WorkGroupID.y, column);
+    vec2 azimuth = beamIn(row, column).azimuth;
+    precise vec4 forward = at.row0 * azimuth.x + at.row1 * azimuth.y;
+    precise vec4 left = at.row1 * azimuth.x - at.row0 * azimuth.y;
+    vec4 up = at.row2;
+    if (ORIGINS) {
+      vec3 laser = laserOf(LISTED ? column : gl_WorkGroupID.y);
+      forward.w -= laser.x;
+      left.w -= laser.y;
+      up.w -= laser.z;
+    }
+    beamFrames.at[index] = BeamFrame(forward, left, up);
+  }
+}
