@@ -357,6 +357,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
+    bool shares = false;
     if (there) {
       view = survivor.view;
       fate = projectOne(survivor, interval, projected, box);
@@ -383,10 +384,12 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
           triedSurface = optics.at[survivor.material];
           triedTexture = projected.inTexture;
         }
-        tryBox(triangle, projected.velocities, prepared, silhouette, box);
+        shares = sharesBeams();
+        if (!shares) tryBox(triangle, projected.velocities, prepared, silhouette, box);
         fate = kNoTriangle;
       }
     }
+    if (sharesBeams()) tryBoxes(shares, projected, box);
     if (subgroupAny(fate == kKeep)) {
       storeKept(fate == kKeep, projected, box, survivor.material);
       stored = true;

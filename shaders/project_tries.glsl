@@ -71,3 +71,56 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
   ++triedCount;
   if (BINNING == kBinningSlabs && met && pass.last == 0) markStale(box);
 }
+
+// True if the lanes of a subgroup share the beams of their triangles. The boxes of a list hold numbers of beams that
+// differ much, and without sharing all lanes wait for the one with the most. A single scan gains nothing, because it tries
+// only small boxes here.
+bool sharesBeams() { return LISTED && VIEWS && SHIFTS_TURNED && (EFFECTS & kCutOuts) == 0 && gl_SubgroupSize <= 32; }
+
+// Tries the beams of the boxes of all lanes that have a triangle, as tryBox() does for one box. In each round every lane
+// looks up one run of cells, and the lanes share the beams of all these runs. All lanes of the subgroup must call this.
+void tryBoxes(bool there, Projected own, Box box) {
+  uint lane = gl_SubgroupInvocationID, last = gl_SubgroupSize - 1, ownView = view;
+  uint columnCount = there ? boxColumnCount(box) : 0;
+  uint metLanes = 0;  // one bit for each lane whose triangle a beam meets
+  Walk walk = walkOf(box);
+  while (ballotOf(there && walk.row <= box.rowLast).x != 0) {
+    uint count = 0;
+    if (there && walk.row <= box.rowLast) {
+      enterCells(box, columnCount, walk);
+      count = walk.end - walk.index;
+      if (walk.k == columnCount) {
+        walk.k = 0;
+        ++walk.row;
+      }
+    }
+    uint upTo = count;  // beams of this lane and of those before it
+    EACH_STEP(k) {
+      uint before = subgroupShuffle(upTo, lane - (1u << k) & last);
+      upTo += lane >= 1u << k ? before : 0;
+    }
+    uint total = subgroupShuffle(upTo, last), start = walk.index + count - upTo;
+    for (uint first = 0; first < total; first += gl_SubgroupSize) {
+      uint number = min(first + lane, total - 1), owner = 0;  // the lane whose run has the beam
+      [[unroll]] for (uint half_ = 16; half_ > 0; half_ >>= 1)
+        if (half_ < gl_SubgroupSize) owner += subgroupShuffle(upTo, owner + half_ - 1) <= number ? half_ : 0;
+      TaggedCorner a = TaggedCorner(subgroupShuffle(own.a.corner, owner), subgroupShuffle(own.a.tag, owner));
+      Triangle triangle = triangleOf(a, subgroupShuffle(own.b, owner), subgroupShuffle(own.c.corner, owner));
+      uint index = subgroupShuffle(start, owner) + number;
+      if (VIEWS) view = subgroupShuffle(ownView, owner);
+      uint known = words.at[firstWord() + index].y;
+      Beam beam = listedBeam(index);
+      float range;
+      Turned turned = turnedFrom(triangle, index, index, beam.azimuth);
+      bool met = meet(triangle, prepare(triangle), turned, beam, index, kNone, range) &&
+                 floatBitsToUint(range) <= known && first + lane < total;
+      if (met) offerNearest(index, range, triangle.id);
+      metLanes |= met ? 1u << owner : 0;
+    }
+  }
+  view = ownView;
+  triedCount += there ? 1 : 0;
+  if (BINNING != kBinningSlabs || pass.last != 0) return;
+  EACH_STEP(k) metLanes |= subgroupShuffle(metLanes, lane ^ 1u << k);
+  if ((metLanes >> lane & 1) != 0) markStale(box);
+}

@@ -25,7 +25,7 @@ constexpr uint32_t kColumnsOfFew = 64, kColumnsOfScattered = 16;
 // Elevations closer than this, in radians, are one, unless many of them follow each other.
 constexpr double kSameElevation = 1e-6;
 // So many beams per elevation make it worth a row of its own.
-constexpr uint64_t kBeamsPerElevation = 4;
+constexpr uint64_t kBeamsPerElevation = 16;
 // Beams whose angles differ by less, in radians, have one direction. Float directions are 300 times as coarse.
 constexpr double kSameDirection = 2e-10;
 // A beam belongs to a column although it lies before it by this share of a column.
