@@ -32,9 +32,9 @@ enum class Kernel : uint32_t {
 
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
-      "fit_clusters",  "place_instances", "beam_frames", "project_groups", "project_clusters", "project_triangles",
-      "bin",           "prefix_sum",      "resolve",        "effects_strays",   "effects_footprint",
-      "effects_panes", "effects",         "records"};
+      "fit_clusters", "place_instances", "beam_frames", "project_groups", "project_clusters",  "project_triangles",
+      "bin",          "prefix_sum",      "resolve",     "effects_strays", "effects_footprint", "effects_panes",
+      "effects",      "records"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 
