@@ -26,8 +26,8 @@ struct ColumnMotion {
   vec4 velocity;                   // of the sensor, m/s in the column's frame; w: seconds since the scan's start
 };
 
-// The frame of a beam when it fires: forward along its azimuth, to the left, up. The axes are in the sensor's frame at the
-// middle of the scan; w takes the place of the beam's laser off.
+// The frame of a beam when it fires: forward along its azimuth, to the left, and up. The axes are given in the sensor's
+// frame at the middle of the scan; w is minus the position of the beam's laser along them.
 struct BeamFrame {
   vec4 forward, left, up;
 };

@@ -39,8 +39,7 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) 
     addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.moves() && (plan.listed || plan.rows))
-    addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
+  if (plan.moves() && (plan.listed || plan.rows)) addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
   if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
   if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {

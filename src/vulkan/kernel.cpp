@@ -9,6 +9,7 @@
 
 #include "base/hash.hpp"
 #include "base/threads.hpp"
+#include "beam_frames.spv.h"
 #include "bin.spv.h"
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
@@ -16,7 +17,6 @@
 #include "effects_footprint_int64.spv.h"
 #include "effects_footprint_looped.spv.h"
 #include "effects_panes.spv.h"
-#include "beam_frames.spv.h"
 #include "effects_strays.spv.h"
 #include "fit_clusters.spv.h"
 #include "place_instances.spv.h"
