@@ -142,11 +142,9 @@ void trySmall(uint i) {
     Place place;
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
+    if (APART && (EFFECTS & kFootprint) == 0 && isBehindHit(triangle, place.index)) continue;
     Triangle seen = triangle;
-    if (APART) {
-      if (isBehindHit(triangle, place.index)) continue;
-      seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
-    }
+    if (APART) seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
     Turned turned = turnedFrom(seen, place.row, place.index, beam.azimuth);
     if (APART) prepared = preparedFor(seen, turned);
     tryBeam(seen, prepared, turned, beam, place.index, i);

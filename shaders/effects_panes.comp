@@ -57,15 +57,24 @@ uint nextOf(uint k) {
   return k + 1;
 }
 
+// Returns a pane as the beam sees it.
 Triangle paneAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (BEAM_FRAMES) {
-    if (triangle.moves) triangle = movedUntil(beamMotion.velocity.w, triangle, velocitiesOf(projected));
-  } else if (MOTION) {
-    if (!atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
-    triangle = seenFrom(triangle, beamRow, axis.azimuth);
-  }
+  if (MOTION && !atRest(triangle.moves)) triangle = seenAt(triangle, projected, beamMotion);
+  if (MOTION) triangle = seenFrom(triangle, beamRow, axis.azimuth);
   return triangle;
+}
+
+bool meetsPane(uint projected, out float range) {
+  Triangle pane;
+  if (BEAM_FRAMES) {
+    pane = loadProjected(projected);
+    if (pane.moves) pane = movedUntil(beamMotion.velocity.w, pane, velocitiesOf(projected));
+  } else {
+    pane = paneAt(projected);
+  }
+  Turned turned = turnedFrom(pane, beamRow, beamIndex, axis.azimuth);
+  return meet(pane, prepare(pane), turned, axis, beamIndex, projected, range);
 }
 
 // Returns the projected triangle of an entry of the list if it is a pane that the beam meets, otherwise kNone.
@@ -75,10 +84,7 @@ uint paneOf(uint k, out float range) {
     return candidates.at[3 * k];
   }
   uint projected = candidates.at[k];
-  if (!isPane(projected)) return kNone;
-  Triangle triangle = paneAt(projected);
-  bool met = meet(triangle, prepare(triangle), turnedFrom(triangle, beamRow, beamIndex, axis.azimuth), axis, beamIndex, projected, range);
-  return met ? projected : kNone;
+  return isPane(projected) && meetsPane(projected, range) ? projected : kNone;
 }
 
 // Finds the nearest pane that is clearly behind the range `before`, and before the opaque hit. Panes closer to each
