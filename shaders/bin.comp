@@ -142,7 +142,7 @@ void trySmall(uint i) {
     Place place;
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
-    if (APART && (EFFECTS & kFootprint) == 0 && isBehindHit(triangle, place.index)) continue;
+    if (MOTION && LISTED && isBehindHit(triangle, place.index)) continue;
     Triangle seen = triangle;
     if (APART) seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
     Turned turned = turnedFrom(seen, place.row, place.index, beam.azimuth);
