@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, before the triangles, if the sensor moves and the beams of a column or cell fire at different times. One
-// row of workgroups per channel: computes the frame of every beam. A beam is tried on several triangles, and computing
-// its frame each time took longer than all else of such a try.
+// Stage project, before the triangles, if something moves during the scan and the beams of a column or cell fire at
+// different times. One row of workgroups per channel: computes the frame of every beam. A beam is tried on six to nine
+// triangles (HDL-64E-S2 and Pandar128E3X in a town), and each try would have to compute the frame again.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

@@ -54,7 +54,7 @@ Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
 // the sensor, the turn to the beam's azimuth and the shift to its laser.
 #define BEAM_FRAMES (TIMED && INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights)
 
-// Moves the corners of a triangle to where they are so many seconds after the start of the scan.
+// Moves the corners of a triangle to their positions so many seconds after the start of the scan.
 Triangle movedUntil(float seconds, Triangle triangle, mat3 velocities) {
   precise vec3 a = triangle.a + velocities[0] * seconds;
   precise vec3 b = triangle.b + velocities[1] * seconds;
@@ -65,6 +65,7 @@ Triangle movedUntil(float seconds, Triangle triangle, mat3 velocities) {
   return triangle;
 }
 
+// Returns the coordinates of the corners along an axis of a beam's frame.
 vec3 cornersAlong(vec4 axis, Triangle triangle) {
   vec3 x = vec3(triangle.a.x, triangle.b.x, triangle.c.x), y = vec3(triangle.a.y, triangle.b.y, triangle.c.y),
        z = vec3(triangle.a.z, triangle.b.z, triangle.c.z);
@@ -77,7 +78,7 @@ Turned shifted(Turned turned, vec3 laser) {
   return result;
 }
 
-// Turns a triangle that seenFrom() or seenBy() has returned to a beam of the row.
+// Turns a triangle that seenFrom() has returned to a beam of the row.
 Turned turnedFrom(Triangle seen, uint row, uint index, vec2 azimuth) {
   if (BEAM_FRAMES && ((EFFECTS & kFootprint) != 0 || !atRest(seen.moves))) {
     BeamFrame of = loadedBeamFrame(index);
@@ -88,6 +89,7 @@ Turned turnedFrom(Triangle seen, uint row, uint index, vec2 azimuth) {
   return turned;
 }
 
+// Returns a triangle for turnedFrom(). Where each beam has a frame, only a triangle that moves changes.
 Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
   if (BEAM_FRAMES) {
     if (!triangle.moves) return triangle;
