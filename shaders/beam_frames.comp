@@ -22,13 +22,14 @@ void main() {
   uvec2 run = runOfBeams();
   for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
     uint index = indexOf(gl_WorkGroupID.y, column);
-    ColumnMotion at = columnMotionOf(LISTED ? column : gl_WorkGroupID.y, column);
+    uint rowIndex = LISTED ? column : gl_WorkGroupID.y;  // as rowOf() returns it, without its division
+    ColumnMotion at = columnMotionOf(rowIndex, column);
     vec2 azimuth = beamIn(row, column).azimuth;
     precise vec4 forward = at.row0 * azimuth.x + at.row1 * azimuth.y;
     precise vec4 left = at.row1 * azimuth.x - at.row0 * azimuth.y;
     vec4 up = at.row2;
     if (ORIGINS) {
-      vec3 laser = laserOf(LISTED ? column : gl_WorkGroupID.y);
+      vec3 laser = laserOf(rowIndex);
       forward.w -= laser.x;
       left.w -= laser.y;
       up.w -= laser.z;

@@ -65,14 +65,10 @@ Triangle paneAt(uint projected) {
   return triangle;
 }
 
+// True if the beam meets a pane. Where each beam has a frame, paneAt() is not what turnedFrom() expects.
 bool meetsPane(uint projected, out float range) {
-  Triangle pane;
-  if (BEAM_FRAMES) {
-    pane = loadProjected(projected);
-    if (pane.moves) pane = movedUntil(beamMotion.velocity.w, pane, velocitiesOf(projected));
-  } else {
-    pane = paneAt(projected);
-  }
+  Triangle pane = loadProjected(projected);
+  if (MOTION) pane = seenFrom(pane, projected, columnOf(beamIndex), beamRow, axis.azimuth);
   Turned turned = turnedFrom(pane, beamRow, beamIndex, axis.azimuth);
   return meet(pane, prepare(pane), turned, axis, beamIndex, projected, range);
 }

@@ -107,7 +107,7 @@ void tryBoxes(bool there, Projected own, Box box) {
       TaggedCorner a = TaggedCorner(subgroupShuffle(own.a.corner, owner), subgroupShuffle(own.a.tag, owner));
       Triangle triangle = triangleOf(a, subgroupShuffle(own.b, owner), subgroupShuffle(own.c.corner, owner));
       uint index = subgroupShuffle(start, owner) + number;
-      if (VIEWS) view = subgroupShuffle(ownView, owner);
+      view = subgroupShuffle(ownView, owner);
       uint known = words.at[firstWord() + index].y;
       Beam beam = listedBeam(index);
       float range;

@@ -31,7 +31,8 @@ bool consider(uint candidate, uint index, Beam beam, inout uvec2 word) {
   if (MOTION) triangle = seenFrom(triangle, candidate, columnOf(index), rowOf(index), beam.azimuth);
   nearestSoFar = min(uintBitsToFloat(min(word.y, 0x7f800000u)), frame.rangeMax);
   float range;
-  if (!meet(triangle, prepare(triangle), turnedFrom(triangle, rowOf(index), index, beam.azimuth), beam, index, candidate, range)) return false;
+  Turned turned = turnedFrom(triangle, rowOf(index), index, beam.azimuth);
+  if (!meet(triangle, prepare(triangle), turned, beam, index, candidate, range)) return false;
   if (!comesBefore(range, triangle.id, word)) return false;
   word = uvec2(triangle.id, floatBitsToUint(range));
   return true;

@@ -23,6 +23,11 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   return lines;
 }
 
+// Whether the beams of a place or cell may fire at different times.
+bool firesApart(const SensorPlan& plan) {
+  return plan.listed || (plan.rows && plan.rows->staggered());
+}
+
 }  // namespace
 
 std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) {
@@ -39,7 +44,7 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) 
     addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.moves() && (plan.listed || plan.rows)) addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
+  if (plan.moves() && firesApart(plan)) addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
   if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
   if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
@@ -55,7 +60,7 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   if (plan.has(gpu::kFootprintEffects))
     arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
   if (plan.has(gpu::kCutOuts)) arrays.push_back({gpu::Array::projectedTexture, count * 2 * sizeof(gpu::vec4), {}});
-  if (plan.motion() && (plan.listed || plan.rows))
+  if (plan.motion() && firesApart(plan))
     arrays.push_back({gpu::Array::projectedTimes, count * 2 * sizeof(uint32_t), {}});
   if (plan.has(gpu::kObjectMotion)) arrays.push_back({gpu::Array::projectedMotions, count * 3 * sizeof(gpu::vec4), {}});
   return arrays;
