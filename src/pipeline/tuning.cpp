@@ -25,6 +25,9 @@ constexpr uint32_t kShellsOfGpu = 3, kGrowthOnGpu = 4;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
+// A moving triangle has a box for each interval of the scan. With so much room at least, the first moving scan of a few
+// dozen triangles rarely needs a second run.
+constexpr uint64_t kLeastBoxes = 1024;
 // Most triangles of small views need no room, because stage project tries them at once; and views share the room.
 constexpr uint64_t kLeastProjectedOfView = 32;
 constexpr uint32_t kFirstTiles = 1 << 12;
@@ -129,8 +132,8 @@ uint64_t mostWork(const SimulatorOptions& options, const Traits& traits) {
 
 // Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles) {
-  const auto projected = static_cast<uint32_t>(
-      std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
+  const auto projected = static_cast<uint32_t>(std::min(
+      std::max(triangles, kLeastBoxes), std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
   const uint64_t candidates = binning == gpu::kBinningLists || footprint ? beams * kCandidatesPerBeam
                               : panes                                    ? beams / kBeamsPerPane
                                                                          : 0;
