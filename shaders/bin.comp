@@ -24,6 +24,7 @@
 #include "bounds.glsl"
 #include "inside.glsl"
 #include "lanes.glsl"
+#include "shared_runs.glsl"
 #include "rows_between.glsl"
 #include "seen.glsl"
 #include "columns_between.glsl"
@@ -244,35 +245,54 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   }
 }
 
-// Tries the beams in the cells of a tile that fire within the time of the tile's box. Few beams do, so each lane
-// looks for its next such beam, and most lanes have one when all lanes try their beams.
+// Tries the beams in the cells of a tile that fire within the time of the tile's box. Each lane looks up a run of cells,
+// and the lanes share the beams of these runs. Half of them need no try, so the others wait in the first lanes until
+// every lane has one.
 void tryFiring(Tile tile) {
   Box box = tile.box;
+  uint lane = gl_SubgroupInvocationID, last = gl_SubgroupSize - 1;
   uint count = tile.end - tile.first;
-  uint run = min(count, frame.columns - tile.column);  // cells before the seam
-  uint row = box.rowFirst, index = 0, end = 0, before = 0;  // `before` counts the beams of earlier runs of cells
-  bool wrapped = false;
-  while (true) {
-    uint found = kNone;
-    while (found == kNone && (index < end || row <= box.rowLast)) {
-      if (index >= end) {
-        uint cell = row * frame.columns + (wrapped ? 0 : tile.column), first = cellStarts.at[cell];
-        end = cellStarts.at[cell + (wrapped ? count - run : run)];
-        index = first + (gl_SubgroupInvocationID - before & gl_SubgroupSize - 1);
-        before += end - first;
-        wrapped = !wrapped && run < count;
-        row += wrapped ? 0 : 1;
+  uint beforeSeam = min(count, frame.columns - tile.column), wraps = beforeSeam < count ? 1 : 0;
+  uint runs = boxRowCount(box) << wraps, nextRun = 0;
+  uint upTo = 0, start = 0, total = 0, next = 0;  // the runs that are shared, and how many beams of them are done
+  uint waiting = 0, waitingBeam = kNone;
+  for (bool more = true; more || waiting > 0;) {
+    if (next >= total && nextRun < runs) {
+      uint run = nextRun + lane, length_ = 0;
+      if (run < runs) {
+        bool behindSeam = (run & wraps) != 0;
+        uint cell = (box.rowFirst + (run >> wraps)) * frame.columns + (behindSeam ? 0 : tile.column);
+        start = cellStarts.at[cell];
+        length_ = cellStarts.at[cell + (behindSeam ? count - beforeSeam : beforeSeam)] - start;
       }
-      if (index < end && firesWithin(box, index, index)) found = index;
-      index += gl_SubgroupSize;
+      nextRun += gl_SubgroupSize;
+      upTo = sumUpTo(length_);
+      start += length_ - upTo;
+      total = subgroupShuffle(upTo, last);
+      next = 0;
     }
-    if (found == kNone) return;
-    if (!isBehindHit(tile.triangle, found)) {
-      Beam beam = listedBeam(found);
-      Triangle seen = seenFrom(tile.triangle, tile.slot, found, found, beam.azimuth);
-      Turned turned = turnedFrom(seen, found, found, beam.azimuth);
-      tryBeam(seen, preparedFor(seen, turned), turned, beam, found, tile.slot);
+    uint number = next + lane;
+    uint index = subgroupShuffle(start, ownerOf(upTo, number)) + number;
+    bool tried = number < total && firesWithin(box, index, index) && !isBehindHit(tile.triangle, index);
+    next += gl_SubgroupSize;
+    more = next < total || nextRun < runs;
+    uint triedUpTo = sumUpTo(tried ? 1 : 0), there = waiting + subgroupShuffle(triedUpTo, last);
+    uint beam = subgroupShuffle(index, ownerOf(triedUpTo, lane - waiting & last));
+    uint own = lane < waiting ? waitingBeam : beam;
+    waitingBeam = own;
+    if (more && there < gl_SubgroupSize) {
+      waiting = there;
+      continue;
     }
+    meetAgain();  // another lane may have read the word that this lane writes
+    if (lane < there) {
+      Beam of = listedBeam(own);
+      Triangle seen = seenFrom(tile.triangle, tile.slot, own, own, of.azimuth);
+      Turned turned = turnedFrom(seen, own, own, of.azimuth);
+      tryBeam(seen, preparedFor(seen, turned), turned, of, own, tile.slot);
+    }
+    waitingBeam = beam;
+    waiting = max(there, gl_SubgroupSize) - gl_SubgroupSize;
   }
 }
 

@@ -24,6 +24,7 @@
 #include "bounds.glsl"
 #include "common/beam.h"
 #include "lanes.glsl"
+#include "shared_runs.glsl"
 #include "to_sensor.glsl"
 #include "views.glsl"
 #include "firing_times.glsl"

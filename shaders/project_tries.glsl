@@ -94,16 +94,9 @@ void tryBoxes(bool there, Projected own, Box box) {
         ++walk.row;
       }
     }
-    uint upTo = count;  // beams of this lane and of those before it
-    EACH_STEP(k) {
-      uint before = subgroupShuffle(upTo, lane - (1u << k) & last);
-      upTo += lane >= 1u << k ? before : 0;
-    }
-    uint total = subgroupShuffle(upTo, last), start = walk.index + count - upTo;
+    uint upTo = sumUpTo(count), total = subgroupShuffle(upTo, last), start = walk.index + count - upTo;
     for (uint first = 0; first < total; first += gl_SubgroupSize) {
-      uint number = min(first + lane, total - 1), owner = 0;  // the lane whose run has the beam
-      [[unroll]] for (uint half_ = 16; half_ > 0; half_ >>= 1)
-        if (half_ < gl_SubgroupSize) owner += subgroupShuffle(upTo, owner + half_ - 1) <= number ? half_ : 0;
+      uint number = min(first + lane, total - 1), owner = ownerOf(upTo, number);
       TaggedCorner a = TaggedCorner(subgroupShuffle(own.a.corner, owner), subgroupShuffle(own.a.tag, owner));
       Triangle triangle = triangleOf(a, subgroupShuffle(own.b, owner), subgroupShuffle(own.c.corner, owner));
       uint index = subgroupShuffle(start, owner) + number;
