@@ -41,10 +41,9 @@ ColumnMotion columnMotionOf(uint row, uint column) {
   return loadedMotion(column);
 }
 
-// Returns the sensor at a place in its table. For a grid places are columns, and rounded down.
+// Returns the sensor at a place in its table, rounded down. For a grid places are columns.
 ColumnMotion columnMotionOfPlace(float place) {
-  if (!LISTED) return loadedMotion(uint(int(floor(place)) + int(frame.momentsBefore)));
-  return columnMotionAt(place);
+  return loadedMotion(uint(int(floor(place)) + (LISTED ? 0 : int(frame.momentsBefore))));
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.

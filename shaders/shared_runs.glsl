@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets the lanes of a subgroup share the entries of runs, of which each lane has one. All lanes must call this. It shuffles
-// instead of scanning, because Mesa's lavapipe scans lane by lane.
+// The lanes of a subgroup share the entries of runs, of which each lane has one. All lanes must call these functions, which
+// shuffle instead of scanning, because Mesa's lavapipe scans lane by lane.
 
 // Returns the number of entries of this lane and of the lanes before it.
 uint sumUpTo(uint count) {

@@ -232,9 +232,14 @@ void requireEveryKernel(const Orders& orders) {
   inOrders(scene, shells, {standing()});
   inOrders(scene, with(Accuracy::standard, Binning::slabs), {standing(1)});
   inOrders(scene, with(Accuracy::standard, Binning::lists), {standing()});
-  inOrders(scene, asking(manyEffects()), {turning()});
-  sensor.channels[1].timeOffset = 2e-3;  // The lasers of a column fire apart, so that each beam has its own frame.
-  inOrders(scene, asking(manyEffects()), {turning()});
+  Effects still = manyEffects();
+  still.sensorMotion.use = EffectUse::off;
+  inOrders(scene, asking(still), {standing()});
+  // The lasers of a column fire apart, so that each beam has its own frame.
+  sensor.channels[1].timeOffset = 2e-3;
+  TestOptions moving = with(Accuracy::standard, Binning::slabs);
+  moving.effects.sensorMotion.use = EffectUse::on;
+  inOrders(scene, moving, {turning()});
   sensor.channels[1].timeOffset = 0;
   inOrders(scene, asking(noisy), {standing()});
   requireRecordsInAnyOrder(gridSensor(17, 4, -25, 15, 80), true, false, orders);
