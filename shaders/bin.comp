@@ -246,8 +246,8 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
 }
 
 // Tries the beams in the cells of a tile that fire within the time of the tile's box. Each lane looks up a run of cells,
-// and the lanes share the beams of these runs. Half of them need no try, so the others wait in the first lanes until
-// every lane has one.
+// and the lanes share the beams of these runs. About half of the beams need no try: they fire at other times, or have a
+// nearer hit. The other beams wait in the first lanes until every lane has one.
 void tryFiring(Tile tile) {
   Box box = tile.box;
   uint lane = gl_SubgroupInvocationID, last = gl_SubgroupSize - 1;
@@ -278,20 +278,19 @@ void tryFiring(Tile tile) {
     more = next < total || nextRun < runs;
     uint triedUpTo = sumUpTo(tried ? 1 : 0), there = waiting + subgroupShuffle(triedUpTo, last);
     uint beam = subgroupShuffle(index, ownerOf(triedUpTo, lane - waiting & last));
-    uint own = lane < waiting ? waitingBeam : beam;
-    waitingBeam = own;
+    if (lane >= waiting) waitingBeam = beam;
     if (more && there < gl_SubgroupSize) {
       waiting = there;
       continue;
     }
     meetAgain();  // another lane may have read the word that this lane writes
     if (lane < there) {
-      Beam of = listedBeam(own);
-      Triangle seen = seenFrom(tile.triangle, tile.slot, own, own, of.azimuth);
-      Turned turned = turnedFrom(seen, own, own, of.azimuth);
-      tryBeam(seen, preparedFor(seen, turned), turned, of, own, tile.slot);
+      Beam own = listedBeam(waitingBeam);
+      Triangle seen = seenFrom(tile.triangle, tile.slot, waitingBeam, waitingBeam, own.azimuth);
+      Turned turned = turnedFrom(seen, waitingBeam, waitingBeam, own.azimuth);
+      tryBeam(seen, preparedFor(seen, turned), turned, own, waitingBeam, tile.slot);
     }
-    waitingBeam = beam;
+    waitingBeam = beam;  // the first lanes hold the beams for which this round had no lane
     waiting = max(there, gl_SubgroupSize) - gl_SubgroupSize;
   }
 }

@@ -65,7 +65,8 @@ Triangle paneAt(uint projected) {
   return triangle;
 }
 
-// True if the beam meets a pane. Where each beam has a frame, paneAt() is not what turnedFrom() expects.
+// True if the beam meets a pane. The corners do not come from paneAt(): it has applied the sensor's pose, which
+// turnedFrom() applies itself where each beam has a frame.
 bool meetsPane(uint projected, out float range) {
   Triangle pane = loadProjected(projected);
   if (MOTION) pane = seenFrom(pane, projected, columnOf(beamIndex), beamRow, axis.azimuth);

@@ -8,9 +8,9 @@ void meetAgain() {
   if (!kLanesInStep) subgroupBarrier();
 }
 
-// Runs a statement for k = 0, 1, ... as long as 1 << k is less than the size of a subgroup of at most 32 lanes. Compilers
+// Runs a statement for k = 0, 1, ... as long as 1 << k is less than the size of a subgroup of at most 64 lanes. Compilers
 // unroll it, because its number of steps is constant; lavapipe updates a mask of active lanes in each step of other loops.
-#define EACH_STEP(k) [[unroll]] for (uint k = 0; k < 5; ++k) if (1u << k < gl_SubgroupSize)
+#define EACH_STEP(k) [[unroll]] for (uint k = 0; k < 6; ++k) if (1u << k < gl_SubgroupSize)
 
 // Mesa's lavapipe goes through the lanes one by one for a ballot, an election or the value of the first lane, but
 // shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles.

@@ -41,9 +41,10 @@ ColumnMotion columnMotionOf(uint row, uint column) {
   return loadedMotion(column);
 }
 
-// Returns the sensor at a place in its table, rounded down. For a grid places are columns.
+// Returns the sensor at a whole place in its table; other places are rounded down. The places of a grid are its columns. A
+// list asks for the middles of runs of slices, which are whole, because the number of places of a slice is even.
 ColumnMotion columnMotionOfPlace(float place) {
-  return loadedMotion(uint(int(floor(place)) + (LISTED ? 0 : int(frame.momentsBefore))));
+  return loadedMotion(uint(int(floor(place)) + int(frame.momentsBefore)));
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.

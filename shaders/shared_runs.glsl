@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lanes of a subgroup share the entries of runs, of which each lane has one. All lanes must call these functions, which
-// shuffle instead of scanning, because Mesa's lavapipe scans lane by lane.
+// Each lane of a subgroup has found a run of entries, and the lanes share the entries of all these runs. All lanes must call
+// these functions. On Mesa's lavapipe a shuffle is one instruction, and a scan goes through the lanes one by one; so sums
+// are computed by shuffles.
 
-// Returns the number of entries of this lane and of the lanes before it.
+// Returns how many entries the run of this lane and the runs of the lanes before it have together.
 uint sumUpTo(uint count) {
   uint upTo = count, last = gl_SubgroupSize - 1;
-  [[unroll]] for (uint step_ = 1; step_ < 64; step_ <<= 1)
-    if (step_ < gl_SubgroupSize) {
-      uint before = subgroupShuffle(upTo, gl_SubgroupInvocationID - step_ & last);
-      upTo += gl_SubgroupInvocationID >= step_ ? before : 0;
-    }
+  EACH_STEP(k) {
+    uint before = subgroupShuffle(upTo, gl_SubgroupInvocationID - (1u << k) & last);
+    upTo += gl_SubgroupInvocationID >= 1u << k ? before : 0;
+  }
   return upTo;
 }
 
-// Returns the lane whose run has the entry with a number, where `upTo` is that of sumUpTo(); the last lane if there are
-// fewer entries.
+// Returns the lane whose run has the entry with a number, or the last lane if the runs have fewer entries. Each lane
+// passes what sumUpTo() has returned to it.
 uint ownerOf(uint upTo, uint number) {
   uint owner = 0;
   [[unroll]] for (uint half_ = 32; half_ > 0; half_ >>= 1)

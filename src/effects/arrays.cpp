@@ -23,7 +23,7 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   return lines;
 }
 
-// Whether the beams of a place or cell may fire at different times.
+// True if the beams in one column of the grid, or in one cell of the list, may fire at different times.
 bool firesApart(const SensorPlan& plan) {
   return plan.listed || (plan.rows && plan.rows->staggered());
 }

@@ -249,6 +249,7 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
 // Returns in which slices of the scan's time the first `firing` beams fire, for blocks of cells.
 std::vector<uint32_t> sliceMasksOf(const BeamTables& tables, const std::vector<Listed>& beams, size_t firing) {
   static_assert(kListIntervals == gpu::kTimeSlices * gpu::kSliceIntervals);
+  static_assert(gpu::kSliceIntervals % 2 == 0, "the middle of a run of slices is an entry of the table of poses");
   const size_t perRow = (tables.frame.columns - 1) / gpu::kSliceColumns + 1;
   std::vector<uint32_t> masks(perRow * ((tables.rows.size() + gpu::kSliceRows - 1) / gpu::kSliceRows));
   for (size_t i = 0; i < firing; ++i) {

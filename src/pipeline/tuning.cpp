@@ -25,8 +25,8 @@ constexpr uint32_t kShellsOfGpu = 3, kGrowthOnGpu = 4;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
-// A moving triangle has a box for each interval of the scan. With so much room at least, the first moving scan of a few
-// dozen triangles rarely needs a second run.
+// A moving triangle may have several boxes, one for each interval of the scan. A list that holds this many boxes rarely
+// makes the first moving scan of a few dozen triangles run twice.
 constexpr uint64_t kLeastBoxes = 1024;
 // Most triangles of small views need no room, because stage project tries them at once; and views share the room.
 constexpr uint64_t kLeastProjectedOfView = 32;

@@ -235,7 +235,8 @@ void requireEveryKernel(const Orders& orders) {
   Effects still = manyEffects();
   still.sensorMotion.use = EffectUse::off;
   inOrders(scene, asking(still), {standing()});
-  // The lasers of a column fire apart, so that each beam has its own frame. Such a scan takes ten times as long.
+  // The lasers of a column fire apart, so that each beam has its own frame. Such a scan takes ten times as long, so
+  // it runs in a tenth of the orders.
   sensor.channels[1].timeOffset = 2e-3;
   TestOptions moving = with(Accuracy::standard, Binning::nearest);
   moving.effects.sensorMotion.use = EffectUse::on;
