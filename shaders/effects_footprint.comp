@@ -138,13 +138,14 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
   float farthest = 0.0;
 #define STILL_FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
   EACH_RAY(STILL_FARTHEST)
-  if (!taken) return farthest;
-  Optics4 surface = optics.at[projectedMaterials.at[projected]];
-  vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
-  reflectEach(surface, normal);
-  float transmission = LAYERS > 1 ? transmitted(surface) : 0.0;
+  if (taken) {
+    Optics4 surface = optics.at[projectedMaterials.at[projected]];
+    vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+    reflectEach(surface, normal);
+    float transmission = LAYERS > 1 ? transmitted(surface) : 0.0;
 #define SHARE(s) share(pane, transmission, projected, s);
-  EACH_RAY(SHARE)
+    EACH_RAY(SHARE)
+  }
   return farthest;
 }
 
@@ -399,21 +400,21 @@ void aim(uint index) {
 
 // Returns the pass in which the beam is finished.
 uint finish(uint index) {
-  uint number = numberOf(index);
-  if (MAPPED && number == kNone) return PASS;
-  Beam axis = beamWith(index);
-  vec2 window = rangesOf(index);
-  rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;
-  rangeMax = window.y;
-  loadPlaceOfBeam(rowOf(index), columnOf(index), axis.azimuth);
-  openList(index);
-  aim(index);
-  if (PASS != kPassWithinOne) {
-    follow(index, number, axis);
-    return PASS;
+  uint number = numberOf(index), inPass = PASS;
+  if (!MAPPED || number != kNone) {
+    Beam axis = beamWith(index);
+    vec2 window = rangesOf(index);
+    rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;
+    rangeMax = window.y;
+    loadPlaceOfBeam(rowOf(index), columnOf(index), axis.azimuth);
+    openList(index);
+    aim(index);
+    if (PASS != kPassWithinOne)
+      follow(index, number, axis);
+    else if (!findWithinOne(index, number, axis))
+      inPass = meetsPane(index, axis) ? kPassPanesToo : kPassOthers;
   }
-  if (findWithinOne(index, number, axis)) return kPassWithinOne;
-  return meetsPane(index, axis) ? kPassPanesToo : kPassOthers;
+  return inPass;
 }
 
 // Lists the beams of a subgroup that are left to the two passes. All lanes of the subgroup must call this.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
+#include "vulkan/inline_calls.hpp"
 #include "vulkan/live_branches.hpp"
 
 namespace gnosphere::vulkan {
@@ -144,6 +146,11 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   const Globals globals({instructions.begin(), split}, constants, values);
   std::vector<LiveFunction> functions = functionsOf({split, instructions.end()}, values, bound);
   keepCalled(functions, globals.entryPoint());
+  std::set<uint32_t> decorated;
+  globals.each([&](Instruction instruction) {
+    if (opOf(instruction) == spv::OpDecorate) decorated.insert(instruction[1]);
+  });
+  inlineSingleCalls(functions, decorated);
 
   // The module loses the constants that no instruction uses any more, so that constants of different values which leave
   // the same branches give the same words.

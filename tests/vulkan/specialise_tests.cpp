@@ -84,6 +84,13 @@ class Tools {
   Folder folder_;
 };
 
+int functionsIn(const Words& module) {
+  constexpr uint32_t kOpFunction = 54;
+  int count = 0;
+  for (size_t at = 5; at < module.size(); at += module[at] >> 16) count += (module[at] & 0xffff) == kOpFunction;
+  return count;
+}
+
 /// Returns the passes of spirv-opt that put the given constants in place. `booleans` has the numbers of booleans.
 std::string placing(const Words& constants, const std::vector<size_t>& booleans) {
   std::string values;
@@ -268,6 +275,47 @@ TEST_CASE("a specialised module means what spirv-opt makes of the same constants
         tools.validate(specialised);
         CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {0, 1})));
       }
+}
+
+TEST_CASE("functions with a single call move into their callers") {
+  const Tools tools;
+  const Words module = tools.compile(R"(#version 460
+    layout(constant_id = 0) const uint N = 3;
+    layout(push_constant) uniform Input { uint x; };
+    layout(binding = 0) buffer Output { uint y[]; };
+    void split(uint n, out uint half_, inout uint odd) {
+      half_ = n / 2;
+      if ((n & 1) == 1) odd += N; else odd -= 1;
+    }
+    bool any(uint n) {
+      bool found = false;
+      for (uint i = 0; i < n && !found; ++i) found = y[i] == N;
+      return found;
+    }
+    uint inner(const uint n) { return n * n; }
+    uint outer(uint n) { return n > 4 ? inner(n) + 1 : n; }
+    uint twice(uint n) { return n + y[n]; }
+    uint early(uint n) {
+      if (n == 3) return 7;
+      return n + outer(n);
+    }
+    void main() {
+      uint a = 1, b = N;
+      for (uint i = 0; i < x; ++i) {
+        split(i + x, a, b);
+        y[i] = (i > 2 && any(i)) || b == 3 ? a : b;
+        b += early(i);
+      }
+      y[9] = twice(a) + twice(b);
+    })");
+  for (const uint32_t n : {1, 3}) {
+    const Words constants = {n}, specialised = vulkan::specialised(module, constants);
+    tools.validate(specialised);
+    CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {})));
+    // The functions main(), twice() and early() are left.
+    CHECK(functionsIn(module) == 7);
+    CHECK(functionsIn(specialised) == 3);
+  }
 }
 
 TEST_CASE("constants that decide the same branches give the same words") {
