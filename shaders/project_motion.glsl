@@ -122,33 +122,36 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
   return !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
-// Bounds a triangle for all columns, where nothing moves.
-uint boxAtRest(mat3 corners, out Box box, out float rangeMin) {
-  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
-  rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
-  uint fate = kRange;
-  if (!(rangeMin > frame.rangeMax)) {
-    seemFromLasers(low, high);
-    fate = boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
-  }
-  return fate;
-}
-
-// Bounds a triangle that moves, as movingBox() does.
-uint boxInMotion(mat3 corners, inout Interval interval, inout Projected projected, out Box box, out float rangeMin) {
+// Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
+// box; it is empty if there is none. If the box is that of one frame, sets the corners in that frame, and by how much
+// the triangle seems elsewhere in others.
+uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projected projected, out Box box,
+               out float rangeMin) {
   mat3 velocities = projected.velocities;
   Interval part = interval;
   interval = noInterval();
   box.times = uvec2(part.from, part.to);
-  projected.inOneFrame = false;
+  projected.seen = corners;
+  projected.inOneFrame = true;
+  if (!MOTION || atRest(moves)) {
+    vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+    rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
+    if (rangeMin > frame.rangeMax) return kRange;
+    seemFromLasers(low, high);
+    uint fate = boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
+    box.times = uvec2(part.from, part.to);
+    return fate;
+  }
   Course course = courseOf(corners, velocities);
   rangeMin = course.nearest;
+  if (rangeMin > frame.rangeMax) return kRange;
   setSeeming(0.0);
+  projected.inOneFrame = false;
   bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
   // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times. The loop has
   // one exit because SwiftShader, where lanes return from within it, loads entries of columnMotions that no lane asks for.
-  uint fate = kRange;
-  for (bool more = !(rangeMin > frame.rangeMax); more;) {
+  uint fate = kNoTriangle;
+  for (bool more = true; more;) {
     vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesIn(part);
     bool anyBeams = places.x <= places.y;
     ColumnMotion at = columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0);
@@ -192,24 +195,6 @@ uint boxInMotion(mat3 corners, inout Interval interval, inout Projected projecte
         more = !isEmpty(part);
       }
     }
-  }
-  return fate;
-}
-
-// Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
-// box; it is empty if there is none. If the box is that of one frame, sets the corners in that frame, and by how much
-// the triangle seems elsewhere in others.
-uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projected projected, out Box box,
-               out float rangeMin) {
-  uint fate;
-  if (!MOTION || atRest(moves)) {
-    fate = boxAtRest(corners, box, rangeMin);
-    box.times = uvec2(interval.from, interval.to);
-    interval = noInterval();
-    projected.seen = corners;
-    projected.inOneFrame = true;
-  } else {
-    fate = boxInMotion(corners, interval, projected, box, rangeMin);
   }
   return fate;
 }

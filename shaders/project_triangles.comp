@@ -167,7 +167,8 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
     outline = outlineOf(a, b, c);
     some = coverRows(outline, box) && coverColumns(a, b, c, outline, box);
   }
-  return !some || withoutBeams(box) ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
+  if (!some || withoutBeams(box)) return kBetween;
+  return hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
 #include "project_motion.glsl"
@@ -289,35 +290,30 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few) {
   few.count = 0;
   bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && (!ORIGINS || SHIFTS_TURNED);
-  if (DEFORMED != kDeformsNothing)
-    triesHere = triesHere && deformers.at[instanceMeshes.at[pair.x]].deformed == 0;
-  bool byNow = false;
-  if (triesHere) {
-    vec3 low, high;
-    Instance instance = loadedInstance(pair.x);
-    Group box = loadedBox(pair.y);
-    sensorBox(instance, box.low, box.high, low, high);
-    if (MOTION) widenByMotion(pair.x, low, high);
-    setView(pair.x);
-    setSeeming(0.0);
-    float nearest = seemFromSensor(low, high);
-    bool isBounded = !APART || (!(seeming > 1.0) && nearest > 0.0);
-    Window window = windowInTime(low, high, nearest);
-    if (isBounded && mayTryAll(material, vertexCount) && inLimits(low) && inLimits(high) && window.first < window.end &&
-        hasFewBeams(window, kBeamsTriedOnAll)) {
-      uvec2 span = columnsOf(window);
-      few.rowFirst = window.first;
-      few.columnFirst = span.x;
-      few.columnCount = span.y - span.x;
-      few.count = few.columnCount * (window.end - window.first);
-      few.nearest = nearest;
-      few.test = lineTestOf(instance, box.low, box.high);
-      byNow = few.count == 0;
-    } else if ((CULLING & kCullOccluded) != 0) {
-      byNow = isBounded && hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
-    }
+  if (!triesHere) return false;
+  if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
+  vec3 low, high;
+  Instance instance = loadedInstance(pair.x);
+  Group box = loadedBox(pair.y);
+  sensorBox(instance, box.low, box.high, low, high);
+  if (MOTION) widenByMotion(pair.x, low, high);
+  setView(pair.x);
+  setSeeming(0.0);
+  float nearest = seemFromSensor(low, high);
+  if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
+  Window window = windowInTime(low, high, nearest);
+  if (mayTryAll(material, vertexCount) && inLimits(low) && inLimits(high) && window.first < window.end &&
+      hasFewBeams(window, kBeamsTriedOnAll)) {
+    uvec2 span = columnsOf(window);
+    few.rowFirst = window.first;
+    few.columnFirst = span.x;
+    few.columnCount = span.y - span.x;
+    few.count = few.columnCount * (window.end - window.first);
+    few.nearest = nearest;
+    few.test = lineTestOf(instance, box.low, box.high);
+    return few.count == 0;
   }
-  return byNow;
+  return (CULLING & kCullOccluded) != 0 && hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
 }
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
@@ -325,7 +321,6 @@ bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few
 // now is returned with no triangles.
 bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, inout LoadedCluster loaded,
                  inout FewBeams few) {
-  bool any = true;
   if (batch.done == batch.count) {
     uint near = shells.of[pass.shell].visible;
     uint count = BINNING == kBinningSlabs ? near + shells.of[pass.shell].visibleBehind : near;
@@ -340,20 +335,16 @@ bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, ino
       i = next;
       next += stride * wanted;
     }
-    any = i < count;
-    if (any) {
-      batch.count = min(wanted, (count - i + stride - 1) / stride);
-      batch.done = 0;
-      uint entry = gl_SubgroupInvocationID < batch.count ? i + gl_SubgroupInvocationID * stride : i;
-      loadBatch(entry < near ? entry : pass.clusters - 1 - (entry - near), batch);
-      if (isHiddenByNow(batch.pair, batch.material, batch.counts & 0xffff, ofBatch)) batch.counts = 0;
-    }
+    if (i >= count) return false;
+    batch.count = min(wanted, (count - i + stride - 1) / stride);
+    batch.done = 0;
+    uint entry = gl_SubgroupInvocationID < batch.count ? i + gl_SubgroupInvocationID * stride : i;
+    loadBatch(entry < near ? entry : pass.clusters - 1 - (entry - near), batch);
+    if (isHiddenByNow(batch.pair, batch.material, batch.counts & 0xffff, ofBatch)) batch.counts = 0;
   }
-  if (any) {
-    if (BINNING == kBinningSlabs) few = fromLane(ofBatch, batch.done);
-    loadNext(batch, loaded);
-  }
-  return any;
+  if (BINNING == kBinningSlabs) few = fromLane(ofBatch, batch.done);
+  loadNext(batch, loaded);
+  return true;
 }
 
 bool stored = false;  // whether this subgroup has stored any triangle
