@@ -14,7 +14,7 @@ uint sumUpTo(uint count) {
 }
 
 // Returns the lane whose run has the entry with a number, or the last lane if the runs have fewer entries. Each lane
-// passes what sumUpTo() has returned to it.
+// passes its own result of sumUpTo().
 uint ownerOf(uint upTo, uint number) {
   uint owner = 0;
   [[unroll]] for (uint half_ = 32; half_ > 0; half_ >>= 1)

@@ -11,7 +11,8 @@ bool isReturn(Instruction instruction) {
   return opOf(instruction) == spv::OpReturn || opOf(instruction) == spv::OpReturnValue;
 }
 
-// A copy of an argument takes the place of a parameter, but some decorations are for parameters alone.
+// True if a function returns only at its end and has no decorated parameter. A copy of the argument takes the place of
+// a parameter, and some decorations are valid on parameters alone.
 bool isSimple(const LiveFunction& function, const std::set<uint32_t>& decorated) {
   const std::vector<Instruction> instructions = instructionsOf(function.words);
   const auto isDecorated = [&](Instruction instruction) {
@@ -41,20 +42,29 @@ class Inliner {
     size_t argument = 4;     // of the call, by its word
     uint32_t readLabel = 0;  // of the block that is read; it ends as the block writtenLabel_
     for (const Instruction instruction : instructionsOf(function.words)) {
+      Words& part = whole && readLabel == 0 ? head_ : body_;
       switch (opOf(instruction)) {
         case spv::OpFunction:
-          if (whole) append(head_, instruction);
+        case spv::OpReturn:
+        case spv::OpFunctionEnd:
+          if (whole) append(part, instruction);
           break;
         case spv::OpFunctionParameter:
           if (whole)
-            append(head_, instruction);
+            append(part, instruction);
           else
-            append(body_, spv::OpCopyObject, {instruction[1], instruction[2], call[argument++]});
+            append(part, spv::OpCopyObject, {instruction[1], instruction[2], call[argument++]});
+          break;
+        case spv::OpReturnValue:
+          if (whole)
+            append(part, instruction);
+          else
+            append(part, spv::OpCopyObject, {call[1], call[2], instruction[1]});
           break;
         case spv::OpLabel:
           // The first block of an inlined function continues the block of the call.
           if (whole || readLabel != 0) {
-            append(readLabel == 0 ? head_ : body_, instruction);
+            append(part, instruction);
             writtenLabel_ = instruction[1];
           }
           readLabel = instruction[1];
@@ -69,22 +79,10 @@ class Inliner {
           writeCall(instruction);
           ends_[readLabel] = writtenLabel_;
           break;
-        case spv::OpReturn:
-          if (whole) append(body_, instruction);
-          break;
-        case spv::OpReturnValue:
-          if (whole)
-            append(body_, instruction);
-          else
-            append(body_, spv::OpCopyObject, {call[1], call[2], instruction[1]});
-          break;
-        case spv::OpFunctionEnd:
-          if (whole) append(body_, instruction);
-          break;
         case spv::OpLoopMerge:
           if (readLabel != writtenLabel_) throw std::logic_error("a loop of a SPIR-V module begins with a call");
           [[fallthrough]];
-        default: append(body_, instruction);
+        default: append(part, instruction);
       }
     }
   }

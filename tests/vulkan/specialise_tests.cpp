@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "town/town.hpp"
 #include "vulkan/execution_modes.hpp"
 #include "vulkan/kernel.hpp"
+#include "vulkan/spirv.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -84,11 +86,11 @@ class Tools {
   Folder folder_;
 };
 
-int functionsIn(const Words& module) {
-  constexpr uint32_t kOpFunction = 54;
-  int count = 0;
-  for (size_t at = 5; at < module.size(); at += module[at] >> 16) count += (module[at] & 0xffff) == kOpFunction;
-  return count;
+size_t functionsIn(const Words& module) {
+  const auto instructions = vulkan::instructionsOf(std::span(module).subspan(vulkan::kHeaderWords));
+  return static_cast<size_t>(
+      std::count_if(instructions.begin(), instructions.end(),
+                    [](vulkan::Instruction instruction) { return vulkan::opOf(instruction) == spv::OpFunction; }));
 }
 
 /// Returns the passes of spirv-opt that put the given constants in place. `booleans` has the numbers of booleans.
