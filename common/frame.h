@@ -58,6 +58,7 @@ struct Frame {
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
   uint shellCount, shellGrowth;             // most shells of a scan; each has so many times the clusters of the last
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
+  uint beamColumnFirst, beamColumnCount;    // columns that hold all beams; after the last column comes column 0
   uint views;                               // of the submission
 };
 
@@ -124,7 +125,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 140 && sizeof(Row) == 32 && sizeof(Counters) == 104);
+static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 104);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

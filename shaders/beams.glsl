@@ -17,8 +17,16 @@ struct Place {
 
 uint indexOf(uint row, uint column) { return LISTED ? column : row * frame.columns + column; }
 
-// Kernels that process all beams have one row of workgroups per row of the grid. A list is one row.
-uint beamsPerRow() { return LISTED ? frame.beams : frame.columns; }
+// Kernels that process all beams have one row of workgroups per row of the grid. A list is one row. A grid that covers a
+// sector of the turn has columns without beams, which these kernels leave out.
+uint beamsPerRow() { return LISTED ? frame.beams : frame.beamColumnCount; }
+
+// Returns the column of the k-th of a row's beamsPerRow() beams.
+uint beamColumn(uint k) {
+  if (LISTED) return k;
+  uint column = frame.beamColumnFirst + k;
+  return min(column, column - frame.columns);  // after the last column comes the first again
+}
 
 // The values that the beams of a row share. A list of beams has none.
 struct BeamRow {

@@ -240,8 +240,8 @@ void main() {
     uint i = min(first + gl_SubgroupInvocationID, run.y - 1);
     // Row and column are known except for listed beams; to divide the index by the number of columns would be slow.
     rowIndex = gl_WorkGroupID.y;
-    columnIndex = i;
-    wordIndex = indexOf(rowIndex, i);
+    columnIndex = beamColumn(i);
+    wordIndex = indexOf(rowIndex, columnIndex);
     if (LISTED || listed) {
       if (listed) wordIndex = hardBeams.at[i];
       rowIndex = rowOf(wordIndex);

@@ -19,8 +19,8 @@ layout(local_size_x = 64) in;
 void main() {
   BeamRow row = loadRow(gl_WorkGroupID.y);
   uvec2 run = runOfBeams();
-  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
-    uint index = indexOf(gl_WorkGroupID.y, column);
+  for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
+    uint column = beamColumn(k), index = indexOf(gl_WorkGroupID.y, column);
     vec2 error = angleError(parameters, numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
     precise float left = error.x * cosElevation;

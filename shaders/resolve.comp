@@ -97,8 +97,8 @@ void main() {
   BeamRow row = loadRow(gl_WorkGroupID.y);
   uint hits = 0;
   uvec2 run = runOfBeams();
-  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
-    uint index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
+  for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
+    uint column = beamColumn(k), index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
     if (MAPPED && number == kNone) continue;
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];

@@ -148,28 +148,39 @@ void setRanges(const Sensor& sensor, BeamTables& tables) {
   if (frame.ownRanges == 0) tables.ranges.clear();
 }
 
-// Divides the columns that have beams among the threads, and finds the shortest run of slabs that holds all beams.
-// `columnOf(i)` is the column of beam i.
+struct Run {
+  uint32_t first = 0, count = 0;
+};
+
+// Returns the shortest run that holds all places in use; after the last place comes the first.
+Run shortestRun(const std::vector<bool>& used) {
+  if (std::find(used.begin(), used.end(), true) == used.end()) return {};
+  const auto places = static_cast<uint32_t>(used.size());
+  Run run = {0, places};
+  uint32_t gap = 0;  // unused places before place i, which may lie beyond the turn
+  for (uint32_t i = 0; i < 2 * places; ++i) {
+    if (used[i % places] && gap > places - run.count) run = {i % places, places - gap};
+    gap = used[i % places] ? 0 : gap + 1;
+  }
+  return run;
+}
+
+// Finds the columns that hold all beams, divides the columns that have beams among the threads, and finds the slabs
+// that hold all beams. `columnOf(i)` is the column of beam i.
 template <typename ColumnOf>
 void setSlabs(size_t count, const ColumnOf& columnOf, gpu::Frame& frame) {
   std::vector<bool> taken(frame.columns);
   for (size_t i = 0; i < count; ++i) taken[columnOf(i)] = true;
+  const Run columns = shortestRun(taken);
+  frame.beamColumnFirst = columns.first;
+  frame.beamColumnCount = columns.count;
   frame.slabShift = slabShift(static_cast<uint32_t>(std::count(taken.begin(), taken.end(), true)));
-  const uint32_t slabs = slabsOf(frame);
-  std::vector<bool> used(slabs);
+  std::vector<bool> used(slabsOf(frame));
   for (uint32_t column = 0; column < frame.columns; ++column)
     if (taken[column]) used[column >> frame.slabShift] = true;
-  frame.slabFirst = frame.slabCount = 0;
-  if (count == 0) return;
-  uint32_t gap = 0, longest = 0;  // unused slabs before slab i, which may lie beyond the turn
-  for (uint32_t i = 0; i < 2 * slabs; ++i) {
-    if (used[i % slabs] && gap >= longest) {
-      longest = gap;
-      frame.slabFirst = i % slabs;
-    }
-    gap = used[i % slabs] ? 0 : gap + 1;
-  }
-  frame.slabCount = slabs - longest;
+  const Run slabs = shortestRun(used);
+  frame.slabFirst = slabs.first;
+  frame.slabCount = slabs.count;
 }
 
 // Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each

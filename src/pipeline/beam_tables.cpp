@@ -114,6 +114,7 @@ void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& 
   frame.phase = static_cast<float>(phase);
   frame.slabShift = slabShift(columns);
   frame.slabCount = slabsOf(frame);
+  frame.beamColumnCount = columns;
   frame.views = 1;
   frame.rows = static_cast<uint32_t>(tables.rows.size());
   frame.beams = static_cast<uint32_t>(sensor.beamCount());

@@ -188,7 +188,7 @@ class Steps {
   // Dispatches one row of workgroups per channel; the beams of a list are one row.
   void dispatchOnBeams(const char* stage, Kernel kernel, uint32_t pass = 0) {
     const bool listed = input_.variant.options.LISTED != 0;
-    const uint32_t columns = listed ? input_.frame.beams : input_.frame.columns;
+    const uint32_t columns = listed ? input_.frame.beams : input_.frame.beamColumnCount;
     dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, pass,
              listed ? 1 : input_.frame.rows);
     if (!steps_.empty()) inRuns(input_.frame.beams);

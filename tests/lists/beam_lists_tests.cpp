@@ -384,7 +384,25 @@ Sensor sectorAround(double azimuthDeg) {
   return sensor;
 }
 
-TEST_CASE("a sector's slabs are those with beams, also across the seam, and its beams have the sensor's ranges") {
+/// Requires that the columns and the slabs of a frame that are said to hold all beams are the fewest that do.
+void requireFewestPlaces(const BeamTables& tables) {
+  const gpu::Frame& frame = tables.frame;
+  const uint32_t slabs = slabsOf(frame);
+  std::vector<bool> columns(frame.columns), used(slabs);
+  for (size_t i = 0; i < tables.numbers.size(); ++i)
+    if (tables.numbers[i] != gpu::kNone) columns[i % frame.columns] = used[i % frame.columns >> frame.slabShift] = true;
+  for (uint32_t slab = 0; slab < slabs; ++slab)
+    CHECK(used[slab] == ((slab + slabs - frame.slabFirst) % slabs < frame.slabCount));
+  const auto at = [&](uint32_t k) { return (frame.beamColumnFirst + k) % frame.columns; };
+  REQUIRE(frame.beamColumnCount > 0);
+  CHECK(columns[at(0)]);
+  CHECK(columns[at(frame.beamColumnCount - 1)]);
+  size_t outside = 0;
+  for (uint32_t k = frame.beamColumnCount; k < frame.columns; ++k) outside += columns[at(k)];
+  CHECK(outside == 0);
+}
+
+TEST_CASE("the columns and slabs of a sector are those with beams, also across the seam") {
   for (const double azimuth : {0.0, 97.0, 180.0}) {
     INFO(azimuth << " degrees");
     const Sensor sensor = sectorAround(azimuth);
@@ -393,13 +411,17 @@ TEST_CASE("a sector's slabs are those with beams, also across the seam, and its 
     CHECK(tables.mapped);
     CHECK(tables.ranges.empty());
     CHECK(frame.ownRanges == 0);
-    const uint32_t slabs = slabsOf(frame);
-    std::vector<bool> used(slabs);
-    for (size_t i = 0; i < tables.numbers.size(); ++i)
-      if (tables.numbers[i] != gpu::kNone) used[i % frame.columns >> frame.slabShift] = true;
-    for (uint32_t slab = 0; slab < slabs; ++slab)
-      CHECK(used[slab] == ((slab + slabs - frame.slabFirst) % slabs < frame.slabCount));
+    requireFewestPlaces(tables);
+    CHECK(frame.beamColumnCount == sensor.columns);
   }
+}
+
+TEST_CASE("the beams of AT128, whose channels look beside each other, take a third of the turn") {
+  const Sensor sensor = builtinSensor("AT128");
+  const BeamTables tables = makeRowTables(sensor, rowGridOf(sensor).value(), originGroups(sensor, 0)[0]);
+  requireFewestPlaces(tables);
+  CHECK(tables.frame.beamColumnCount >= sensor.columns);
+  CHECK(tables.frame.beamColumnCount < tables.frame.columns * 2 / 5);
 }
 
 TEST_CASE("a sector behind the sensor equals the reference, with every way of binning") {
