@@ -107,12 +107,15 @@ void storeMotion(uint at, uvec2 owner, float range) {
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
 
-// Stores the return in the word of its beam. Point and owner are then computed from the word as for a nearest hit.
-void storeWord(Return value, uvec2 owner) {
+// Stores the return in a word of its beam. Point and owner are then computed from the word as for a nearest hit.
+void storeWord(uint j, Return value, uvec2 owner) {
   uvec2 word = uvec2(kNone);
   if (value.label != kLabelNone) word.y = floatBitsToUint(value.range);
   if (value.label == kLabelSolid) word.x = many ? firstTriangleOf(owner.y) + owner.x : hitWord.x;
-  if (many || word.x != hitWord.x || word.y != hitWord.y) words.at[wordIndex] = word;
+  if (j > 0)
+    laterWords.at[(j - 1) * frame.beams + wordIndex] = word;
+  else if (many || word.x != hitWord.x || word.y != hitWord.y)
+    words.at[wordIndex] = word;
 }
 
 void storePoint(uint at, Return value, uvec2 owner) {
@@ -139,7 +142,7 @@ void storeReturn(uint j, Return value) {
   if (POINTS)
     storePoint(at, value, owner);
   else
-    storeWord(value, owner);
+    storeWord(j, value, owner);
   if ((FIELDS & kFieldIntensity) != 0) intensities.at[at] = value.intensity;
   if ((FIELDS & kFieldSignal) != 0)
     signals.at[at] = SignalRecord(value.trueRange, value.width,

@@ -90,6 +90,10 @@ void store(uint index, uint beam, Beam axis, uvec2 word) {
   if (MOTION) point = reported(columnOf(index), rowOf(index), axis.azimuth, axis.direction, range);
   points.at[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
   owners.at[beam * RETURNS] = owner;
+  for (uint j = 1; j < RETURNS; ++j) {
+    points.at[beam * RETURNS + j] = vec4(uintBitsToFloat(0x7fc00000u));
+    owners.at[beam * RETURNS + j] = uvec2(kNone);
+  }
 }
 
 void main() {

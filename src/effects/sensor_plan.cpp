@@ -105,10 +105,11 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
 }  // namespace
 
 bool SensorPlan::onlyLines() const {
-  uint32_t lines = gpu::kCutOuts | gpu::kDivergence | gpu::kIntensity;
+  uint32_t lines = gpu::kCutOuts | gpu::kDivergence | gpu::kIntensity | gpu::kSensorMotion | gpu::kObjectMotion;
   if (has(gpu::kStrays)) lines |= gpu::kStrays | gpu::kAngleNoise;
   if (panes()) lines |= gpu::kTransmission;
-  return (bits & ~lines) == 0 && fields == 0 && !motion();
+  if (layout.empty()) lines |= gpu::kReturns;  // records take further returns from points
+  return (bits & ~lines) == 0 && fields == 0;
 }
 
 std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const SensorRequest& request, size_t index,

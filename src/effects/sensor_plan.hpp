@@ -73,8 +73,9 @@ struct SensorPlan {
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
   /// Whether only geometry is planned.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
-  /// Whether the answer of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
-  /// geometry, in which surfaces may have holes and let light pass, and beams may deviate.
+  /// Whether the only return of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
+  /// geometry, in which surfaces may have holes and let light pass, beams may deviate, and sensor and instances may
+  /// move.
   bool onlyLines() const;
   /// Whether points lie on the axes of their beams, as seen from the lasers: with words, ranges are then enough.
   bool pointsOnAxes() const { return !has(gpu::kAngleNoise) || has(gpu::kStrays); }

@@ -12,50 +12,49 @@ namespace {
 
 constexpr float kMiss = std::bit_cast<float>(0x7fc00000u);
 
-/// Writes the results of the beams, one by one.
+/// Writes the results of the returns, one by one.
 class Resolver {
  public:
   Resolver(const InstanceTable& instances, const Places& to) : instances_(instances), to_(to) {}
 
   bool wantsPoints() const { return to_.points != nullptr; }
 
-  void miss(size_t beam) {
-    setPoint(beam, {kMiss, kMiss, kMiss});
-    setRange(beam, kMiss);
-    setOwner(beam, gpu::kNone, gpu::kNone);
+  void miss(size_t entry) {
+    setPoint(entry, {kMiss, kMiss, kMiss});
+    setRange(entry, kMiss);
+    setOwner(entry, gpu::kNone, gpu::kNone);
   }
 
-  void hit(size_t beam, uint32_t triangle, float range, const gpu::vec3& point) {
-    setPoint(beam, point);
-    setRange(beam, range);
+  /// Returns whether the return is one of a surface.
+  bool hit(size_t entry, uint32_t triangle, float range, const gpu::vec3& point) {
+    setPoint(entry, point);
+    setRange(entry, range);
     if (triangle == gpu::kNone) {
-      setOwner(beam, gpu::kNone, gpu::kNone);
-      return;
+      setOwner(entry, gpu::kNone, gpu::kNone);
+      return false;
     }
-    ++hits_;
-    if (!to_.triangles && !to_.instances) return;
-    if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
-    setOwner(beam, triangle - owner_.first, owner_.instance);
+    if (to_.triangles || to_.instances) {
+      if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
+      setOwner(entry, triangle - owner_.first, owner_.instance);
+    }
+    return true;
   }
-
-  uint64_t hits() const { return hits_; }
 
  private:
-  void setPoint(size_t beam, const gpu::vec3& point) {
-    if (to_.points) std::copy_n(&point.x, 3, to_.points + 3 * beam);
+  void setPoint(size_t entry, const gpu::vec3& point) {
+    if (to_.points) std::copy_n(&point.x, 3, to_.points + 3 * entry);
   }
-  void setRange(size_t beam, float range) {
-    if (to_.ranges) to_.ranges[beam] = range;
+  void setRange(size_t entry, float range) {
+    if (to_.ranges) to_.ranges[entry] = range;
   }
-  void setOwner(size_t beam, uint32_t triangle, uint32_t instance) {
-    if (to_.triangles) to_.triangles[beam] = triangle;
-    if (to_.instances) to_.instances[beam] = instance;
+  void setOwner(size_t entry, uint32_t triangle, uint32_t instance) {
+    if (to_.triangles) to_.triangles[entry] = triangle;
+    if (to_.instances) to_.instances[entry] = instance;
   }
 
   const InstanceTable& instances_;
   const Places to_;
   InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
-  uint64_t hits_ = 0;
 };
 
 gpu::Beam beamWith(const BeamTables& tables, uint32_t index) {
@@ -84,59 +83,69 @@ gpu::vec3 pointAt(const BeamTables& tables, const MotionTables& motion, uint32_t
                             beam.direction, range);
 }
 
-// Beams of a list, or in places of a grid.
-uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTables& tables,
-                         const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
-                         const Places& to) {
-  // Stage effects asks whether a hit hides itself before it adds noise to ranges.
-  const bool reported = plan.has(gpu::kRangeNoise);
-  Resolver resolver(instances, to);
-  for (uint32_t index = first; index < end; ++index) {
-    const Word& word = words[index];
-    const uint32_t number = tables.numbers[index];
-    if (number == gpu::kNone) continue;
-    const float range = std::bit_cast<float>(word.range);
-    if (word.range == gpu::kNone || !(reported || tables.reports(index, range))) {
-      resolver.miss(number);
-      continue;
+// Resolves the words of one beam after the other.
+class BeamResolver {
+ public:
+  BeamResolver(const SensorPlan& plan, const Words& words, const BeamTables& tables, const InstanceTable& instances,
+               const ShotMotion* motion, const Places& to)
+      : returns_(plan.returns), words_(words), tables_(tables), motion_(motion), resolver_(instances, to) {}
+
+  /// `reports` tells whether the range of a hit is reported.
+  template <typename Reports>
+  void resolve(uint32_t index, size_t number, const Reports& reports) {
+    const size_t entry = number * returns_;
+    hits_ += set(entry, words_.first[index], index, reports) ? 1 : 0;
+    for (uint32_t j = 1; j < returns_; ++j) {
+      if (words_.later)
+        set(entry + j, words_.later[size_t{j - 1} * tables_.frame.beams + index], index, reports);
+      else
+        resolver_.miss(entry + j);
     }
-    if (!resolver.wantsPoints()) {
-      resolver.hit(number, word.triangle, range, {});
-      continue;
-    }
-    const gpu::Beam beam = beamWith(tables, index);
-    const gpu::vec3 point = motion ? pointAt(tables, motion->tables, index, beam, range) : beam.direction * range;
-    resolver.hit(number, word.triangle, range, point);
   }
-  return resolver.hits();
-}
+
+  uint64_t hits() const { return hits_; }
+
+ private:
+  template <typename Reports>
+  bool set(size_t entry, const Word& word, uint32_t index, const Reports& reports) {
+    const float range = std::bit_cast<float>(word.range);
+    if (word.range == gpu::kNone || !reports(range)) {
+      resolver_.miss(entry);
+      return false;
+    }
+    if (!resolver_.wantsPoints()) return resolver_.hit(entry, word.triangle, range, {});
+    const gpu::Beam beam = beamWith(tables_, index);
+    const gpu::vec3 point = motion_ ? pointAt(tables_, motion_->tables, index, beam, range) : beam.direction * range;
+    return resolver_.hit(entry, word.triangle, range, point);
+  }
+
+  const uint32_t returns_;
+  const Words words_;
+  const BeamTables& tables_;
+  const ShotMotion* motion_;
+  Resolver resolver_;
+  uint64_t hits_ = 0;
+};
 
 }  // namespace
 
-uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
+uint64_t resolveWords(const SensorPlan& plan, const Words& words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
                       const Places& to) {
-  if (tables.listed || tables.mapped) return resolveNumbered(plan, words, tables, instances, motion, first, end, to);
+  BeamResolver resolver(plan, words, tables, instances, motion, to);
+  if (tables.listed || tables.mapped) {
+    // Stage effects asks whether a hit hides itself before it adds noise to ranges.
+    const bool reported = plan.has(gpu::kRangeNoise);
+    for (uint32_t index = first; index < end; ++index)
+      if (const uint32_t number = tables.numbers[index]; number != gpu::kNone)
+        resolver.resolve(index, number, [&](float range) { return reported || tables.reports(index, range); });
+    return resolver.hits();
+  }
   const uint32_t columns = tables.frame.columns;
-  Resolver resolver(instances, to);
   for (uint32_t row = first; row < end; ++row) {
-    const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
-    const Word* word = words + uint64_t{row} * columns;
-    for (uint32_t column = 0; column < columns; ++column, ++word) {
-      if (word->range == gpu::kNone) {
-        resolver.miss(begin + column);
-        continue;
-      }
-      const uint32_t index = row * columns + column;
-      const float metres = std::bit_cast<float>(word->range);
-      if (!resolver.wantsPoints()) {
-        resolver.hit(begin + column, word->triangle, metres, {});
-        continue;
-      }
-      const gpu::Beam beam = beamWith(tables, index);
-      resolver.hit(begin + column, word->triangle, metres,
-                   motion ? pointAt(tables, motion->tables, index, beam, metres) : beam.direction * metres);
-    }
+    const size_t begin = size_t{tables.rows[row].channel} * columns;
+    for (uint32_t column = 0; column < columns; ++column)
+      resolver.resolve(row * columns + column, begin + column, [](float) { return true; });
   }
   return resolver.hits();
 }

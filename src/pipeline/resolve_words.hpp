@@ -18,10 +18,16 @@ struct Word {
   uint32_t triangle, range;
 };
 
+/// The words of a scan, in order of the beams' indices.
+struct Words {
+  const Word* first;            ///< of the first return of each beam
+  const Word* later = nullptr;  ///< of the second returns, then of the third ones; null if no beam has any
+};
+
 /// Writes the wanted ones of points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of
-/// a list, with the same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index.
-/// `motion` is null for a scan without motion. Returns the number of hits.
-uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
+/// a list, with the same bytes as resolve.comp and effects.comp. `motion` is null for a scan without motion. Returns
+/// the number of beams that have hit something.
+uint64_t resolveWords(const SensorPlan& plan, const Words& words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
                       const Places& to);
 

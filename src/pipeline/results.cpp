@@ -45,8 +45,8 @@ uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const In
   std::atomic<uint64_t> hits = 0;
   const bool listed = device.tables.listed || device.tables.mapped;
   inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, device.words, device.tables, instances, motion, static_cast<uint32_t>(first),
-                         static_cast<uint32_t>(end), placesOf(scan));
+    hits += resolveWords(plan, {device.words, device.laterWords}, device.tables, instances, motion,
+                         static_cast<uint32_t>(first), static_cast<uint32_t>(end), placesOf(scan));
   });
   addResolve(start, scan.timings);
   return hits;
@@ -91,9 +91,11 @@ void readPoints(const DeviceResults& device, uint64_t first, uint64_t count, Sca
   }
 }
 
-uint64_t hitsAmong(const Scan& scan, uint64_t first, uint64_t count) {
-  const auto begin = scan.triangles.begin() + static_cast<ptrdiff_t>(first);
-  return count - static_cast<uint64_t>(std::count(begin, begin + static_cast<ptrdiff_t>(count), gpu::kNone));
+// Returns how many beams have hit something. The first return of a beam is there if any is.
+uint64_t hitsAmong(const Scan& scan, uint64_t firstBeam, uint64_t endBeam) {
+  uint64_t hits = 0;
+  for (uint64_t beam = firstBeam; beam < endBeam; ++beam) hits += scan.triangles[beam * scan.returns] != gpu::kNone;
+  return hits;
 }
 
 void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t count, uint32_t returns, Scan& scan) {
@@ -221,7 +223,7 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
     if (device.points) readPoints(device, first, count, scan);
-    if (device.points && !judged) hits += hitsAmong(scan, first, count);
+    if (device.points && !judged) hits += hitsAmong(scan, beam, beamEnd);
     if (device.intensities)
       std::copy_n(device.intensities + first, count, ScanColumns(scan).data<float>(Field::intensity) + first);
     readSignals(from(device.signals), first, count, returns, scan);
@@ -247,7 +249,7 @@ void readHits(const SensorPlan& plan, const DeviceResults& device, const Instanc
   const uint64_t count = device.tables.listed || device.tables.mapped ? frame.beams : frame.rows;
   std::atomic<uint64_t> hits = 0;
   const auto resolve = [&](uint64_t view, uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, device.words + view * frame.beams, device.tables, instances, motion,
+    hits += resolveWords(plan, {device.words + view * frame.beams}, device.tables, instances, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), to.from(view * beams));
   };
   if (shots.size() == 1)

@@ -18,6 +18,7 @@ namespace gnosphere {
 struct DeviceResults {
   const BeamTables& tables;
   const Word* words = nullptr;  ///< see resolveWords(); if given, there are no points and no owners
+  const Word* laterWords = nullptr;
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
   const float* intensities = nullptr;
@@ -32,6 +33,7 @@ struct DeviceResults {
   static DeviceResults from(const BeamTables& tables, const gpu::Counters& counters, const Of& of) {
     return {tables,
             static_cast<const Word*>(of(gpu::Array::words)),
+            static_cast<const Word*>(of(gpu::Array::laterWords)),
             static_cast<const gpu::vec4*>(of(gpu::Array::points)),
             static_cast<const std::array<uint32_t, 2>*>(of(gpu::Array::owners)),
             static_cast<const float*>(of(gpu::Array::intensities)),

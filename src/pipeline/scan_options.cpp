@@ -46,7 +46,7 @@ double reachOf(const SimulatorOptions& options, double rangeMax) {
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
-  if (plan.judged()) return plan.returns == 1 && plan.pointsOnAxes();
+  if (plan.judged()) return (plan.returns == 1 || plan.layout.empty()) && plan.pointsOnAxes();
   return binning != gpu::kBinningLists;
 }
 

@@ -31,7 +31,8 @@ class SensorArrays {
   uint32_t beams() const { return static_cast<uint32_t>(most_.beams); }
   /// Whether scans leave the nearest hits of all beams, and nothing else, for the host to resolve.
   bool leavesHitsAlone() const {
-    return leavesWords_ && outputs_.size() == 1 && !keepsRecords() && !plan_.judged() && mostGroups() == 1;
+    return leavesWords_ && outputs_.size() == 1 && plan_.returns == 1 && !keepsRecords() && !plan_.judged() &&
+           mostGroups() == 1;
   }
   /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
