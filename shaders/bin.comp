@@ -438,36 +438,54 @@ uint takeSlab(uint slabs, out uint slab) {
   return subgroupBroadcastFirst(tile);
 }
 
-// One subgroup processes the tiles of slab after slab, or every n-th of all tiles.
-void tryTiles(uint first) {
+// Processes the tiles of slab after slab.
+void trySlabs() {
   uint perView = (frame.columns - 1 >> frame.slabShift) + 1, slabs = VIEWS ? perView * frame.views : perView, slab = kNone;
   uint rowFirst = 0, rowLast = 0;  // of the slab's tiles
-  uint t = BINNING == kBinningSlabs ? kNone : first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
-  while (true) {
-    if (BINNING == kBinningSlabs) {
-      if (t == kNone) {
-        if (slab != kNone && pass.table != kTableNone) writeTable(slab - view * perView, rowFirst, rowLast);
-        t = takeSlab(slabs, slab);
-        if (slab >= slabs) return;
-        if (VIEWS) view = slab / perView;
-        rowFirst = frame.rows;
-        rowLast = 0;
-        continue;
-      }
-    } else if (t >= counters.tiles) {
-      return;
+  for (uint t = kNone; true;) {
+    if (t == kNone) {
+      if (slab != kNone && pass.table != kTableNone) writeTable(slab - view * perView, rowFirst, rowLast);
+      t = takeSlab(slabs, slab);
+      if (slab >= slabs) return;
+      if (VIEWS) view = slab / perView;
+      rowFirst = frame.rows;
+      rowLast = 0;
+      continue;
     }
     Tile tile = tileAt(t);
-    if (VIEWS && BINNING != kBinningSlabs) view = projectedViews.at[tile.slot];
     if (isInPass(tile.slot)) tryTile(tile);
-    if (BINNING == kBinningSlabs) {
-      subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
-      meetAgain();
-      rowFirst = min(rowFirst, tile.box.rowFirst);
-      rowLast = max(rowLast, tile.box.rowLast);
-      t = tile.before;
+    subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
+    meetAgain();
+    rowFirst = min(rowFirst, tile.box.rowFirst);
+    rowLast = max(rowLast, tile.box.rowLast);
+    t = tile.before;
+  }
+}
+
+// Returns the subgroup's next share of the work. On a CPU a shared counter hands out the shares of a shell, because they
+// differ much; otherwise each subgroup has a fixed part of them.
+uint nextShare(uint last) {
+  uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, share = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
+  if (kLanesInStep && BINNING == kBinningNearest) {
+    if (isFirstLane()) share = atomicAdd(shells.of[pass.shell].nextSlab, 1);
+    return fromFirstLane(share);
+  }
+  return last == kNone ? share : last + subgroups;
+}
+
+// Processes the small boxes, of which each lane takes one, and the tiles.
+void tryBoxes(uint firstSmall, uint firstTile) {
+  uint end = counters.projectedSmall, shares = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
+  uint all = shares + counters.tiles - firstTile;
+  for (uint share = nextShare(kNone); share < all; share = nextShare(share)) {
+    if (share < shares) {
+      uint i = firstSmall + share * gl_SubgroupSize + gl_SubgroupInvocationID;
+      if (i < end && isInPass(i)) trySmall(i);
+      meetAgain();  // the lanes have left the walks through their boxes one by one
     } else {
-      t += gl_NumWorkGroups.x * gl_NumSubgroups;
+      Tile tile = tileAt(firstTile + share - shares);
+      if (VIEWS) view = projectedViews.at[tile.slot];
+      if (isInPass(tile.slot)) tryTile(tile);
     }
   }
 }
@@ -483,15 +501,11 @@ void main() {
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
-  // With kBinningNearest each shell bins only its new triangles; otherwise, and for panes, one pass bins all of them.
+  // With slabs, all triangles are in tiles. With kBinningNearest each shell bins only its new triangles; otherwise, and for
+  // panes, one pass bins all of them.
   bool byShell = BINNING == kBinningNearest && PASS == kPassNearest;
-  uint first = byShell ? counters.binnedSmall : 0;
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  // With slabs, all triangles are in tiles.
-  if (BINNING != kBinningSlabs)
-    for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
-         i += stride)
-      if (isInPass(i)) trySmall(i);
-  meetAgain();  // the lanes have left the loop one by one
-  tryTiles(byShell ? counters.binnedTiles : 0);
+  if (BINNING == kBinningSlabs)
+    trySlabs();
+  else
+    tryBoxes(byShell ? counters.binnedSmall : 0, byShell ? counters.binnedTiles : 0);
 }

@@ -238,11 +238,12 @@ void main() {
   // surfaces.
   bool listed = PANES && PASS == kPassListed;
   uvec2 run = listed ? runOf(counters.hardBeams) : runOfBeams();
-  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint ownRow = dealt(gl_WorkGroupID.y, frame.rows);
+  BeamRow row = loadRow(ownRow);
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = min(first + gl_SubgroupInvocationID, run.y - 1);
     // Row and column are known except for listed beams; to divide the index by the number of columns would be slow.
-    rowIndex = gl_WorkGroupID.y;
+    rowIndex = ownRow;
     columnIndex = beamColumn(i);
     wordIndex = indexOf(rowIndex, columnIndex);
     if (LISTED || listed) {

@@ -23,6 +23,7 @@
 #include "firing_times.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
+#include "dealt.glsl"
 #include "deformed.glsl"
 
 layout(local_size_x = 64) in;
@@ -148,7 +149,8 @@ void main() {
   uint share = clamp((count + subgroups - 1) / subgroups, 1, gl_SubgroupSize);
   bool anyVisible = false, anyLater = false;
   uvec2 later = uvec2(0);
-  for (uint first = (gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID) * share; first < count;
+  uint group = dealt(gl_WorkGroupID.x, gl_NumWorkGroups.x);
+  for (uint first = (group * gl_NumSubgroups + gl_SubgroupID) * share; first < count;
        first += subgroups * share) {
     bool keep = false, goesOn = false;
     uvec4 entry = uvec4(0);

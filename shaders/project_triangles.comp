@@ -316,9 +316,9 @@ bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few
   return (CULLING & kCullOccluded) != 0 && hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
 }
 
-// Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
-// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. A cluster that is hidden by
-// now is returned with no triangles.
+// Moves on to the subgroup's next visible cluster; false if none is left. On a CPU, which has few threads, a shared
+// counter hands out the next clusters; otherwise each subgroup has a fixed share. A cluster that is hidden by now is
+// returned with no triangles.
 bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, inout LoadedCluster loaded,
                  inout FewBeams few) {
   if (batch.done == batch.count) {
@@ -326,7 +326,7 @@ bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, ino
     uint count = BINNING == kBinningSlabs ? near + shells.of[pass.shell].visibleBehind : near;
     uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
     uint wanted = gl_SubgroupSize;
-    if (BINNING == kBinningSlabs) {
+    if (BINNING == kBinningSlabs || kLanesInStep) {
       wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
       if (isFirstLane()) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
       i = fromFirstLane(i);

@@ -344,7 +344,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && motion == Motion::none;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), frame, shells_, frame.views};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -419,7 +419,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
-  const DispatchSizes sizes = dispatchSizesOf(machine_.traits(), binning_);
+  const DispatchSizes sizes = dispatchSizesOf(machine_.traits());
   content.cullWorkgroups = sizes.cullGroups;
   content.triangleWorkgroups = sizes.triangleGroups;
   content.shellClusters = shellClustersOfViews(shellClusters_, views);

@@ -49,14 +49,14 @@ constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread =
 
 }  // namespace
 
-// A software device runs neighbouring workgroups on one thread: a stride over eight groups per thread spreads uneven
-// work over the threads, and four times as many took 1.05 of the time. Boxes and entries of a table are alike, so few
-// groups are balanced: 64 of them on two threads took 1.04 of all of `project`. With slabs subgroups take work from a
-// shared counter until it is empty: one workgroup per thread is enough, more only poll.
-DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning) {
+// A software device runs neighbouring workgroups on one thread: eight groups per thread, with shares from all parts of
+// the work (see dealt.glsl), spread uneven work over the threads, and four times as many took 1.05 of the time. Boxes and
+// entries of a table are alike, so few groups are balanced: 64 of them on two threads took 1.04 of all of `project`. Where
+// subgroups take work from a shared counter until it is empty, one workgroup per thread is enough, and more only poll.
+DispatchSizes dispatchSizesOf(const Traits& traits) {
   if (!traits.cpu) return {traits.groups, traits.groups, traits.groups, 8 * traits.groups};
   const uint32_t threads = threadCount(), groups = std::max(64u, 8 * threads);
-  return {groups, 4 * threads, binning == gpu::kBinningSlabs ? threads : groups, 8 * groups};
+  return {groups, 4 * threads, threads, 8 * groups};
 }
 
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {

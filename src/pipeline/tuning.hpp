@@ -16,7 +16,7 @@ struct Traits;
 struct DispatchSizes {
   uint32_t groups, cullGroups, triangleGroups, footprintGroups;
 };
-DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
+DispatchSizes dispatchSizesOf(const Traits& traits);
 
 /// Returns the gpu::kBinning... value for the options and the device.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
