@@ -43,10 +43,13 @@ struct MotionBounds {
   float middle, columnsToMiddle;        // from the start of the scan to its middle: seconds, and columns
   vec3 drift;                           // metres by which the sensor moves in secondsPerColumn, on average
   float wander, wanderPerColumn;        // most metres that it is elsewhere than with this average, and per column
+  float bendShift, bendTurn;            // largest second differences of columnMotions, from the first to the last stamp
+                                        // of the sensor's motion: of the shift, and of the rotation (Frobenius norm)
+  uint bendFirst, bendEnd;              // the entries that lie between these stamps
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112 && sizeof(MotionBounds) == 76);
+static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112 && sizeof(MotionBounds) == 92);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -137,7 +137,7 @@ void trySmall(uint i) {
   lookAtSurface(i);
   uint columnCount = boxColumnCount(box);
   seemFrom(triangle);
-  Silhouette silhouette = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  Silhouette silhouette = noSilhouette();
   if (!MOTION) silhouette = silhouetteOf(triangle, prepared, box);
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     Place place;

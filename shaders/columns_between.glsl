@@ -9,13 +9,26 @@ struct Silhouette {
   bool known;               // if not, the beams of all columns may hit
   vec3 across, up;          // columns from the box's columnMin, and tangents of the elevation
   float slackAcross, slackUp;
+  vec3 acrossDrift, upDrift;  // by so much the corners lie elsewhere for a row that fires a column earlier
 };
+
+Silhouette noSilhouette() { return Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0), vec3(0.0)); }
+
+// Returns the silhouette as the beams of a row see it, which may fire earlier or later than the columns of their places.
+Silhouette seenByRow(Silhouette s, uint row) {
+  if (!(MOTION && STAGGERED)) return s;
+  Row of = loadedRow(row);
+  float early = float(of.first) + of.behind - (of.lag - float(frame.momentsBefore));
+  s.across -= s.acrossDrift * early;
+  s.up -= s.upDrift * early;
+  return s;
+}
 
 // Returns the silhouette of a triangle that spans at most a tenth of a radian and lies within 56 degrees of the
 // horizon. The silhouette of any other triangle is not known. No silhouette is known where the cells of a grid hold the
 // beams of a list. With motion the triangle is as a column near the box sees it, and seems elsewhere to the others.
 Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
-  Silhouette result = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  Silhouette result = noSilhouette();
   if (BOUNDS != kBoundsExact || LISTED) return result;
   vec3 a = triangle.a, b = triangle.b, c = triangle.c;
   result.up = vec3(a.z, b.z, c.z) / vec3(length(a.xy), length(b.xy), length(c.xy));

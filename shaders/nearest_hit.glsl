@@ -57,7 +57,7 @@ void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk)
   walk.k = 0;
   walk.kEnd = columnCount;
   if (!silhouette.known) return;
-  vec2 between = columnsBetween(silhouette, walk.angles.y / walk.angles.x);
+  vec2 between = columnsBetween(seenByRow(silhouette, walk.row), walk.angles.y / walk.angles.x);
   float first = float(firstColumn(box)) - box.columnMin;
   vec2 behind = behindIn(walk.row, box);
   int from = whole(ceil(between.x - first - behind.y)), to = whole(floor(between.y - first - behind.x)) + 1;

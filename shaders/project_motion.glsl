@@ -39,11 +39,14 @@ Course courseOf(mat3 corners, mat3 velocities) {
   return course;
 }
 
+float seemingMotion = 0.0;  // the part of `seeming` that is due to motion
+
 // Sets the angles by which a triangle appears elsewhere if it moves by up to `shift` metres, is turned by up to `turn`
 // radians, and is seen from any laser. The corners are in the frame that the triangle moves from.
 void seemInMotion(mat3 corners, float shift, float turn) {
   vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
   float angle = seemingAngle(shift, turn, nearestPoint(low, high));
+  seemingMotion = angle;
   setSeeming(0.0);
   if (ORIGINS) {
     float moved = shift + 1.05 * turn * length(max(abs(low), abs(high)));
@@ -197,4 +200,66 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     }
   }
   return fate;
+}
+
+Silhouette silhouetteOf(Triangle triangle, mat3 corners, Box box) {
+  triangle.a = corners[0];
+  triangle.b = corners[1];
+  triangle.c = corners[2];
+  return silhouetteOf(triangle, prepare(triangle), box);
+}
+
+// Returns the corners as the sensor sees them at a place in its table.
+mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
+  ColumnMotion at = columnMotionOfPlace(place);
+  return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
+              inColumn(at, corners[2], velocities[2]));
+}
+
+float spanOf(vec3 v) { return max(max(v.x, v.y), v.z) - min(min(v.x, v.y), v.z); }
+float largestOf(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+
+// Returns the silhouette of a triangle in one box for rows that fire at different times. Between the first and the last
+// moment at which the beams of the box fire, the corners move along nearly straight lines at nearly constant speed. So
+// each row sees the corners where these lines are when it fires, and needs no slack for the motion itself.
+Silhouette driftingSilhouette(Triangle triangle, mat3 corners, Projected projected, Box box) {
+  const float kRepays = 0.25;  // columns of slack; a head whose rows fire almost together has less
+  float from = floor(box.columnMin - frame.shiftMax), to = ceil(box.columnMax - frame.shiftMin), moments = to - from;
+  float before = float(frame.momentsBefore);
+  bool within = from + before >= float(motion.bendFirst) && to + before < float(motion.bendEnd);
+  // An apparent motion by the angle A is off a straight line by at most A^2 / 4, in azimuth or elevation, and at 56 degrees
+  // of elevation by five times that. The motion between the two moments is up to twice `seemingMotion`. A series whose
+  // second differences are at most B is off its chord by at most n^2 / 8 B.
+  vec3 a = projected.seen[0], b = projected.seen[1], c = projected.seen[2];
+  float farthest = max(max(length(a), length(b)), length(c)) + motion.shift;
+  float bend = 0.125 * moments * moments * (motion.bendShift + motion.bendTurn * farthest);
+  float off = 4.0 * seemingMotion * seemingMotion + seemingAngle(bend, 0.0, projected.b.w) + 2e-6;
+  bool drifts = within && off < 0.5 * seemingMotion && seemingMotion < 0.02 &&
+                seemingMotion * frame.columnsPerRadian > kRepays;
+  if (drifts) {
+    projected.seen = cornersAt(from, corners, projected.velocities);
+    seemingAcross -= seemingMotion - off;
+    seemingUp -= seemingMotion - off;
+  }
+  Silhouette result = silhouetteOf(triangle, projected.seen, box);
+  if (!drifts) return result;
+  Silhouette end = silhouetteOf(triangle, cornersAt(to, corners, projected.velocities), box);
+  vec3 perMoment = (end.across - result.across) / moments, upPerMoment = (end.up - result.up) / moments;
+  result.known = result.known && end.known && largestOf(perMoment) < 0.05;
+  // A corner that moves by D columns per moment is seen in the column c in which it is when that column fires:
+  // c = across + D (c - row's shift - from). Beams in other columns of the row see an edge between two corners up to a
+  // quarter of its length times the difference of their speeds beside the line.
+  vec3 share = vec3(1.0) / (vec3(1.0) - perMoment);
+  float start = box.columnMin - from, columns_ = spanOf(result.across) + 2.0 * result.slackAcross;
+  result.across = (result.across + perMoment * start) * share;
+  result.up += upPerMoment * (result.across + start);
+  result.acrossDrift = perMoment * share;
+  result.upDrift = upPerMoment * (result.acrossDrift + 1.0);
+  // The first terms cover that the slack changes a little with the motion, the last ones beams that lie behind their places
+  // by more or less than the first beam of their row, by up to a column.
+  result.slackUp = 1.1 * result.slackUp + 1e-6 + 0.25 * columns_ * spanOf(upPerMoment) +
+                   largestOf(result.upDrift) * (1.5 + 2.0 * result.slackAcross);
+  result.slackAcross = 1.1 * result.slackAcross + 1e-6 * float(frame.columns) + 0.25 * columns_ * spanOf(perMoment) +
+                       1.5 * largestOf(result.acrossDrift);
+  return result;
 }

@@ -370,15 +370,12 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
       if (MOTION) triangle.moves = projected.moves;
       Prepared prepared = prepare(triangle);
-      Silhouette silhouette = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+      Silhouette silhouette = noSilhouette();
       if (!MOTION) {
         silhouette = silhouetteOf(triangle, prepared, box);
       } else if (BINNING == kBinningSlabs && projected.inOneFrame) {
-        Triangle seen = triangle;
-        seen.a = projected.seen[0];
-        seen.b = projected.seen[1];
-        seen.c = projected.seen[2];
-        silhouette = silhouetteOf(seen, prepare(seen), box);
+        silhouette = STAGGERED ? driftingSilhouette(triangle, survivor.corners, projected, box)
+                               : silhouetteOf(triangle, projected.seen, box);
       }
       if (isTriedHere(box, silhouette, survivor.material, survivor.moves)) {
         if ((EFFECTS & kCutOuts) != 0) {

@@ -22,14 +22,22 @@ struct Frame {
         place(pose.position.x, pose.position.y, pose.position.z) {}
 };
 
-/// Writes the map from one frame to another as three rows.
-void write(const Frame& from, const Frame& to, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
-  const glm::dmat3 turn = glm::transpose(to.turn) * from.turn;
-  const glm::dvec3 shift = glm::transpose(to.turn) * (from.place - to.place);
+/// A map between two frames: p' = turn p + shift.
+struct Map {
+  glm::dmat3 turn = glm::dmat3(1);
+  glm::dvec3 shift = glm::dvec3(0);
+
+  Map() = default;
+  Map(const Frame& from, const Frame& to)
+      : turn(glm::transpose(to.turn) * from.turn), shift(glm::transpose(to.turn) * (from.place - to.place)) {}
+};
+
+/// Writes a map as three rows.
+void write(const Map& map, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
   gpu::vec4* rows[] = {&row0, &row1, &row2};
   for (int r = 0; r < 3; ++r)
-    *rows[r] = {static_cast<float>(turn[0][r]), static_cast<float>(turn[1][r]), static_cast<float>(turn[2][r]),
-                static_cast<float>(shift[r])};
+    *rows[r] = {static_cast<float>(map.turn[0][r]), static_cast<float>(map.turn[1][r]),
+                static_cast<float>(map.turn[2][r]), static_cast<float>(map.shift[r])};
 }
 
 /// Writes the map from a frame to a parallel one as three rows.
@@ -52,6 +60,32 @@ double angleBetween(const Frame& a, const Frame& b) {
   const glm::dquat difference = glm::conjugate(a.quaternion) * b.quaternion;
   return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(difference.x, difference.y, difference.z))));
 }
+
+/// The largest second differences of a series of maps, with the numbers of the first one and of the one after the last.
+class Bend {
+ public:
+  void add(uint32_t number, const Map& map) {
+    if (count_ == 0) first = number;
+    end = number + 1;
+    if (count_ >= 2) {
+      const glm::dmat3 difference = map.turn - 2.0 * last_[1].turn + last_[0].turn;
+      double squares = 0;
+      for (int c = 0; c < 3; ++c) squares += glm::dot(difference[c], difference[c]);
+      turn = std::max(turn, std::sqrt(squares));
+      shift = std::max(shift, glm::length(map.shift - 2.0 * last_[1].shift + last_[0].shift));
+    }
+    last_[0] = last_[1];
+    last_[1] = map;
+    ++count_;
+  }
+
+  double shift = 0, turn = 0;
+  uint32_t first = 0, end = 0;
+
+ private:
+  Map last_[2];
+  size_t count_ = 0;
+};
 
 /// A steady motion, and by how much another motion differs from it.
 struct Drift {
@@ -81,6 +115,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   tables.middle = movedTo(lasers.centre, poseOf(times.middle));
   const Frame middle(tables.middle), standing(shot.pose);
   double shift = 0, turn = 0, shiftStep = 0, turnStep = 0;
+  Bend bend;
   std::vector<glm::dvec3> places;  // relative to the middle
   Frame before = middle, now = middle;
   gpu::ColumnMotion column = {};
@@ -93,8 +128,11 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
     } else if (moves) {
       const Pose pose = poseOf(time);
       now = Frame(movedTo(lasers.centre, pose));
-      write(middle, now, column.row0, column.row1, column.row2);
-      write(now, deskew ? standing : Frame(pose), column.report0, column.report1, column.report2);
+      const Map seen(middle, now);
+      const auto& stamps = shot.motion.stamps;
+      if (!stamps.empty() && time >= stamps.front().time && time <= stamps.back().time) bend.add(i, seen);
+      write(seen, column.row0, column.row1, column.row2);
+      write({now, deskew ? standing : Frame(pose)}, column.report0, column.report1, column.report2);
     }
     const Vec3 v = velocityAt(shot.motion, time);
     const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
@@ -133,7 +171,11 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
                    static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
                    glm::vec3(perColumn),
                    up(drift.wander),
-                   up(drift.wanderPerColumn)};
+                   up(drift.wanderPerColumn),
+                   up(bend.shift),
+                   up(bend.turn),
+                   bend.first,
+                   bend.end};
   return tables;
 }
 
