@@ -50,12 +50,14 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
   return binning != gpu::kBinningLists;
 }
 
-// Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.
-// Beams that deviate do so anew in each scan, and panes and candidates of footprints are not part of the image.
+// Kernels that compute returns from surfaces need the transforms of still instances as well, which a scan that reuses
+// the image does not place. Beams that deviate do so anew in each scan, and panes and candidates of footprints are not
+// part of the image.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
-         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.speeds() &&
-         !plan.panes() && !plan.footprint() && !plan.has(gpu::kStrays) && plan.sensor.patterns.size() <= 1;
+         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper &&
+         !(plan.judged() && (plan.surfaces() || plan.speeds())) && !plan.panes() && !plan.footprint() &&
+         !plan.has(gpu::kStrays) && plan.sensor.patterns.size() <= 1;
 }
 
 const char* nameOfBinning(uint32_t binning) {

@@ -172,6 +172,25 @@ TEST_CASE("nothing that instances are not read from the third scan on") {
   }
 }
 
+TEST_CASE("a head with two returns reuses the still image where no surface lets light pass") {
+  needVulkan();
+  TestOptions options = vulkanOptions();
+  Effects& effects = options.effects;
+  effects.intensity.use = effects.sensorMotion.use = effects.objectMotion.use = EffectUse::automatic;
+  effects.returns.use = EffectUse::on;
+  effects.returns.count = 2;
+  Random random(7);
+  Pair pair(startingScene(random, 60), options, {sensors()[0]});
+  const std::vector<Shot> shots(4, at(0));
+  const std::vector<Counters> counters = pair.requireSame(shots);
+  CHECK(counters[1].reused == 0);
+  CHECK(counters[3].reused == counters[3].triangles - counters[3].nonFinite - counters[3].degenerate);
+  CHECK(counters[3].hits == counters[0].hits);
+  CHECK(counters[3].hits > 1000);
+  pair.move(0, translation(3, 0, 0));
+  pair.requireSame(shots);
+}
+
 TEST_CASE("only moving instances are read, and geometry hidden behind them reappears when they have gone") {
   needVulkan();
   Pair pair = townLike();
