@@ -125,6 +125,13 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
   return !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
+// Returns the corners as the sensor sees them at a place in its table of poses.
+mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
+  ColumnMotion at = columnMotionOfPlace(place);
+  return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
+              inColumn(at, corners[2], velocities[2]));
+}
+
 // Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
 // box; it is empty if there is none. If the box is that of one frame, sets the corners in that frame, and by how much
 // the triangle seems elsewhere in others.
@@ -157,14 +164,13 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   for (bool more = true; more;) {
     vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesIn(part);
     bool anyBeams = places.x <= places.y;
-    ColumnMotion at = columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0);
-    vec3 a = inColumn(at, corners[0], velocities[0]), b = inColumn(at, corners[1], velocities[1]),
-         c = inColumn(at, corners[2], velocities[2]);
+    mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
+    vec3 a = seen[0], b = seen[1], c = seen[2];
     Outline outline = outlineOf(a, b, c);
     coverColumns(a, b, c, outline, box);
     if (inOne) {
       inOne = false;
-      projected.seen = mat3(a, b, c);
+      projected.seen = seen;
       projected.inOneFrame = widenByMotion(uint(places.x), projected.seen, course, outline, box);
       if (projected.inOneFrame) {
         fate = fateIn(outline, rangeMin, box);
@@ -177,7 +183,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
       float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
       rangeMin = max(nearest - shift, course.nearest);
       float area = areaOf(outline, box);
-      seemInMotion(mat3(a, b, c), min(course.perColumn * reach + course.rounding, 2.0 * course.shift),
+      seemInMotion(seen, min(course.perColumn * reach + course.rounding, 2.0 * course.shift),
                    min(motion.turnPerColumn * reach, 2.0 * motion.turn));
       widenBySeeming(outline, box);
       setSeeming(0.0);
@@ -209,19 +215,12 @@ Silhouette silhouetteOf(Triangle triangle, mat3 corners, Box box) {
   return silhouetteOf(triangle, prepare(triangle), box);
 }
 
-// Returns the corners as the sensor sees them at a place in its table.
-mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
-  ColumnMotion at = columnMotionOfPlace(place);
-  return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
-              inColumn(at, corners[2], velocities[2]));
-}
-
 float spanOf(vec3 v) { return max(max(v.x, v.y), v.z) - min(min(v.x, v.y), v.z); }
 float largestOf(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // Returns the silhouette of a triangle in one box for rows that fire at different times. Between the first and the last
-// moment at which the beams of the box fire, the corners move along nearly straight lines at nearly constant speed. So
-// each row sees the corners where these lines are when it fires, and needs no slack for the motion itself.
+// moment at which the beams of the box fire, each corner moves along a nearly straight line at nearly constant speed. So
+// each row sees a corner at the point of this line where it is when the row fires, and needs no slack for the motion.
 Silhouette driftingSilhouette(Triangle triangle, mat3 corners, Projected projected, Box box) {
   const float kRepays = 0.25;  // columns of slack; a head whose rows fire almost together has less
   float from = floor(box.columnMin - frame.shiftMax), to = ceil(box.columnMax - frame.shiftMin), moments = to - from;
@@ -229,34 +228,39 @@ Silhouette driftingSilhouette(Triangle triangle, mat3 corners, Projected project
   bool within = from + before >= float(motion.bendFirst) && to + before < float(motion.bendEnd);
   // An apparent motion by the angle A is off a straight line by at most A^2 / 4, in azimuth or elevation, and at 56 degrees
   // of elevation by five times that. The motion between the two moments is up to twice `seemingMotion`. A series whose
-  // second differences are at most B is off its chord by at most n^2 / 8 B.
+  // second differences are at most B is off its chord by at most n^2 / 8 B. A triangle that moves itself is also turned
+  // with the sensor, which bends its way by twice the product of both.
   vec3 a = projected.seen[0], b = projected.seen[1], c = projected.seen[2];
   float farthest = max(max(length(a), length(b)), length(c)) + motion.shift;
-  float bend = 0.125 * moments * moments * (motion.bendShift + motion.bendTurn * farthest);
+  mat3 velocities = projected.velocities;
+  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
+  float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
+  float bend = 0.125 * moments * moments * bent;
   float off = 4.0 * seemingMotion * seemingMotion + seemingAngle(bend, 0.0, projected.b.w) + 2e-6;
   bool drifts = within && off < 0.5 * seemingMotion && seemingMotion < 0.02 &&
                 seemingMotion * frame.columnsPerRadian > kRepays;
   if (drifts) {
-    projected.seen = cornersAt(from, corners, projected.velocities);
+    projected.seen = cornersAt(from, corners, velocities);
     seemingAcross -= seemingMotion - off;
     seemingUp -= seemingMotion - off;
   }
   Silhouette result = silhouetteOf(triangle, projected.seen, box);
   if (!drifts) return result;
-  Silhouette end = silhouetteOf(triangle, cornersAt(to, corners, projected.velocities), box);
+  Silhouette end = silhouetteOf(triangle, cornersAt(to, corners, velocities), box);
   vec3 perMoment = (end.across - result.across) / moments, upPerMoment = (end.up - result.up) / moments;
   result.known = result.known && end.known && largestOf(perMoment) < 0.05;
   // A corner that moves by D columns per moment is seen in the column c in which it is when that column fires:
-  // c = across + D (c - row's shift - from). Beams in other columns of the row see an edge between two corners up to a
-  // quarter of its length times the difference of their speeds beside the line.
+  // c = across + D (c - row's shift - from). The row's beams in the columns between two corners fire at other moments than
+  // both. Such a beam sees the edge beside the line between the corners, by at most a quarter of the edge's length times the
+  // difference of the corners' speeds.
   vec3 share = vec3(1.0) / (vec3(1.0) - perMoment);
   float start = box.columnMin - from, columns_ = spanOf(result.across) + 2.0 * result.slackAcross;
   result.across = (result.across + perMoment * start) * share;
   result.up += upPerMoment * (result.across + start);
   result.acrossDrift = perMoment * share;
   result.upDrift = upPerMoment * (result.acrossDrift + 1.0);
-  // The first terms cover that the slack changes a little with the motion, the last ones beams that lie behind their places
-  // by more or less than the first beam of their row, by up to a column.
+  // The first terms cover that the slack changes a little with the motion. The last terms cover that a beam may lie further
+  // behind its place than the first beam of its row, or less far, by up to a column.
   result.slackUp = 1.1 * result.slackUp + 1e-6 + 0.25 * columns_ * spanOf(upPerMoment) +
                    largestOf(result.upDrift) * (1.5 + 2.0 * result.slackAcross);
   result.slackAcross = 1.1 * result.slackAcross + 1e-6 * float(frame.columns) + 0.25 * columns_ * spanOf(perMoment) +

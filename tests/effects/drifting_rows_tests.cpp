@@ -8,17 +8,13 @@
 #include "effects/motion_tables.hpp"
 #include "effects/scan_support.hpp"
 #include "lists/list_sensors.hpp"
-#include "sensor/row_grid.hpp"
+#include "sensor/beams.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
 namespace {
 
 constexpr double kPeriod = 0.1;  // seconds of a rotation
-
-Quaternion yaw(double angle) {
-  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
-}
 
 /// A motion from (1.3, 0.4, 1.8) on in `pieces` straight pieces, whose velocities differ by up to `jitter` m/s.
 SensorMotion driving(double speed, double turn, int pieces, double jitter = 0) {
@@ -59,7 +55,7 @@ Sensor spread() {
   return sensor;
 }
 
-/// Small triangles in every direction, some of them a metre away.
+/// Returns small triangles in every direction, the nearest ones a metre away.
 Scene confetti() {
   Random random(3);
   MeshBuilder builder;
@@ -98,7 +94,8 @@ TEST_CASE("rows that fire at different times find the same hits, whether silhoue
         shot.sensor = sensor;
         shot.motion = motions[i];
         for (size_t k = 0; k < scene.instances.size(); k += 3)
-          shot.instanceMotions.push_back({k, translation(0.5, -0.3, 0.05) * scene.instances[k].transform});
+          shot.instanceMotions.push_back(
+              {k, translation(k % 2 == 0 ? 0.5 : 2.9, -0.3, 0.05) * scene.instances[k].transform});
         Scan scan, same;
         drifting.scanInto(shot, scan);
         all.scanInto(shot, same);

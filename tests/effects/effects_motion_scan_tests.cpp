@@ -38,9 +38,6 @@ double toWalls(const Vec3& from, const Vec3& d) {
   return std::min({wall(from.x, d.x, 20), wall(from.y, d.y, 30), wall(from.z, d.z, 15)});
 }
 
-Quaternion yaw(double angle) {
-  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
-}
 Vec3 turned(double angle, const Vec3& v) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};

@@ -59,10 +59,6 @@ Sensor prisms() {
   return sensor;
 }
 
-Quaternion yaw(double angle) {
-  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
-}
-
 /// A sensor that drives along x at `speed` and turns at `turn` rad/s, in 8 straight pieces.
 SensorMotion driving(double speed, double turn) {
   SensorMotion motion;

@@ -167,6 +167,11 @@ inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, c
   return scanOn(scene, sensor, shot, options);
 }
 
+/// Returns a rotation about the vertical axis, in radians.
+inline Quaternion yaw(double angle) {
+  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
+}
+
 /// Counts of differences between two scans of the same shot; doubtful beams are only counted.
 struct Differences {
   size_t beams = 0, ties = 0, causes = 0, returns = 0, owners = 0, ranges = 0, points = 0, intensities = 0, widths = 0;
