@@ -83,8 +83,8 @@
   ARRAY(, uvec4, tiles) \
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \
-  ARRAY(, uvec2, laterWords)               /* those of the second returns of all beams, then of the third ones; only if */ \
-                                           /* words tell the returns and light may pass surfaces */ \
+  ARRAY(, uvec2, laterWords)               /* like words, of the second returns of all beams, then of the third ones; if words */ \
+                                           /* tell the returns, and light may pass surfaces or effects computes all beams */ \
   ARRAY(coherent, uint, covers)            /* with footprints, three per beam: bits of the largest range at which opaque */ \
                                            /* triangles stop sub-rays, and one bit for each of these */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \

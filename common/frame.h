@@ -99,7 +99,7 @@ struct Shell {
   uint groups;                                    // listed for this shell
   uint visible;                                   // clusters listed
   uint visibleBehind;                             // with slabs: further ones, in the far halves of their groups
-  uint nextCluster, nextSlab;                     // with slabs: the next one that no subgroup has taken
+  uint nextCluster, nextSlab;                     // on a CPU: the next cluster, and the next slab or share of boxes
   uint laterRowsDown, laterRowsUp;                // content beyond the shell is in rows rows - down..up - 1
   Workgroups clusterWork, triangleWork, binWork;  // x is 0 until there is something to do
 };

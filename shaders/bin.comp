@@ -473,8 +473,8 @@ uint nextShare(uint last) {
   return last == kNone ? share : last + subgroups;
 }
 
-// Processes the small boxes, of which each lane takes one, and the tiles.
-void tryBoxes(uint firstSmall, uint firstTile) {
+// Tries the projected triangles without slabs: those with small boxes, of which each lane takes one, and the tiles.
+void tryProjected(uint firstSmall, uint firstTile) {
   uint end = counters.projectedSmall, shares = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
   uint all = shares + counters.tiles - firstTile;
   for (uint share = nextShare(kNone); share < all; share = nextShare(share)) {
@@ -507,5 +507,5 @@ void main() {
   if (BINNING == kBinningSlabs)
     trySlabs();
   else
-    tryBoxes(byShell ? counters.binnedSmall : 0, byShell ? counters.binnedTiles : 0);
+    tryProjected(byShell ? counters.binnedSmall : 0, byShell ? counters.binnedTiles : 0);
 }

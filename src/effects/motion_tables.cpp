@@ -32,7 +32,7 @@ struct Map {
       : turn(glm::transpose(to.turn) * from.turn), shift(glm::transpose(to.turn) * (from.place - to.place)) {}
 };
 
-/// Writes a map as three rows.
+/// Writes a map between frames as the three rows of its matrix: rotation, then shift.
 void write(const Map& map, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
   gpu::vec4* rows[] = {&row0, &row1, &row2};
   for (int r = 0; r < 3; ++r)

@@ -12,51 +12,6 @@ namespace {
 
 constexpr float kMiss = std::bit_cast<float>(0x7fc00000u);
 
-/// Writes the results of the returns, one by one.
-class Resolver {
- public:
-  Resolver(const InstanceTable& instances, const Places& to) : instances_(instances), to_(to) {}
-
-  bool wantsPoints() const { return to_.points != nullptr; }
-
-  void miss(size_t entry) {
-    setPoint(entry, {kMiss, kMiss, kMiss});
-    setRange(entry, kMiss);
-    setOwner(entry, gpu::kNone, gpu::kNone);
-  }
-
-  /// Returns whether the return is one of a surface.
-  bool hit(size_t entry, uint32_t triangle, float range, const gpu::vec3& point) {
-    setPoint(entry, point);
-    setRange(entry, range);
-    if (triangle == gpu::kNone) {
-      setOwner(entry, gpu::kNone, gpu::kNone);
-      return false;
-    }
-    if (to_.triangles || to_.instances) {
-      if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
-      setOwner(entry, triangle - owner_.first, owner_.instance);
-    }
-    return true;
-  }
-
- private:
-  void setPoint(size_t entry, const gpu::vec3& point) {
-    if (to_.points) std::copy_n(&point.x, 3, to_.points + 3 * entry);
-  }
-  void setRange(size_t entry, float range) {
-    if (to_.ranges) to_.ranges[entry] = range;
-  }
-  void setOwner(size_t entry, uint32_t triangle, uint32_t instance) {
-    if (to_.triangles) to_.triangles[entry] = triangle;
-    if (to_.instances) to_.instances[entry] = instance;
-  }
-
-  const InstanceTable& instances_;
-  const Places to_;
-  InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
-};
-
 gpu::Beam beamWith(const BeamTables& tables, uint32_t index) {
   if (tables.listed) {
     const gpu::vec4& angles = tables.angles[index];
@@ -83,12 +38,12 @@ gpu::vec3 pointAt(const BeamTables& tables, const MotionTables& motion, uint32_t
                             beam.direction, range);
 }
 
-// Resolves the words of one beam after the other.
-class BeamResolver {
+/// Resolves the words of one beam after the other.
+class Resolver {
  public:
-  BeamResolver(const SensorPlan& plan, const Words& words, const BeamTables& tables, const InstanceTable& instances,
-               const ShotMotion* motion, const Places& to)
-      : returns_(plan.returns), words_(words), tables_(tables), motion_(motion), resolver_(instances, to) {}
+  Resolver(const SensorPlan& plan, const Words& words, const BeamTables& tables, const InstanceTable& instances,
+           const ShotMotion* motion, const Places& to)
+      : returns_(plan.returns), words_(words), tables_(tables), instances_(instances), motion_(motion), to_(to) {}
 
   /// `reports` tells whether the range of a hit is reported.
   template <typename Reports>
@@ -99,31 +54,51 @@ class BeamResolver {
       if (words_.later)
         set(entry + j, words_.later[size_t{j - 1} * tables_.frame.beams + index], index, reports);
       else
-        resolver_.miss(entry + j);
+        write(entry + j, {kMiss, kMiss, kMiss}, kMiss, gpu::kNone, gpu::kNone);
     }
   }
 
+  /// Beams whose first return is one of a surface.
   uint64_t hits() const { return hits_; }
 
  private:
+  /// Returns whether the return is one of a surface.
   template <typename Reports>
   bool set(size_t entry, const Word& word, uint32_t index, const Reports& reports) {
     const float range = std::bit_cast<float>(word.range);
     if (word.range == gpu::kNone || !reports(range)) {
-      resolver_.miss(entry);
+      write(entry, {kMiss, kMiss, kMiss}, kMiss, gpu::kNone, gpu::kNone);
       return false;
     }
-    if (!resolver_.wantsPoints()) return resolver_.hit(entry, word.triangle, range, {});
-    const gpu::Beam beam = beamWith(tables_, index);
-    const gpu::vec3 point = motion_ ? pointAt(tables_, motion_->tables, index, beam, range) : beam.direction * range;
-    return resolver_.hit(entry, word.triangle, range, point);
+    gpu::vec3 point = {};
+    if (to_.points) {
+      const gpu::Beam beam = beamWith(tables_, index);
+      point = motion_ ? pointAt(tables_, motion_->tables, index, beam, range) : beam.direction * range;
+    }
+    const bool solid = word.triangle != gpu::kNone;
+    if (solid && (to_.triangles || to_.instances)) {
+      if (word.triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(word.triangle);
+      write(entry, point, range, word.triangle - owner_.first, owner_.instance);
+    } else {
+      write(entry, point, range, gpu::kNone, gpu::kNone);
+    }
+    return solid;
+  }
+
+  void write(size_t entry, const gpu::vec3& point, float range, uint32_t triangle, uint32_t instance) {
+    if (to_.points) std::copy_n(&point.x, 3, to_.points + 3 * entry);
+    if (to_.ranges) to_.ranges[entry] = range;
+    if (to_.triangles) to_.triangles[entry] = triangle;
+    if (to_.instances) to_.instances[entry] = instance;
   }
 
   const uint32_t returns_;
   const Words words_;
   const BeamTables& tables_;
+  const InstanceTable& instances_;
   const ShotMotion* motion_;
-  Resolver resolver_;
+  const Places to_;
+  InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
   uint64_t hits_ = 0;
 };
 
@@ -132,7 +107,7 @@ class BeamResolver {
 uint64_t resolveWords(const SensorPlan& plan, const Words& words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
                       const Places& to) {
-  BeamResolver resolver(plan, words, tables, instances, motion, to);
+  Resolver resolver(plan, words, tables, instances, motion, to);
   if (tables.listed || tables.mapped) {
     // Stage effects asks whether a hit hides itself before it adds noise to ranges.
     const bool reported = plan.has(gpu::kRangeNoise);

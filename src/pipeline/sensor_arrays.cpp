@@ -360,7 +360,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   input.sparse = hides && !tables.startFarthest.empty();
   using Judged = StepsInput::Judged;
   input.effects = plan_.judged() ? Judged::all : plan_.panes() ? Judged::listed : Judged::none;
-  input.laterWords = leavesWords_ && plan_.returns > 1;
+  input.laterWords = leavesWords_ && plan_.returns > 1 && input.effects == Judged::listed;
   // Stage effects reads the nearest hits from the words, which lists have only after stage resolve.
   input.resolve = !footprint && (lists || !(leavesWords_ || plan_.judged()));
   return stepsOf(input, placed, still);

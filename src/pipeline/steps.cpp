@@ -66,8 +66,7 @@ class Steps {
     if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
     if (input_.footprint && binning_ != gpu::kBinningLists) fill(gpu::Array::covers, 0);
     if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
-    if (input_.laterWords && input_.effects == StepsInput::Judged::listed)
-      fill(gpu::Array::laterWords, gpu::kNone);  // for the beams that are not listed
+    if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }
 
   // Scans shell by shell, near shells first, because near triangles hide many of the far ones. The device chooses where

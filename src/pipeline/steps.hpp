@@ -55,7 +55,7 @@ struct StepsInput {
   bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
   bool holes = false;            ///< some places of the grid have no beam
   bool sparse = false;           ///< parts of the grid have no beams
-  bool laterWords = false;       ///< returns after the first have words
+  bool laterWords = false;       ///< only listed beams store words of returns after the first
   uint32_t records = 0;          ///< if results stay on the device: RecordTables::held
   uint64_t entries = 0;          ///< returns of all beams of the sensor, with those that are missing
   bool organised = false;        ///< records of all entries
