@@ -50,9 +50,10 @@ constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread =
 }  // namespace
 
 // A software device runs neighbouring workgroups on one thread: eight groups per thread, with shares from all parts of
-// the work (see dealt.glsl), spread uneven work over the threads, and four times as many took 1.05 of the time. Boxes and
-// entries of a table are alike, so few groups are balanced: 64 of them on two threads took 1.04 of all of `project`. Where
-// subgroups take work from a shared counter until it is empty, one workgroup per thread is enough, and more only poll.
+// the work (see dealt.glsl), spread uneven work over the threads, and four times as many took 1.05 of the time. Boxes
+// and entries of a table are alike, so few groups are balanced: 64 of them on two threads took 1.04 of all of
+// `project`. Where subgroups take work from a shared counter until it is empty, one workgroup per thread is enough, and
+// more only poll.
 DispatchSizes dispatchSizesOf(const Traits& traits) {
   if (!traits.cpu) return {traits.groups, traits.groups, traits.groups, 8 * traits.groups};
   const uint32_t threads = threadCount(), groups = std::max(64u, 8 * threads);
