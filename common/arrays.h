@@ -85,8 +85,9 @@
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \
   ARRAY(, uvec2, laterWords)               /* like words, of the second returns of all beams, then of the third ones; if words */ \
                                            /* tell the returns, and light may pass surfaces or effects computes all beams */ \
-  ARRAY(coherent, uint, covers)            /* with footprints, three per beam: bits of the largest range at which opaque */ \
-                                           /* triangles stop sub-rays, and one bit for each of these */ \
+  ARRAY(coherent, uint, covers)            /* with footprints, four per beam: bits of the largest range at which opaque */ \
+                                           /* triangles stop sub-rays, one bit for each of these, number of links */ \
+  ARRAY(, uvec2, ownLinks)                 /* with footprints, kOwnLinks per beam: the first links of its chain */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \
                                            /* or the last link of its chain of panes */ \
@@ -98,7 +99,8 @@
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
   ARRAY(, BeamFrame, beamFrames)           /* per beam, by index, if BEAM_FRAMES */ \
   ARRAY(, vec2, strays)                    /* per beam, by rows: tangents of its angle error, to the left and up */ \
-  ARRAY(, uint, hardBeams)                 /* beams, in row order, for the second footprint pass or effects_panes; from the end on for the third */ \
+  ARRAY(, uint, hardBeams)                 /* beams, by index, for effects_panes; for the later passes of footprints see */ \
+                                           /* left_beams.glsl */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range, at most kMaxEchoes, or */ \
                                            /* kMaxLayers with panes; kNone: the beam meets no pane */ \
   ARRAY(, vec4, echoes)                    /* echo by echo, per beam: range, energy, width, cosine of the */ \

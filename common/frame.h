@@ -82,8 +82,10 @@ struct Counters {
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
   uint causes[6];                    // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
-  uint hardBeams;                    // beams whose footprint does not lie on one triangle; lines that meet a pane
-  uint paneBeams;                    // beams whose footprint may meet a pane; not among hardBeams
+  uint ownLinks;                     // entries of `ownLinks`
+  uint hardBeams;                    // lines that meet a pane
+  uint edgeBeams[kEffortClasses];    // by effort: beams whose footprint does not lie on one triangle and meets no pane
+  uint paneBeams[kEffortClasses];    // by effort: beams whose footprint may meet a pane
   uint tried;                        // triangles whose beams project has tried; they are on no list
   uint alive;                        // kAlive after project_groups: the device has done something
 };
@@ -125,7 +127,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 104);
+static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

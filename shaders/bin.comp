@@ -63,8 +63,8 @@ void offer(uint beam, float range, uint projected, uint id) {
 }
 
 // Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle (with a footprint also
-// kPaneBit if it is a pane), the range of its hit (with a footprint, the least range), and the link before. A beam that
-// meets a pane is listed when its chain begins.
+// kPaneBit if it is a pane), the range of its hit (with a footprint, the least range), and the link before. Without a
+// footprint, the chain has the panes that the beam meets, and the beam is listed when its chain begins.
 void link(uint beam, uint projected, uint rangeBits) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
@@ -82,10 +82,10 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   if ((EFFECTS & kFootprint) != 0) {
     vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
     if (!mayMeet(triangle, prepared, side)) return;
-    if (BINNING == kBinningLists)
-      offer(index, 0.0, projected, triangle.id);
-    else
+    if (CHAINS)
       offerFootprint(triangle, prepared, turned, beam, side, index, projected);
+    else
+      offer(index, 0.0, projected, triangle.id);
     return;
   }
   float range;
@@ -119,13 +119,15 @@ void seemFrom(Triangle triangle) {
 // Prepares a triangle that has been turned to a beam. A footprint needs the triangle's lengths alone, which are the same
 // in the frame of the beam.
 Prepared preparedFor(Triangle seen, Turned turned) {
-  if ((EFFECTS & kFootprint) != 0 && BEAM_FRAMES) {
+  if ((EFFECTS & kFootprint) != 0 && APART && SHIFTS_TURNED) {
     seen.a = vec3(turned.p.x, turned.q.x, turned.z.x);
     seen.b = vec3(turned.p.y, turned.q.y, turned.z.y);
     seen.c = vec3(turned.p.z, turned.q.z, turned.z.z);
   }
   return prepare(seen);
 }
+
+#include "bin_waiting.glsl"
 
 // One invocation tries all beams of a box.
 void trySmall(uint i) {
@@ -237,11 +239,30 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
     Beam beam = listedBeam(index);
     Triangle seen = tile.triangle;
-    if (ORIGINS) {
-      seen = seenFrom(tile.triangle, index, beam.azimuth);
-      prepared = prepare(seen);
+    if (ORIGINS) seen = seenFrom(tile.triangle, index, beam.azimuth);
+    Turned turned = turnedFrom(seen, index, index, beam.azimuth);
+    if (ORIGINS) prepared = preparedFor(seen, turned);
+    tryBeam(seen, prepared, turned, beam, index, tile.slot);
+  }
+}
+
+// Tries the listed beams of a cell of each lane, where nothing moves.
+void tryCellTogether(Tile tile, Prepared prepared, bool here, uint cell) {
+  uint index = 0, end = 0;
+  if (here) {
+    index = cellStarts.at[cell];
+    end = cellStarts.at[cell + 1];
+  }
+  while (anyLane(index < end)) {
+    bool meets = false;
+    if (index < end) {
+      Beam beam = listedBeam(index);
+      Triangle seen = tile.triangle;
+      if (ORIGINS) seen = seenFrom(tile.triangle, index, beam.azimuth);
+      meets = footprintMayMeet(seen, prepared, turnedFrom(seen, index, index, beam.azimuth), beam);
     }
-    tryBeam(seen, prepared, turnedFrom(seen, index, index, beam.azimuth), beam, index, tile.slot);
+    offerWaiting(meets, Meeting(tile.slot, index, index), false);
+    ++index;
   }
 }
 
@@ -308,6 +329,8 @@ bool areAtHand(uint from, uint to, uint column) {
   return largest != kNone;
 }
 
+Prepared preparedInTile(Triangle triangle) { return WAITS ? preparedForAll(triangle) : prepare(triangle); }
+
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
@@ -316,7 +339,7 @@ void tryTile(Tile tile) {
     tryFiring(tile);
     return;
   }
-  Prepared prepared = prepare(tile.triangle);
+  Prepared prepared = preparedInTile(tile.triangle);
   Box box = tile.box;
   uint lane = gl_SubgroupInvocationID;
   uint columnCount = tile.end - tile.first;
@@ -326,7 +349,7 @@ void tryTile(Tile tile) {
   uint stride = frame.columns;
   // If all lasers of a column see the triangle at one time, it is prepared and turned once per column.
   bool shifts = ORIGINS && SHIFTS_TURNED, byColumn = !BESIDE_COLUMNS && !STAGGERED;
-  if (ORIGINS) byColumn = byColumn && SHIFTS_TURNED;
+  if (ORIGINS) byColumn = byColumn && SHIFTS_TURNED && (!FOOTPRINTS || WAITS);
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = loadedRow(min(box.rowFirst + lane, box.rowLast)).angles.xy;
   uint azimuths = AZIMUTH_OFFSETS ? loadedRow(min(box.rowFirst + lane, box.rowLast)).azimuths : 0, loaded = 0;
@@ -343,7 +366,7 @@ void tryTile(Tile tile) {
       vec2 azimuth = loadedColumn(column);
       Triangle seen = tile.triangle;
       if (byColumn) seen = seenFrom(tile.triangle, tile.slot, 0, column);
-      if (MOTION && byColumn) prepared = prepare(seen);
+      if (MOTION && byColumn && (!WAITS || seen.moves)) prepared = preparedInTile(seen);
       Turned turned = turn(seen, azimuth), own = turned;
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
@@ -363,7 +386,10 @@ void tryTile(Tile tile) {
           uint index = (box.rowFirst + mine) * stride + column;
           if (APART && !LISTED && !byColumn) here = here && !isBehindHit(tile.triangle, index);
           if (TIMED && !LISTED) here = here && firesWithin(tile.box, box.rowFirst + mine, column);
-          if (LISTED) {
+          bool meets = false;
+          if (LISTED && WAITS) {
+            tryCellTogether(tile, prepared, here, index);
+          } else if (LISTED) {
             if (here) tryCell(tile, prepared, index);
           } else if (here) {
             Beam beam;
@@ -378,10 +404,14 @@ void tryTile(Tile tile) {
                 ofBeam = seenFrom(tile.triangle, tile.slot, column, box.rowFirst + mine, beam.azimuth);
               }
               own = turnedFrom(ofBeam, box.rowFirst + mine, index, beam.azimuth);
-              if (APART) ready = preparedFor(ofBeam, own);
+              if (APART && (!WAITS || ofBeam.moves)) ready = preparedFor(ofBeam, own);
             }
-            tryBeam(ofBeam, ready, own, beam, index, tile.slot);
+            if (WAITS)
+              meets = footprintMayMeet(ofBeam, ready, own, beam);
+            else
+              tryBeam(ofBeam, ready, own, beam, index, tile.slot);
           }
+          if (WAITS && !LISTED) offerWaiting(meets, Meeting(tile.slot, box.rowFirst + mine, column), false);
         }
         row = stop;
       }
@@ -477,17 +507,28 @@ uint nextShare(uint last) {
 void tryProjected(uint firstSmall, uint firstTile) {
   uint end = counters.projectedSmall, shares = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
   uint all = shares + counters.tiles - firstTile;
-  for (uint share = nextShare(kNone); share < all; share = nextShare(share)) {
-    if (share < shares) {
+  for (uint share = nextShare(kNone); WAITS || share < all; share = nextShare(share)) {
+    bool none = share >= all;  // a last round offers the triangles that still wait
+    if (share < shares || none) {
       uint i = firstSmall + share * gl_SubgroupSize + gl_SubgroupInvocationID;
-      if (i < end && isInPass(i)) trySmall(i);
+      bool there = !none && i < end && isInPass(i);
+      if (WAITS)
+        trySmallTogether(i, there, none);
+      else if (there)
+        trySmall(i);
       meetAgain();  // the lanes have left the walks through their boxes one by one
+      if (none) return;
     } else {
       Tile tile = tileAt(firstTile + share - shares);
       if (VIEWS) view = projectedViews.at[tile.slot];
       if (isInPass(tile.slot)) tryTile(tile);
     }
   }
+}
+
+void countOwnLinks() {
+  uint sum = subgroupAdd(ownLinkCount);
+  if (subgroupElect() && sum > 0) atomicAdd(counters.ownLinks, sum);
 }
 
 void main() {
@@ -508,4 +549,5 @@ void main() {
     trySlabs();
   else
     tryProjected(byShell ? counters.binnedSmall : 0, byShell ? counters.binnedTiles : 0);
+  if (CHAINS) countOwnLinks();
 }

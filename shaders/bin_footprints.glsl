@@ -3,6 +3,14 @@
 // footprint goes on, and the nearest triangle that stops all of them, if a single one does. All other triangles that may
 // matter are in the beam's chain.
 
+// True if beams have footprints.
+#define FOOTPRINTS ((EFFECTS & kFootprint) != 0)
+// True if the triangles that footprints may meet are kept in words and chains.
+#define CHAINS (FOOTPRINTS && BINNING != kBinningLists)
+// True if such triangles wait until every lane has one (see bin_waiting.glsl). Waiting takes a third more registers, so it is
+// for CPUs, where footprints take 0.96 of the time.
+#define WAITS (CHAINS && kLanesInStep)
+
 vec2 subRayTangents[RAYS];  // of each sub-ray's angles to the left and up
 uvec2 litRays;              // one bit for each sub-ray that carries energy
 bool stopsLight;            // whether no light goes on where the current triangle is hit
@@ -16,7 +24,7 @@ void loadTangents(uint s) {
 }
 
 void loadFootprint() {
-  if ((EFFECTS & kFootprint) == 0) return;
+  if (!CHAINS) return;
   litRays = uvec2(0);
 #define LOAD_TANGENTS(s) loadTangents(s);
   EACH_RAY(LOAD_TANGENTS)
@@ -24,7 +32,7 @@ void loadFootprint() {
 
 // Light goes on through holes and panes.
 void lookAtSurface(uint projected) {
-  if ((EFFECTS & kFootprint) == 0) return;
+  if (!CHAINS) return;
   stopsLight = true;
   paneBit = 0;
   if ((EFFECTS & kCutOuts) != 0) stopsLight = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
@@ -34,8 +42,13 @@ void lookAtSurface(uint projected) {
   }
 }
 
+// True if a line within the footprint of a beam may meet a triangle.
+bool footprintMayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
+  return mayMeet(triangle, prepared, watertightSides(turned, beam.cosElevation, beam.sinElevation));
+}
+
 // How the lines within the footprint of a beam meet a triangle.
-struct Meeting {
+struct Stop {
   bool whole;             // all of them hit it clearly within its edges, and no light goes on behind it
   uvec2 rays;             // otherwise the sub-rays that do, one bit each
   float least, farthest;  // bounds of the ranges of the hits
@@ -70,7 +83,7 @@ uvec2 raysWithin(Turned turned, Beam beam, vec3 depth, vec3 side, bool averted, 
 // The range of a line that deviates by up to `spread` from the axis is that of the axis, divided by at most the change of
 // the cosine to the normal; the other terms are far more than the rounding errors. `stopped` has the bits of the range at
 // which the beam ends by now: sub-rays that a triangle stops farther away do not count.
-Meeting meetingOf(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index, uint stopped) {
+Stop stopOf(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index, uint stopped) {
   vec3 reach = 1.02 * prepared.reach;
   bool inside = all(lessThan(side, -reach)) || (all(greaterThan(side, reach)) && !triangle.oneSided);
   vec3 depth = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
@@ -83,29 +96,43 @@ Meeting meetingOf(Triangle triangle, Prepared prepared, Turned turned, Beam beam
   float error = range * (1e-5 + 1e-6 * slope) + 4e-6 * deep * prepared.longest / max(sum, 1e-30);
   vec2 window = windowOf(prepared, index);
   bool ends = stopsLight && clear && triangle.rangeMin >= window.x;
-  Meeting meeting;
-  meeting.least = clear ? max(range * (sum / (sum + change)) - error, triangle.rangeMin) : triangle.rangeMin;
-  meeting.farthest = max(range * (1.0 + spread * slope) * (1.0 + spread * spread) + error, triangle.rangeMin);
-  meeting.whole = ends && inside && meeting.farthest <= window.y;
-  meeting.rays = uvec2(0);
-  if (meeting.whole) return meeting;
-  meeting.farthest = min(meeting.farthest, prepared.farthest);
+  Stop stop;
+  stop.least = clear ? max(range * (sum / (sum + change)) - error, triangle.rangeMin) : triangle.rangeMin;
+  stop.farthest = max(range * (1.0 + spread * slope) * (1.0 + spread * spread) + error, triangle.rangeMin);
+  stop.whole = ends && inside && stop.farthest <= window.y;
+  stop.rays = uvec2(0);
+  if (stop.whole) return stop;
+  stop.farthest = min(stop.farthest, prepared.farthest);
   bool facing = along < 0.0;
-  bool nearer = floatBitsToUint(meeting.farthest) < stopped;
-  if (ends && nearer && meeting.farthest <= window.y && (facing || !triangle.oneSided))
-    meeting.rays = raysWithin(turned, beam, depth, side, !facing, index);
-  return meeting;
+  bool nearer = floatBitsToUint(stop.farthest) < stopped;
+  if (ends && nearer && stop.farthest <= window.y && (facing || !triangle.oneSided))
+    stop.rays = raysWithin(turned, beam, depth, side, !facing, index);
+  return stop;
 }
 
 // Adds sub-rays to those of a beam that are stopped. When that is true of all of them, returns the largest range at
 // which, and kNone before.
 uint rangeOfAll(uint index, uvec2 rays, float farthest) {
-  atomicMax(covers.at[3 * index], floatBitsToUint(farthest));
+  atomicMax(covers.at[4 * index], floatBitsToUint(farthest));
   memoryBarrierBuffer();  // whoever sees the bits also sees the range
-  rays.x |= atomicOr(covers.at[3 * index + 1], rays.x);
-  if (RAYS > 32) rays.y |= atomicOr(covers.at[3 * index + 2], rays.y);
+  rays.x |= atomicOr(covers.at[4 * index + 1], rays.x);
+  if (RAYS > 32) rays.y |= atomicOr(covers.at[4 * index + 2], rays.y);
   memoryBarrierBuffer();
-  return rays == litRays ? covers.at[3 * index] : kNone;
+  return rays == litRays ? covers.at[4 * index] : kNone;
+}
+
+uint ownLinkCount = 0;  // links that this invocation has made at their beams' own places
+
+// Adds a candidate to the chain of a beam. Its first links lie side by side at places of its own; following a pointer
+// from link to link takes longer.
+void linkFootprint(uint beam, uint projected, uint rangeBits) {
+  uint number = atomicAdd(covers.at[4 * beam + 3], 1);
+  if (number < kOwnLinks) {
+    ownLinks.at[kOwnLinks * beam + number] = uvec2(projected, rangeBits);
+    ++ownLinkCount;
+  } else {
+    link(beam, projected, rangeBits);
+  }
 }
 
 // Keeps a triangle that a line within the beam's footprint may hit, and the triangle that it drives out of the word.
@@ -114,23 +141,26 @@ void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam be
 #ifdef INT64_ATOMICS
   uint stopped = words.at[index].y;
   if (floatBitsToUint(triangle.rangeMin) > stopped) return;
-  Meeting meeting = meetingOf(triangle, prepared, turned, beam, side, index, stopped);
-  uint nearest = floatBitsToUint(meeting.least), farthest = floatBitsToUint(meeting.farthest), driven = kNone;
+  Stop stop = stopOf(triangle, prepared, turned, beam, side, index, stopped);
+  uint nearest = floatBitsToUint(stop.least), farthest = floatBitsToUint(stop.farthest), driven = kNone;
   if (nearest > stopped) return;
-  if (!meeting.whole) {
-    farthest = meeting.rays != uvec2(0) ? rangeOfAll(index, meeting.rays, meeting.farthest) : kNone;
+  if (!stop.whole) {
+    // Sub-rays that are all stopped already would only move the range at which they are stopped farther away.
+    uvec2 covered = uvec2(covers.at[4 * index + 1], RAYS > 32 ? covers.at[4 * index + 2] : 0);
+    farthest = (stop.rays & covered) != stop.rays ? rangeOfAll(index, stop.rays, stop.farthest) : kNone;
   }
   if (farthest <= stopped && farthest != kNone) {
-    uvec2 word = uvec2(meeting.whole ? projected : kNone, farthest);
+    uvec2 word = uvec2(stop.whole ? projected : kNone, farthest);
     uint64_t had = atomicMin(words64.at[index], packUint2x32(word));
     uvec2 before = uvec2(uint(had), uint(had >> 32));
     bool stays = before.y < word.y || (before.y == word.y && before.x < word.x);
     stopped = min(before.y, word.y);
     driven = stays ? kNone : before.x;
-    if (meeting.whole && !stays) projected = kNone;
+    if (stop.whole && !stays) projected = kNone;
   }
-  if (projected != kNone && nearest <= stopped) link(index, projected | paneBit, nearest);
+  if (projected != kNone && nearest <= stopped) linkFootprint(index, projected | paneBit, nearest);
   // The triangle that was in the word, which is no pane, may still matter.
-  if (driven != kNone && floatBitsToUint(rangeMinOf(driven)) <= stopped) link(index, driven, floatBitsToUint(rangeMinOf(driven)));
+  if (driven != kNone && floatBitsToUint(rangeMinOf(driven)) <= stopped)
+    linkFootprint(index, driven, floatBitsToUint(rangeMinOf(driven)));
 #endif
 }

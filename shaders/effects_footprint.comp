@@ -29,8 +29,8 @@
 #include "each_ray.glsl"
 #include "echoes.glsl"
 #include "panes.glsl"
-#include "lanes.glsl"
 #include "runs.glsl"
+#include "left_beams.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -59,12 +59,27 @@ uint metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
 
+// The sub-rays that hit a candidate in this search, one bit each. `hitAgain` is 0 if none of them hits a second one: light
+// that has passed these panes then meets no other pane.
+uvec2 raysHit;
+uint hitAgain;
+
 // Keeps a sub-ray's hit if it is the nearest one of this layer so far; of equally near ones the first triangle counts.
 // Panes closer to each other, relative to their range, count as one: light through a shared edge hits both of its
 // triangles, but they are not two panes.
 bool offer(bool met, bool first, float range, uint projected, uint s) {
   bool behind = LAYERS == 1 || range > rangesBefore[s], nearer = range < hitRanges[s];
   bool taken = met && behind && (nearer || first);
+  if (LAYERS > 1) {
+    uint hit = met && behind ? 1u << (s & 31) : 0u;
+    if (s < 32) {
+      hitAgain |= raysHit.x & hit;
+      raysHit.x |= hit;
+    } else {
+      hitAgain |= raysHit.y & hit;
+      raysHit.y |= hit;
+    }
+  }
   hitRanges[s] = taken ? range : hitRanges[s];
   hitCandidates[s] = taken ? projected : hitCandidates[s];
   return taken;
@@ -177,35 +192,49 @@ void beginLayer() {
   EACH_RAY(BEGIN)
 }
 
-// True if light of the beam may meet a pane before the triangle that stops all of it, if there is one.
-bool meetsPane(uint index, Beam beam) {
-  if (LAYERS == 1) return false;
+// Chooses the pass and the class of a beam that the first pass does not finish.
+uvec2 leftTo(uint index, Beam beam) {
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
   float end = endOf(index);
-  bool meets = false;
-  for (uint k = listFirst; k != listEnd && !meets; k = nextOf(k)) {
-    if (nearestAt(k) <= end && isPaneAt(k)) meets = touchesFootprint(candidateOf(projectedAt(k), beam), middle);
+  bool meetsPane = false;  // whether light may meet a pane before the triangle that stops all of it, if there is one
+  uint count = 0;
+  for (uint k = listFirst; k != listEnd; k = nextOf(k)) {
+    if (nearestAt(k) > end) continue;
+    ++count;
+    if (LAYERS > 1 && !meetsPane && isPaneAt(k))
+      meetsPane = touchesFootprint(candidateOf(projectedAt(k), beam), middle);
   }
-  return meets;
+  return uvec2(meetsPane ? kPassPanesToo : kPassOthers, effortOf(count));
 }
 
 // Finds the nearest hits on panes, or on all other surfaces. Skips candidates behind all hits or behind the end of the
-// light. Each lane first searches for the next candidate that it must try, so that the lanes of a subgroup try their
-// candidates together.
+// light. The search for the other surfaces keeps the panes that light may meet; searches for panes look at these alone.
+// Each lane first searches for the next candidate that it must try, so that the lanes of a subgroup try their candidates
+// together.
 void findHits(uint index, Beam beam, bool panes) {
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
-  uint k = listFirst;
+  uint k = panes ? afterWord : listFirst, until = panes ? panesEnd : listEnd;
+  if (!panes) panesEnd = afterWord;
+  raysHit = uvec2(0);
+  hitAgain = 0;
   float farthest = 0.0, end = endOf(index);
 #define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
   EACH_RAY(FARTHEST)
   farthest = min(farthest, end);
-  while (k != listEnd) {
+  while (k != until) {
     uint projected = kNone;
     Candidate candidate;
-    while (k != listEnd && projected == kNone) {
-      if (nearestAt(k) <= farthest && (LAYERS == 1 || isPaneAt(k) == panes)) {
+    while (k != until && projected == kNone) {
+      if (nearestAt(k) <= farthest) {
         candidate = candidateOf(projectedAt(k), beam);
-        if (touchesFootprint(candidate, middle)) projected = projectedAt(k);
+        bool touches = panes || touchesFootprint(candidate, middle);
+        if (LAYERS > 1 && !panes && isPaneAt(k)) {
+          if (touches) keepPane(k);
+        } else if (touches) {
+          projected = projectedAt(k);
+        }
+      } else if (LAYERS > 1) {
+        hitAgain = 1;
       }
       k = nextOf(k);
     }
@@ -351,7 +380,7 @@ void follow(uint index, uint beam, Beam axis) {
   // All searches share one loop, because their code is long.
   [[dont_unroll]] for (uint search = 0; search <= LAYERS && lit; ++search) {
     if (search > 0) beginLayer();
-    findHits(index, axis, search > 0);
+    if (search < 2 || hitAgain != 0) findHits(index, axis, search > 0);
     if (LAYERS == 1) {
       keepLayer(0);
       lit = false;
@@ -398,9 +427,9 @@ void aim(uint index) {
   EACH_RAY(LIGHT)
 }
 
-// Returns the pass in which the beam is finished.
-uint finish(uint index) {
-  uint number = numberOf(index), inPass = PASS;
+// Finishes a beam, or lists it for a later pass.
+void finish(uint index) {
+  uint number = numberOf(index);
   if (!MAPPED || number != kNone) {
     Beam axis = beamWith(index);
     vec2 window = rangesOf(index);
@@ -412,23 +441,8 @@ uint finish(uint index) {
     if (PASS != kPassWithinOne)
       follow(index, number, axis);
     else if (!findWithinOne(index, number, axis))
-      inPass = meetsPane(index, axis) ? kPassPanesToo : kPassOthers;
+      leave(index, leftTo(index, axis));
   }
-  return inPass;
-}
-
-// Lists the beams of a subgroup that are left to the two passes. All lanes of the subgroup must call this.
-void leave(uint index, uint toPass) {
-  uvec4 others = subgroupBallot(toPass == kPassOthers), panes = subgroupBallot(toPass == kPassPanesToo);
-  uint slot = 0, paneSlot = 0;
-  if (subgroupElect()) {
-    slot = atomicAdd(counters.hardBeams, subgroupBallotBitCount(others));
-    if (LAYERS > 1) paneSlot = atomicAdd(counters.paneBeams, subgroupBallotBitCount(panes));
-  }
-  slot = slotAfter(slot, others);
-  paneSlot = slotAfter(paneSlot, panes);
-  if (toPass == kPassOthers) hardBeams.at[slot] = index;
-  if (toPass == kPassPanesToo) hardBeams.at[frame.beams - 1 - paneSlot] = index;
 }
 
 void main() {
@@ -445,19 +459,9 @@ void main() {
   EACH_RAY(BEYOND)
   halfAxes *= sqrt(beyond);
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
-  uint beams = frame.beams;
-  if (PASS == kPassOthers) beams = counters.hardBeams;
-  if (PASS == kPassPanesToo) beams = counters.paneBeams;
-  uvec2 run = runOf(beams);
+  uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : leftBeams());
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
-    uint i = first + gl_SubgroupInvocationID, index = i, toPass = PASS;
-    if (i < run.y) {
-      if (PASS == kPassOthers) index = hardBeams.at[i];
-      if (PASS == kPassPanesToo) index = hardBeams.at[frame.beams - 1 - i];
-      toPass = finish(index);
-    }
-    if (PASS != kPassWithinOne) continue;
-    meetAgain();  // the lanes have walked through lists of different lengths
-    leave(index, toPass);
+    uint i = first + gl_SubgroupInvocationID;
+    if (i < run.y) finish(PASS == kPassWithinOne ? i : leftBeam(i));
   }
 }

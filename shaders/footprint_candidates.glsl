@@ -6,43 +6,71 @@
 uint idOf(uint projected) { return projectedA.at[projected].tag & 0x7fffffffu; }
 
 // The candidates of a beam. With kBinningLists they are a run of `candidates`; otherwise the triangle in its word, if
-// there is one, and those of its chain (see bin.comp).
-const uint kOfWord = kNone - 1;
-uint listFirst, listEnd, chainFirst, wordCandidate;
+// there is one, and those of its chain: links at places of its own, and then those that did not fit there (see bin.comp).
+const uint kOfWord = kNone - 1, kOwnPlace = 0x80000000u;
+uint listFirst, listEnd, afterWord, ownEnd, chainFirst, wordCandidate;
 
 void openList(uint index) {
   if (BINNING == kBinningLists) {
     // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
     listEnd = min(listEnds.at[index], frame.candidateCapacity);
-    listFirst = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
+    listFirst = afterWord = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
     return;
   }
+  uint links = covers.at[4 * index + 3], own = kOwnPlace | kOwnLinks * index;
+  ownEnd = own + min(links, kOwnLinks);
+  chainFirst = kNone;
+  if (links > kOwnLinks) chainFirst = listEnds.at[index];
   listEnd = kNone;
-  listFirst = chainFirst = listEnds.at[index];
+  listFirst = afterWord = links > 0 ? own : kNone;
   wordCandidate = words.at[index].x;
   if (wordCandidate != kNone) listFirst = kOfWord;
 }
 
+bool isOwn(uint k) { return (k & kOwnPlace) != 0; }
+
 uint nextOf(uint k) {
   if (BINNING == kBinningLists) return k + 1;
-  if (k == kOfWord) return chainFirst;
+  if (k == kOfWord) return afterWord;
+  if (isOwn(k)) return k + 1 < ownEnd ? k + 1 : chainFirst;
   return candidates.at[3 * k + 2];
 }
+
+uint linkedAt(uint k) { return isOwn(k) ? ownLinks.at[k & ~kOwnPlace].x : candidates.at[3 * k]; }
 
 uint projectedAt(uint k) {
   if (BINNING == kBinningLists) return candidates.at[k];
   if (k == kOfWord) return wordCandidate;
-  return candidates.at[3 * k] & ~kPaneBit;
+  return linkedAt(k) & ~kPaneBit;
 }
 
 bool isPaneAt(uint k) {
   if (BINNING == kBinningLists) return isPane(candidates.at[k]);
-  return k != kOfWord && (candidates.at[3 * k] & kPaneBit) != 0;  // a word stops light
+  return k != kOfWord && (linkedAt(k) & kPaneBit) != 0;  // a word stops light
 }
 
 float nearestAt(uint k) {
   if (BINNING == kBinningLists || k == kOfWord) return rangeMinOf(projectedAt(k));
-  return uintBitsToFloat(candidates.at[3 * k + 1]);
+  return uintBitsToFloat(isOwn(k) ? ownLinks.at[k & ~kOwnPlace].y : candidates.at[3 * k + 1]);
+}
+
+// The panes that light may meet: candidates from `afterWord` on, before this one.
+uint panesEnd;
+
+// Moves a candidate to the end of these panes, where there are only candidates that have been searched already.
+void keepPane(uint k) {
+  if (BINNING == kBinningLists) {
+    candidates.at[panesEnd] = projectedAt(k);
+  } else {
+    uvec2 pane = uvec2(linkedAt(k), floatBitsToUint(nearestAt(k)));
+    if (isOwn(panesEnd)) {
+      ownLinks.at[panesEnd & ~kOwnPlace] = pane;
+    } else {
+      candidates.at[3 * panesEnd] = pane.x;
+      candidates.at[3 * panesEnd + 1] = pane.y;
+    }
+  }
+  panesEnd = nextOf(panesEnd);
 }
 
 // Returns the range behind which no light of the beam goes on.

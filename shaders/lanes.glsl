@@ -21,6 +21,11 @@ uvec4 ballotOf(bool condition) {
   return uvec4(bits, 0, 0, 0);
 }
 
+bool anyLane(bool condition) {
+  uvec4 lanes = ballotOf(condition);
+  return (lanes.x | lanes.y) != 0;
+}
+
 bool isFirstLane() {
   if (!kLanesInStep) return subgroupElect();
   return gl_SubgroupInvocationID == 0;

@@ -34,7 +34,7 @@ Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
 
 // True if the inside test needs only the corners turned to the beam. Lasers away from the origin then shift those,
 // which is cheaper: a laser's origin turns with the beam.
-#define SHIFTS_TURNED (INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights && (EFFECTS & kFootprint) == 0)
+#define SHIFTS_TURNED (INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights)
 
 Triangle seenFromPoint(Triangle triangle, vec3 origin) {
   triangle.a -= origin;

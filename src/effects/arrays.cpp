@@ -37,7 +37,7 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) 
   };
   if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
   if (plan.footprint() || plan.panes()) {
-    addRoom(gpu::Array::hardBeams, sizeof(uint32_t));
+    addRoom(gpu::Array::hardBeams, sizeof(uint32_t) * (plan.footprint() ? gpu::kEffortClasses : 1));
     addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
     const uint64_t most = plan.footprint() ? gpu::kMaxEchoes : gpu::kMaxLayers;
     addRoom(gpu::Array::echoes, most * sizeof(gpu::vec4));

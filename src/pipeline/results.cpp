@@ -75,7 +75,7 @@ void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& d
   result.culledBetweenBeams += device.culledBetweenBeams;
   result.culledHidden += device.culledHidden;
   result.projected += uint64_t{device.projectedSmall} + device.projectedLarge + device.tried;
-  result.candidates += device.candidates;
+  result.candidates += uint64_t{device.candidates} + device.ownLinks;
   result.lostEchoes += device.lostEchoes;
   result.integerSides += device.integerSides;
   result.integerRanges += device.integerRanges;

@@ -83,7 +83,10 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes() || plan_.footprint()) allocate(Array::listEnds, beams * 4);
-  if (plan_.footprint() && !lists) allocate(Array::covers, beams * 12);
+  if (plan_.footprint() && !lists) {
+    allocate(Array::covers, beams * 16);
+    allocate(Array::ownLinks, beams * gpu::kOwnLinks * 8);
+  }
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
