@@ -22,7 +22,10 @@
   ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \
                                       /* its place in columnMotions */ \
   ARRAY(readonly, uint, sliceMasks)   /* of a list with motion, per kSliceRows x kSliceColumns cells: one bit for each */ \
-                                      /* slice of time in which their beams fire */
+                                      /* slice of time in which their beams fire */ \
+  ARRAY(readonly, uvec2, timedBeams)  /* of a moving list, by blocks of kTimedRows x kTimedColumns cells, then by slices: */ \
+                                      /* index of a beam, row of its cell in the block | column in it << 16 */ \
+  ARRAY(readonly, uint, timedStarts)  /* per block and slice, and at the end: its first entry of timedBeams */
 
 // The scene: its meshes and their placed instances.
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \

@@ -74,6 +74,10 @@ GNO_CONST uint kSliceIntervals = 64;
 GNO_CONST uint kSliceColumns = 16;
 GNO_CONST uint kSliceRows = 8;
 GNO_CONST uint kMostSliceMasks = 64;
+// Columns and rows of cells whose beams are sorted by slices together. Blocks of 16 x 8 cells took 1.2 of the time,
+// because boxes are smaller.
+GNO_CONST uint kTimedColumns = 4;
+GNO_CONST uint kTimedRows = 4;
 // Number of placed triangles per entry of ownerRanges.
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.

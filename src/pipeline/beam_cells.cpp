@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "base/limits.hpp"
@@ -257,18 +258,35 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
   return true;
 }
 
-// Returns in which slices of the scan's time the first `firing` beams fire, for blocks of cells.
-std::vector<uint32_t> sliceMasksOf(const BeamTables& tables, const std::vector<Listed>& beams, size_t firing) {
+// Sorts the first `firing` beams by blocks of cells, and within a block by the slices of the scan's time in which they
+// fire; notes for each block in which slices its beams fire.
+void sortBySlices(const std::vector<Listed>& beams, size_t firing, BeamTables& tables) {
   static_assert(kListIntervals == gpu::kTimeSlices * gpu::kSliceIntervals);
   static_assert(gpu::kSliceIntervals % 2 == 0, "the middle of a run of slices is an entry of the table of poses");
-  const size_t perRow = (tables.frame.columns - 1) / gpu::kSliceColumns + 1;
-  std::vector<uint32_t> masks(perRow * ((tables.rows.size() + gpu::kSliceRows - 1) / gpu::kSliceRows));
+  const auto blocksOf = [&](uint32_t rows, uint32_t columns) {
+    return ((tables.frame.columns - 1) / columns + 1) * ((tables.rows.size() + rows - 1) / rows);
+  };
+  const auto blockOf = [&](size_t i, uint32_t rows, uint32_t columns) {
+    return beams[i].row / rows * size_t{(tables.frame.columns - 1) / columns + 1} + beams[i].column / columns;
+  };
+  const auto sliceOf = [&](size_t i) {
+    return std::min(static_cast<uint32_t>(tables.origins[i].w) / gpu::kSliceIntervals, gpu::kTimeSlices - 1);
+  };
+  const auto timedOf = [&](size_t i) {
+    return blockOf(i, gpu::kTimedRows, gpu::kTimedColumns) * gpu::kTimeSlices + sliceOf(i);
+  };
+  tables.sliceMasks.assign(blocksOf(gpu::kSliceRows, gpu::kSliceColumns), 0);
+  tables.timedStarts.assign(blocksOf(gpu::kTimedRows, gpu::kTimedColumns) * gpu::kTimeSlices + 1, 0);
+  tables.timedBeams.resize(firing);
   for (size_t i = 0; i < firing; ++i) {
-    const uint32_t slice = static_cast<uint32_t>(tables.origins[i].w) / gpu::kSliceIntervals;
-    masks[beams[i].row / gpu::kSliceRows * perRow + beams[i].column / gpu::kSliceColumns] |=
-        1u << std::min(slice, gpu::kTimeSlices - 1);
+    tables.sliceMasks[blockOf(i, gpu::kSliceRows, gpu::kSliceColumns)] |= 1u << sliceOf(i);
+    ++tables.timedStarts[timedOf(i) + 1];
   }
-  return masks;
+  std::partial_sum(tables.timedStarts.begin(), tables.timedStarts.end(), tables.timedStarts.begin());
+  std::vector<uint32_t> next = tables.timedStarts;
+  for (size_t i = 0; i < firing; ++i)
+    tables.timedBeams[next[timedOf(i)]++] = {
+        static_cast<uint32_t>(i), beams[i].row % gpu::kTimedRows | beams[i].column % gpu::kTimedColumns << 16};
 }
 
 // Sorts the beams into cells.
@@ -316,7 +334,7 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     tables.origins.push_back({static_cast<float>(c * from.x + s * from.y), static_cast<float>(c * from.y - s * from.x),
                               static_cast<float>(from.z), static_cast<float>(place)});
   }
-  tables.sliceMasks = sliceMasksOf(tables, beams, firing);
+  sortBySlices(beams, firing, tables);
   // A beam lies up to one column behind the column of its cell. The amount that it may lie before it is slack.
   tables.frame.beside = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);

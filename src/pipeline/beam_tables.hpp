@@ -2,6 +2,7 @@
 // Computes the beam tables that the stages read from a Sensor, in double precision on the host.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/shared.h"
@@ -26,7 +27,8 @@ struct BeamTables {
   /// The farthest-range table before anything is hit: 0 where there is no beam, otherwise kNone. Empty if there is
   /// none.
   std::vector<uint32_t> startFarthest;
-  std::vector<uint32_t> cellStarts, sliceMasks, numbers;
+  std::vector<uint32_t> cellStarts, sliceMasks, timedStarts, numbers;
+  std::vector<std::array<uint32_t, 2>> timedBeams;
   uint32_t masked = 0;  ///< number of beams, at the end, that never fire
   std::vector<gpu::vec4> angles, origins;
   std::vector<gpu::vec2> ranges;  ///< empty if all beams have those of the frame

@@ -256,6 +256,9 @@ std::vector<EffectsArray> SensorArrays::arraysOf(const BeamTables& tables) const
   if (!plan_.motion()) return arrays;
   put(Array::beamOrigins, tables.origins);
   put(Array::sliceMasks, tables.sliceMasks);
+  if (!plan_.moves()) return arrays;
+  put(Array::timedBeams, tables.timedBeams);
+  put(Array::timedStarts, tables.timedStarts);
   return arrays;
 }
 
