@@ -66,6 +66,7 @@ GNO_CONST uint kResolveColumns = 1024;
 // A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided if its box
 // has more beams than this, and the scan fewer intervals of this length than the other number.
 GNO_CONST uint kFewIntervalBeams = 32;
+GNO_CONST uint kFewSliceBeams = 64;  // the same for cells of a list, whose beams are found by their slices
 GNO_CONST uint kMostIntervals = 64;
 // Slices of time into which the scan of a moving list is divided, intervals of columnMotions per slice, the columns and
 // rows of cells per entry of sliceMasks, and the most entries that are read for a box.

@@ -59,7 +59,7 @@ uint slicesIn(uint from, uint to, Box box) {
 // True if a division repays itself for a triangle that has a much smaller box in a part of the interval.
 bool repaysDivision(Interval interval, Box box) {
   uint count = interval.to - interval.from + 1;
-  if (boxColumnCount(box) * boxRowCount(box) <= kFewIntervalBeams || count == 1) return false;
+  if (boxColumnCount(box) * boxRowCount(box) <= (LISTED ? kFewSliceBeams : kFewIntervalBeams) || count == 1) return false;
   return LISTED || (count > frame.columns / kMostIntervals && frame.columns <= kMostExactColumns);
 }
 
