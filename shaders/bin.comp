@@ -423,14 +423,19 @@ uint nextShare(uint last) {
   return last == kNone ? share : last + subgroups;
 }
 
-// Tries the projected triangles without slabs: those with small boxes, of which each lane takes one, and the tiles.
+// Tries the projected triangles without slabs: the tiles, and those with small boxes, of which each lane takes one. Tiles
+// come first, because large triangles hide many small ones.
 void tryProjected(uint firstSmall, uint firstTile) {
-  uint end = counters.projectedSmall, shares = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
-  uint all = shares + counters.tiles - firstTile;
+  uint end = counters.projectedSmall, small = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
+  uint tileCount = counters.tiles - firstTile, all = tileCount + small;
   for (uint share = nextShare(kNone); WAITS || share < all; share = nextShare(share)) {
-    bool none = share >= all;  // a last round offers the triangles that still wait
-    if (share < shares || none) {
-      uint i = firstSmall + share * gl_SubgroupSize + gl_SubgroupInvocationID;
+    if (share < tileCount) {
+      Tile tile = tileAt(firstTile + share);
+      if (VIEWS) view = projectedViews.at[tile.slot];
+      if (isInPass(tile.slot)) tryTile(tile);
+    } else {
+      bool none = share >= all;  // a last round offers the triangles that still wait
+      uint i = firstSmall + (share - tileCount) * gl_SubgroupSize + gl_SubgroupInvocationID;
       bool there = !none && i < end && isInPass(i);
       if (WAITS)
         trySmallTogether(i, there, none);
@@ -438,10 +443,6 @@ void tryProjected(uint firstSmall, uint firstTile) {
         trySmall(i);
       meetAgain();  // the lanes have left the walks through their boxes one by one
       if (none) return;
-    } else {
-      Tile tile = tileAt(firstTile + share - shares);
-      if (VIEWS) view = projectedViews.at[tile.slot];
-      if (isInPass(tile.slot)) tryTile(tile);
     }
   }
 }

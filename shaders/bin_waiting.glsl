@@ -80,7 +80,7 @@ void trySmallTogether(uint i, bool there, bool flush) {
     if (there && !ended(box, walk)) {
       Beam beam;
       bool tried = stepTo(box, columnCount, silhouette, walk, beam, place);
-      if (MOTION && LISTED) tried = tried && !isBehindHit(triangle, place.index);
+      tried = tried && !isBehindHit(triangle, place.index);
       if (tried) {
         Triangle seen = triangle;
         if (APART) seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
