@@ -88,8 +88,7 @@
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \
   ARRAY(, uvec2, laterWords)               /* like words, of the second returns of all beams, then of the third ones; if words */ \
                                            /* tell the returns, and light may pass surfaces or effects computes all beams */ \
-  ARRAY(coherent, uint, covers)            /* with footprints, four per beam: bits of the largest range at which opaque */ \
-                                           /* triangles stop sub-rays, one bit for each of these, number of links */ \
+  ARRAY(coherent, Cover, covers)           /* per beam, by index, with footprints */ \
   ARRAY(, uvec2, ownLinks)                 /* with footprints, kOwnLinks per beam: the first links of its chain */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \

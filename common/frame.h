@@ -15,6 +15,13 @@ struct TaggedCorner {
   uint tag;
 };
 
+// The sub-rays of a beam that opaque triangles stop.
+struct Cover {
+  uint farthest;           // bits of the largest range at which one of them is stopped
+  uint lowRays, highRays;  // one bit for each of them: 0..31 and 32..63
+  uint links;              // of the beam's chain of candidates
+};
+
 // The surface under a return.
 struct SurfaceRecord {
   vec3 normal;    // unit vector, towards the sensor
@@ -127,7 +134,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168);
+static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

@@ -113,12 +113,12 @@ Stop stopOf(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3
 // Adds sub-rays to those of a beam that are stopped. When that is true of all of them, returns the largest range at
 // which, and kNone before.
 uint rangeOfAll(uint index, uvec2 rays, float farthest) {
-  atomicMax(covers.at[4 * index], floatBitsToUint(farthest));
+  atomicMax(covers.at[index].farthest, floatBitsToUint(farthest));
   memoryBarrierBuffer();  // whoever sees the bits also sees the range
-  rays.x |= atomicOr(covers.at[4 * index + 1], rays.x);
-  if (RAYS > 32) rays.y |= atomicOr(covers.at[4 * index + 2], rays.y);
+  rays.x |= atomicOr(covers.at[index].lowRays, rays.x);
+  if (RAYS > 32) rays.y |= atomicOr(covers.at[index].highRays, rays.y);
   memoryBarrierBuffer();
-  return rays == litRays ? covers.at[4 * index] : kNone;
+  return rays == litRays ? covers.at[index].farthest : kNone;
 }
 
 uint ownLinkCount = 0;  // links that this invocation has made at their beams' own places
@@ -126,7 +126,7 @@ uint ownLinkCount = 0;  // links that this invocation has made at their beams' o
 // Adds a candidate to the chain of a beam. Its first links lie side by side at places of its own; following a pointer
 // from link to link takes longer.
 void linkFootprint(uint beam, uint projected, uint rangeBits) {
-  uint number = atomicAdd(covers.at[4 * beam + 3], 1);
+  uint number = atomicAdd(covers.at[beam].links, 1);
   if (number < kOwnLinks) {
     ownLinks.at[kOwnLinks * beam + number] = uvec2(projected, rangeBits);
     ++ownLinkCount;
@@ -146,7 +146,7 @@ void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam be
   if (nearest > stopped) return;
   if (!stop.whole) {
     // Sub-rays that are all stopped already would only move the range at which they are stopped farther away.
-    uvec2 covered = uvec2(covers.at[4 * index + 1], RAYS > 32 ? covers.at[4 * index + 2] : 0);
+    uvec2 covered = uvec2(covers.at[index].lowRays, RAYS > 32 ? covers.at[index].highRays : 0);
     farthest = (stop.rays & covered) != stop.rays ? rangeOfAll(index, stop.rays, stop.farthest) : kNone;
   }
   if (farthest <= stopped && farthest != kNone) {

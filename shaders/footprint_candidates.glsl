@@ -17,7 +17,7 @@ void openList(uint index) {
     listFirst = afterWord = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
     return;
   }
-  uint links = covers.at[4 * index + 3], own = kOwnPlace | kOwnLinks * index;
+  uint links = covers.at[index].links, own = kOwnPlace | kOwnLinks * index;
   ownEnd = own + min(links, kOwnLinks);
   chainFirst = kNone;
   if (links > kOwnLinks) chainFirst = listEnds.at[index];

@@ -84,7 +84,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes() || plan_.footprint()) allocate(Array::listEnds, beams * 4);
   if (plan_.footprint() && !lists) {
-    allocate(Array::covers, beams * 16);
+    allocate(Array::covers, beams * sizeof(gpu::Cover));
     allocate(Array::ownLinks, beams * gpu::kOwnLinks * 8);
   }
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);

@@ -59,6 +59,7 @@ const Layouts kShared = {
     STRUCT(TransformSource, row0, row1, row2, row0Low, row1Low, row2Low, shift, shiftLow, stride, byColumns),
     STRUCT(TransformedInstance, origin, originLow, instance, source, number),
     STRUCT(TaggedCorner, corner, tag),
+    STRUCT(Cover, farthest, lowRays, highRays, links),
     STRUCT(SurfaceRecord, normal, material),
     STRUCT(SignalRecord, trueRange, width, word),
     STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
