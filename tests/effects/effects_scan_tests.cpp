@@ -2,6 +2,7 @@
 // Effects on the device compared with the reference: equal random numbers, and differences only by single precision.
 #include "effects/scan_support.hpp"
 #include "lists/list_sensors.hpp"
+#include "sensor/beams.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
@@ -280,6 +281,36 @@ TEST_CASE("transmitted light passes the same panes on every device") {
   effects.transmission.use = effects.returns.use = EffectUse::on;
   effects.returns.count = 4;
   requireAlmostSame(effects, scene);
+}
+
+TEST_CASE("the light of a footprint returns from each of several panes behind each other") {
+  needVulkan();
+  const double distances[] = {5, 7, 9, 12};
+  Scene scene;
+  scene.materials = {lambertian(0.5f, "plaster"), lambertian(0.2f, "glass")};
+  scene.materials[1].transmission = 0.6f;
+  for (const double distance : distances) {
+    scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), {}});
+    scene.meshes.push_back(plate(distance, 6, distance == 12 ? 0 : 1));
+  }
+  TestOptions options = optionsOn("vulkan");
+  options.effects = physical();
+  options.effects.transmission.use = options.effects.returns.use = EffectUse::on;
+  options.effects.returns.count = 4;
+  options.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  const Sensor sensor = gridSensor(360, 9, -8, 8, 60);
+  const Scan scan = scanOn(scene, sensor, Pose(), options);
+  size_t ahead = 0;
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+    const Vec3 direction = directionOf(sensor, beam);
+    if (direction.x < std::cos(0.2)) continue;
+    ++ahead;
+    for (size_t k = 0; k < 4; ++k) {
+      INFO("beam " << beam << ", return " << k);
+      CHECK(std::abs(scan.ranges[4 * beam + k] - distances[k] / direction.x) < 0.01);
+    }
+  }
+  CHECK(ahead > 100);
 }
 
 TEST_CASE("all effects together equal the reference") {
