@@ -15,7 +15,7 @@ struct TaggedCorner {
   uint tag;
 };
 
-// The sub-rays of a beam that opaque triangles stop.
+// State of a beam with a footprint: the sub-rays that opaque triangles stop, and its chain.
 struct Cover {
   uint farthest;           // bits of the largest range at which one of them is stopped
   uint lowRays, highRays;  // one bit for each of them: 0..31 and 32..63

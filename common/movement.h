@@ -43,9 +43,9 @@ struct MotionBounds {
   float middle, columnsToMiddle;        // from the start of the scan to its middle: seconds, and columns
   vec3 drift;                           // metres by which the sensor moves in secondsPerColumn, on average
   float wander, wanderPerColumn;        // most metres that it is elsewhere than with this average, and per column
-  float bendShift, bendTurn;            // largest second differences of columnMotions, from the first to the last stamp
-                                        // of the sensor's motion: of the shift, and of the rotation (Frobenius norm)
-  uint bendFirst, bendEnd;              // the entries that lie between these stamps
+  float bendShift, bendTurn;            // columnMotions have at most these second differences of their shifts and of
+                                        // their rotations (Frobenius norm), from the first stamp to the last
+  uint bendFirst, bendEnd;              // entries of columnMotions between these stamps
 };
 
 #ifdef __cplusplus

@@ -79,7 +79,7 @@ void link(uint beam, uint projected, uint rangeBits) {
 
 // Compilers inline it at every call, so each loop over beams has one call.
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
-  if ((EFFECTS & kFootprint) != 0) {
+  if (FOOTPRINTS) {
     vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
     if (!mayMeet(triangle, prepared, side)) return;
     if (CHAINS)
@@ -119,7 +119,7 @@ void seemFrom(Triangle triangle) {
 // Prepares a triangle that has been turned to a beam. A footprint needs the triangle's lengths alone, which are the same
 // in the frame of the beam.
 Prepared preparedFor(Triangle seen, Turned turned) {
-  if ((EFFECTS & kFootprint) != 0 && APART && SHIFTS_TURNED) {
+  if (FOOTPRINTS && APART && SHIFTS_TURNED) {
     seen.a = vec3(turned.p.x, turned.q.x, turned.z.x);
     seen.b = vec3(turned.p.y, turned.q.y, turned.z.y);
     seen.c = vec3(turned.p.z, turned.q.z, turned.z.z);

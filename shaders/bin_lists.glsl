@@ -111,8 +111,8 @@ void tryFiring(Tile tile) {
     }
     next += gl_SubgroupSize;
     more = next < total || nextRun < runs;
-    uint triedUpTo = sumUpTo(tried ? 1 : 0), there = waiting + subgroupShuffle(triedUpTo, last);
-    uint beam = subgroupShuffle(index, ownerOf(triedUpTo, lane - waiting & last));
+    uvec2 joined = joinWaiting(tried, waiting);
+    uint there = joined.x, beam = subgroupShuffle(index, joined.y);
     if (lane >= waiting) waitingBeam = beam;
     if (more && there < gl_SubgroupSize) {
       waiting = there;

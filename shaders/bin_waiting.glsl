@@ -3,9 +3,8 @@
 // the beams that a box may hold. Offering a triangle to a beam takes several times as long; so those that are left wait in
 // the first lanes of the subgroup until every lane has one.
 
-// Prepares a triangle for the first test of all beams. Lasers are up to motion.shift metres away from the origin. As they
-// see an edge, its normal is longer by at most motion.shift times the edge's length. A triangle that moves may exceed
-// this bound.
+// Prepares a triangle at rest for the first test of all beams. Lasers are up to motion.shift metres away from the origin,
+// so the normal of an edge is longer for a laser by at most motion.shift times the edge's length.
 Prepared preparedForAll(Triangle triangle) {
   Prepared prepared = prepare(triangle);
   if (!APART) return prepared;
@@ -44,11 +43,10 @@ void offerHeld() {
 // that no more will come. All lanes must call this.
 void offerWaiting(bool meets, Meeting own, bool flush) {
   meetAgain();
-  uint lane = gl_SubgroupInvocationID, last = gl_SubgroupSize - 1;
-  uint upTo = sumUpTo(meets ? 1 : 0), there = waiting + subgroupShuffle(upTo, last);
-  uint owner = ownerOf(upTo, lane - waiting & last);
-  own = Meeting(subgroupShuffle(own.projected, owner), subgroupShuffle(own.row, owner),
-                subgroupShuffle(own.column, owner));
+  uvec2 joined = joinWaiting(meets, waiting);
+  uint lane = gl_SubgroupInvocationID, there = joined.x;
+  own = Meeting(subgroupShuffle(own.projected, joined.y), subgroupShuffle(own.row, joined.y),
+                subgroupShuffle(own.column, joined.y));
   if (lane >= waiting) held = own;
   if (there < gl_SubgroupSize && !flush) {
     waiting = there;

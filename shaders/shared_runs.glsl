@@ -21,3 +21,10 @@ uint ownerOf(uint upTo, uint number) {
     if (half_ < gl_SubgroupSize) owner += subgroupShuffle(upTo, owner + half_ - 1) <= number ? half_ : 0;
   return owner;
 }
+
+// Lets lanes join those that wait, which are the first ones. Returns how many wait then, and the lane from which this lane
+// takes what it holds: in this round if it does not wait yet, in the next round if those that wait are too many.
+uvec2 joinWaiting(bool joins, uint waiting) {
+  uint last = gl_SubgroupSize - 1, upTo = sumUpTo(joins ? 1 : 0);
+  return uvec2(waiting + subgroupShuffle(upTo, last), ownerOf(upTo, gl_SubgroupInvocationID - waiting & last));
+}
