@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Culling: every culling switch leaves the bytes of the cloud unchanged.
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
