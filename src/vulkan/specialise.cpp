@@ -7,8 +7,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "vulkan/forward_stores.hpp"
 #include "vulkan/inline_calls.hpp"
 #include "vulkan/live_branches.hpp"
+#include "vulkan/pass_values.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -150,13 +152,17 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   globals.each([&](Instruction instruction) {
     if (opOf(instruction) == spv::OpDecorate) decorated.insert(instruction[1]);
   });
+  Types types(bound);
+  globals.each([&](Instruction instruction) { types.read(instruction); });
+  passValues(functions, types, values, decorated);
   inlineSingleCalls(functions, decorated);
+  forwardStores(functions, values, types.bound());
 
   // The module loses the constants that no instruction uses any more, so that constants of different values which leave
   // the same branches give the same words.
-  const std::vector<bool> used = usedIds(globals, functions, bound);
+  const std::vector<bool> used = usedIds(globals, functions, types.bound());
   const auto stays = [&](Instruction instruction) { return !isScalarConstant(instruction) || used[instruction[2]]; };
-  std::vector<bool> defined(bound);
+  std::vector<bool> defined(types.bound());
   const auto define = [&](Instruction instruction) { defined[resultOf(instruction)] = true; };
   globals.each([&](Instruction instruction) {
     if (stays(instruction)) define(instruction);
@@ -167,7 +173,9 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   globals.each([&](Instruction instruction) {
     if (describes(instruction) ? defined[instruction[1]] : stays(instruction)) append(words, instruction);
   });
+  append(words, types.added());
   for (const LiveFunction& function : functions) append(words, function.words);
+  words[kBoundWord] = types.bound();
   return words;
 }
 

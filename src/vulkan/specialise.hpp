@@ -10,9 +10,9 @@
 namespace gnosphere::vulkan {
 
 /// Returns the module with the value of each specialisation constant in place (constants[SpecId]; booleans are 0 or 1),
-/// without the branches that are then never taken and the functions that are then never called, and with functions that
-/// have a single call in the place of that call. Drivers do the same, but only after they have copied every function
-/// into its callers, which takes them many times as long.
+/// without the branches that are then never taken and the functions that are then never called, with values in place of
+/// variables that have a single value, and with functions that have a single call in the place of that call. Drivers do
+/// the same, but only after they have copied every function into its callers, which takes them many times as long.
 ///
 /// The module must come from glslang without optimisation: a block follows all blocks that branch to it, except at the
 /// end of a loop, and loops begin without phis. Throws std::logic_error for another module, for operations on constants

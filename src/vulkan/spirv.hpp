@@ -43,6 +43,14 @@ inline void append(Words& words, spv::Op op, std::initializer_list<uint32_t> ope
   words.insert(words.end(), operands);
 }
 
+/// Loads and stores without further operands, such as volatile.
+inline bool isPlainLoad(Instruction instruction) {
+  return opOf(instruction) == spv::OpLoad && instruction.size() == 4;
+}
+inline bool isPlainStore(Instruction instruction) {
+  return opOf(instruction) == spv::OpStore && instruction.size() == 3;
+}
+
 /// The ids whose values are known; a boolean is 0 or 1.
 class KnownValues {
  public:
@@ -50,6 +58,13 @@ class KnownValues {
 
   void set(uint32_t id, std::optional<uint32_t> value) { values_[id] = value; }
   std::optional<uint32_t> of(uint32_t id) const { return values_[id]; }
+
+  /// Whether all indices of an access chain are known.
+  bool knowsIndices(Instruction chain) const {
+    for (const uint32_t index : chain.subspan(4))
+      if (!values_[index]) return false;
+    return true;
+  }
 
   /// Returns the result of an operation on ids; none if it is not known.
   std::optional<uint32_t> of(spv::Op op, Instruction ids) const {
@@ -76,5 +91,12 @@ class KnownValues {
  private:
   std::vector<std::optional<uint32_t>> values_;
 };
+
+/// Appends what has the result of a load from an access chain with known indices, if its variable has this value.
+inline void appendPart(Words& words, Instruction load, Instruction chain, uint32_t value, const KnownValues& values) {
+  const auto size = static_cast<uint32_t>(chain.size());
+  words.insert(words.end(), {size << spv::WordCountShift | spv::OpCompositeExtract, load[1], load[2], value});
+  for (const uint32_t index : chain.subspan(4)) words.push_back(*values.of(index));
+}
 
 }  // namespace gnosphere::vulkan

@@ -86,11 +86,31 @@ class Tools {
   Folder folder_;
 };
 
-size_t functionsIn(const Words& module) {
+/// Returns how many instructions of a module are counted by `counts(instruction)`.
+template <typename Counts>
+size_t countIn(const Words& module, Counts counts) {
   const auto instructions = vulkan::instructionsOf(std::span(module).subspan(vulkan::kHeaderWords));
-  return static_cast<size_t>(
-      std::count_if(instructions.begin(), instructions.end(),
-                    [](vulkan::Instruction instruction) { return vulkan::opOf(instruction) == spv::OpFunction; }));
+  return static_cast<size_t>(std::count_if(instructions.begin(), instructions.end(), counts));
+}
+
+size_t functionsIn(const Words& module) {
+  return countIn(module, [](vulkan::Instruction one) { return vulkan::opOf(one) == spv::OpFunction; });
+}
+
+/// Returns how many variables the functions of a module have.
+size_t localsIn(const Words& module) {
+  return countIn(module, [](vulkan::Instruction one) {
+    return vulkan::opOf(one) == spv::OpVariable && one[3] == spv::StorageClassFunction;
+  });
+}
+
+/// Returns how many parameters of functions are pointers to variables.
+size_t pointersIn(const Words& module) {
+  std::set<uint32_t> pointers;
+  return countIn(module, [&](vulkan::Instruction one) {
+    if (vulkan::opOf(one) == spv::OpTypePointer) pointers.insert(one[1]);
+    return vulkan::opOf(one) == spv::OpFunctionParameter && pointers.contains(one[1]);
+  });
 }
 
 /// Returns the passes of spirv-opt that put the given constants in place. `booleans` has the numbers of booleans.
@@ -318,6 +338,77 @@ TEST_CASE("functions with a single call move into their callers") {
     CHECK(functionsIn(module) == 7);
     CHECK(functionsIn(specialised) == 3);
   }
+}
+
+TEST_CASE("functions take values in place of pointers to variables that they only read") {
+  const Tools tools;
+  const Words module = tools.compile(R"(#version 460
+    layout(push_constant) uniform Input { uint x; };
+    layout(binding = 0) buffer Output { uint y[]; };
+    struct Pair { uint a; vec3 b; uint c[2]; };
+    uint inner(Pair p, uint i) { return p.a + p.c[1] + i; }
+    uint passed(Pair p, uint n) { return inner(p, n) + inner(p, 2) * uint(p.b.y); }
+    uint indexed(Pair p, uint i) { return p.c[i & 1]; }
+    uint written(Pair p, uint n) {
+      p.a += n;
+      n = inner(p, n);
+      return n * n;
+    }
+    uint handed(Pair p, uint n) { return indexed(p, n) + inner(p, n); }
+    void both(Pair p, out uint q, inout uint r) {
+      q = p.a + r;
+      if (q > 3) r += p.c[0];
+    }
+    void main() {
+      Pair p = Pair(x, vec3(x), uint[2](x + 1, x + 2));
+      uint q = 0, r = x;
+      for (uint i = 0; i < x; ++i) {
+        y[i] = passed(p, i) + passed(p, r) + indexed(p, i) + indexed(p, r);
+        y[i] += written(p, i) * written(p, q) + handed(p, i) - handed(p, q);
+        both(p, q, r);
+        both(p, r, q);
+        if (i == 5) p.c[1] = r;
+      }
+    })");
+  const Words specialised = vulkan::specialised(module, {});
+  tools.validate(specialised);
+  CHECK(tools.optimised(specialised) == tools.optimised(module));
+  CHECK(pointersIn(module) == 13);
+  // The parameter p of indexed() is left, p and n of written(), and q and r of both().
+  CHECK(pointersIn(specialised) == 5);
+}
+
+TEST_CASE("a variable whose single store comes before its loads becomes the value") {
+  const Tools tools;
+  const Words module = tools.compile(R"(#version 460
+    layout(push_constant) uniform Input { uint x; };
+    layout(binding = 0) buffer Output { uint y[]; };
+    struct Pair { uint a; uint c[2]; };
+    uint shared_;
+    void main() {
+      uint once = y[0] + x;              // removed
+      Pair pair = Pair(once, uint[2](y[1], y[2])), part;
+      uint only = 3 * once;              // removed: it is stored alone
+      uint previous, either, count = 0;  // they are left
+      bool any = false;                  // is left
+      for (uint i = 0; i < once; ++i) {  // i is left
+        uint each = y[i] * once;         // removed
+        if (any) y[i + 7] = previous;
+        previous = each + 1;
+        any = each > 9;
+        count += each + pair.c[1];
+      }
+      if (count > x) either = pair.a;
+      part.c[0] = count;                 // is left: a part is stored
+      part.a = count + 1;
+      y[3] = either + part.a;
+      shared_ = part.c[0];
+      y[4] = shared_ + pair.c[0];
+    })");
+  const Words specialised = vulkan::specialised(module, {});
+  tools.validate(specialised);
+  CHECK(tools.optimised(specialised) == tools.optimised(module));
+  CHECK(localsIn(specialised) == 6);
 }
 
 TEST_CASE("constants that decide the same branches give the same words") {
