@@ -35,6 +35,10 @@ uint32_t grown(Array array, uint64_t needed, uint64_t limit, uint64_t most = kMo
   return static_cast<uint32_t>(std::min(needed + needed / 8, std::max(needed, limit)));
 }
 
+uint32_t within(uint64_t count, uint64_t most) {
+  return static_cast<uint32_t>(std::min(count, most));
+}
+
 // The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
   auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
@@ -95,7 +99,6 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
   if (keepsRecords()) makeRecordArrays();
-  const auto within = [](uint64_t count, uint64_t most) { return static_cast<uint32_t>(std::min(count, most)); };
   Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
@@ -521,11 +524,17 @@ bool SensorArrays::cutShort(size_t index) {
   return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
 }
 
-// If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists.
+// If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists. The
+// lists of footprints grow together, because another run takes long.
 void SensorArrays::growLists(size_t index) {
-  const gpu::Counters needed = counters(frames_[index]);
+  gpu::Counters needed = counters(frames_[index]);
   const uint64_t projected = projectedCount(needed);
   Capacities room = capacities_;
+  if (plan_.footprint() && binning_ != gpu::kBinningLists && projected > room.projected) {
+    const Capacities least = leastWithFootprints(projected);
+    needed.tiles = std::max(needed.tiles, within(least.tiles, limit(kTileBytes) / 2));
+    needed.candidates = std::max(needed.candidates, within(least.candidates, mostCandidates()));
+  }
   if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
   if (needed.candidates > room.candidates)

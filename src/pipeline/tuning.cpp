@@ -25,13 +25,17 @@ constexpr uint32_t kShellsOfGpu = 3, kGrowthOnGpu = 4;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
+// Footprints reach triangles between the beams, too. In ten scenes an OS1-64 projected 0.2 to 7 triangles per beam and
+// an Alpha-Prime 0.03 to 2.5; in a town they projected 1.1 and 0.5. A triangle had 0.7 to 8 links, and one of 200 to
+// one of 2 triangles was cut into tiles.
+constexpr uint64_t kProjectedPerBeam = 2, kLinksPerProjected = 3, kProjectedPerTile = 2;
 // A moving triangle may have several boxes, one for each interval of the scan. A list that holds this many boxes rarely
 // makes the first moving scan of a few dozen triangles run twice.
 constexpr uint64_t kLeastBoxes = 1024;
 // Most triangles of small views need no room, because stage project tries them at once; and views share the room.
 constexpr uint64_t kLeastProjectedOfView = 32;
 constexpr uint32_t kFirstTiles = 1 << 12;
-constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8;
+constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8, kLinksPerBeam = 4;
 // Beams that one submission scans together. Measured on two CPU cores in a town of 300,000 triangles with 5,760 beams
 // per view: 8, 16, 45 and 180 views together took 1.8, 1.3, 1.3 and 1.3 ms per view, and single scans 6.9 ms.
 constexpr uint64_t kBeamsTogetherOnCpu = 1 << 18, kBeamsTogether = 1 << 23, kMostViews = 4096;
@@ -133,13 +137,21 @@ uint64_t mostWork(const SimulatorOptions& options, const Traits& traits) {
 
 // Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles) {
-  const auto projected = static_cast<uint32_t>(std::min(
-      std::max(triangles, kLeastBoxes), std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
-  const uint64_t candidates = binning == gpu::kBinningLists || footprint ? beams * kCandidatesPerBeam
-                              : panes                                    ? beams / kBeamsPerPane
-                                                                         : 0;
-  return {projected, binning == gpu::kBinningSlabs ? std::max(projected / 2, kFirstTiles) : kFirstTiles,
+  const uint64_t ofBeams = footprint ? beams * kProjectedPerBeam : beams / kBeamsPerProjected;
+  const auto projected = static_cast<uint32_t>(
+      std::min(std::max(triangles, kLeastBoxes), std::clamp(ofBeams, kLeastProjected, kMostProjected)));
+  const uint64_t candidates = binning == gpu::kBinningLists ? beams * kCandidatesPerBeam
+                              : footprint                   ? beams * kLinksPerBeam
+                              : panes                       ? beams / kBeamsPerPane
+                                                            : 0;
+  const uint32_t tiles = footprint ? projected / kProjectedPerTile : kFirstTiles;
+  return {projected, std::max(binning == gpu::kBinningSlabs ? projected / 2 : tiles, kFirstTiles),
           static_cast<uint32_t>(std::min<uint64_t>(candidates, 0xffffffff))};
+}
+
+Capacities leastWithFootprints(uint64_t projected) {
+  const auto within = [](uint64_t count) { return static_cast<uint32_t>(std::min<uint64_t>(count, 0xffffffff)); };
+  return {within(projected), within(projected / kProjectedPerTile), within(projected * kLinksPerProjected)};
 }
 
 }  // namespace gnosphere

@@ -274,6 +274,19 @@ TEST_CASE("footprints have the same echoes with lists and with chains that end w
   }
 }
 
+TEST_CASE("the lists of footprints have room for a town, and grow once where triangles are smaller than footprints") {
+  needVulkan();
+  TestOptions options = optionsOn("vulkan");
+  options.effects = physical();
+  options.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  CHECK(scanOn(town(), coarse(720), kPose, options).counters.retries == 0);
+  options.effects.divergence.horizontal = options.effects.divergence.vertical = 0.03;
+  const Scan dense = scanOn(sceneOf(ball(300, 300, 4)), coarse(720), Pose(), options);
+  CHECK(dense.counters.projected > 2 * dense.beamCount());
+  CHECK(dense.counters.candidates > 6 * dense.beamCount());
+  CHECK(dense.counters.retries == 1);
+}
+
 TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;
