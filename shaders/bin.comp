@@ -412,12 +412,13 @@ void trySlabs() {
   }
 }
 
-// Returns the subgroup's next share of the work. On a CPU a shared counter hands out the shares of a shell, because they
-// differ much; otherwise each subgroup has a fixed part of them.
-uint nextShare(uint last) {
+// Returns the subgroup's next share of the work. On a CPU a shared counter hands out `together` shares of a shell at once,
+// because they differ much; otherwise each subgroup has a fixed part of them.
+uint nextShare(uint last, uint together) {
   uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, share = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
   if (kLanesInStep && BINNING == kBinningNearest) {
-    if (isFirstLane()) share = atomicAdd(shells.of[pass.shell].nextSlab, 1);
+    if (last != kNone && (last + 1) % together != 0) return last + 1;
+    if (isFirstLane()) share = atomicAdd(shells.of[pass.shell].nextSlab, together);
     return fromFirstLane(share);
   }
   return last == kNone ? share : last + subgroups;
@@ -428,7 +429,11 @@ uint nextShare(uint last) {
 void tryProjected(uint firstSmall, uint firstTile) {
   uint end = counters.projectedSmall, small = (end - firstSmall + gl_SubgroupSize - 1) / gl_SubgroupSize;
   uint tileCount = counters.tiles - firstTile, all = tileCount + small;
-  for (uint share = nextShare(kNone); WAITS || share < all; share = nextShare(share)) {
+  // Neighbouring triangles are tried by one thread, since threads that write the words of the same beams wait for each
+  // other's cache lines: with one share at once, binning footprints took 1.3 of the time on two cores. There are enough
+  // parts for 16 threads.
+  uint together = clamp(all / 32, 1, 64);
+  for (uint share = nextShare(kNone, together); WAITS || share < all; share = nextShare(share, together)) {
     if (share < tileCount) {
       Tile tile = tileAt(firstTile + share);
       if (VIEWS) view = projectedViews.at[tile.slot];

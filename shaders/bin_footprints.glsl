@@ -110,9 +110,27 @@ Stop stopOf(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3
   return stop;
 }
 
+#if defined(VULKAN) && defined(INT64_ATOMICS)
+layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Covers64 { uint64_t at[]; };
+Covers64 covers64 = Covers64(covers);
+#endif
+
 // Adds sub-rays to those of a beam that are stopped. When that is true of all of them, returns the largest range at
-// which, and kNone before.
+// which, and kNone before. CPUs have no instructions for the maximum or the union with the value before, but exchange
+// both values in one operation.
 uint rangeOfAll(uint index, uvec2 rays, float farthest) {
+#if defined(VULKAN) && defined(INT64_ATOMICS)
+  if (kLanesInStep && RAYS <= 32) {
+    uint64_t expected = covers64.at[2 * index];
+    while (true) {
+      uvec2 cover = unpackUint2x32(expected);
+      cover = uvec2(max(cover.x, floatBitsToUint(farthest)), cover.y | rays.x);
+      uint64_t found = atomicCompSwap(covers64.at[2 * index], expected, packUint2x32(cover));
+      if (found == expected) return cover.y == litRays.x ? cover.x : kNone;
+      expected = found;
+    }
+  }
+#endif
   atomicMax(covers.at[index].farthest, floatBitsToUint(farthest));
   memoryBarrierBuffer();  // whoever sees the bits also sees the range
   rays.x |= atomicOr(covers.at[index].lowRays, rays.x);
