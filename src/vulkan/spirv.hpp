@@ -80,6 +80,7 @@ class KnownValues {
       case spv::OpIEqual: return *a == *b;
       case spv::OpINotEqual: return *a != *b;
       case spv::OpUGreaterThan: return *a > *b;
+      case spv::OpULessThanEqual: return *a <= *b;
       case spv::OpBitwiseAnd: return *a & *b;
       case spv::OpIAdd: return *a + *b;
       case spv::OpISub: return *a - *b;
