@@ -15,7 +15,7 @@ bool isPure(Instruction instruction) {
          op == spv::OpCompositeExtract || op == spv::OpCompositeConstruct;
 }
 
-// Which blocks of a function dominate others. A block has the number of its place in the function.
+// Tells which blocks of a function dominate others. Blocks are numbered in the order of the function.
 class Dominators {
  public:
   explicit Dominators(uint32_t bound) : numbers_(bound) {}

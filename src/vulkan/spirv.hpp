@@ -93,7 +93,8 @@ class KnownValues {
   std::vector<std::optional<uint32_t>> values_;
 };
 
-/// Appends what has the result of a load from an access chain with known indices, if its variable has this value.
+/// Appends the instruction that takes the place of a load from an access chain with known indices: it extracts the
+/// part from the value of the variable.
 inline void appendPart(Words& words, Instruction load, Instruction chain, uint32_t value, const KnownValues& values) {
   const auto size = static_cast<uint32_t>(chain.size());
   words.insert(words.end(), {size << spv::WordCountShift | spv::OpCompositeExtract, load[1], load[2], value});
