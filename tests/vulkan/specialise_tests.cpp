@@ -76,6 +76,12 @@ class Tools {
     return counts;
   }
 
+  /// Checks that a specialised module is valid, and means what spirv-opt makes of the module after `passes`.
+  void checkMeaning(const Words& specialised, const Words& module, const std::string& passes = "") const {
+    validate(specialised);
+    CHECK(optimised(specialised) == optimised(module, passes));
+  }
+
  private:
   fs::path file(const std::string& name) const { return folder_ / name; }
   std::string stored(const Words& module) const {
@@ -294,8 +300,7 @@ TEST_CASE("a specialised module means what spirv-opt makes of the same constants
         INFO("A = " << a << ", B = " << b << ", N = " << n);
         const Words constants = {a, b, n};
         const Words specialised = vulkan::specialised(module, constants);
-        tools.validate(specialised);
-        CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {0, 1})));
+        tools.checkMeaning(specialised, module, placing(constants, {0, 1}));
       }
 }
 
@@ -332,8 +337,7 @@ TEST_CASE("functions with a single call move into their callers") {
     })");
   for (const uint32_t n : {1, 3}) {
     const Words constants = {n}, specialised = vulkan::specialised(module, constants);
-    tools.validate(specialised);
-    CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {})));
+    tools.checkMeaning(specialised, module, placing(constants, {}));
     // The functions main(), twice() and early() are left.
     CHECK(functionsIn(module) == 7);
     CHECK(functionsIn(specialised) == 3);
@@ -371,8 +375,7 @@ TEST_CASE("functions take values in place of pointers to variables that they onl
       }
     })");
   const Words specialised = vulkan::specialised(module, {});
-  tools.validate(specialised);
-  CHECK(tools.optimised(specialised) == tools.optimised(module));
+  tools.checkMeaning(specialised, module);
   CHECK(pointersIn(module) == 13);
   // The parameter p of indexed() is left, p and n of written(), and q and r of both().
   CHECK(pointersIn(specialised) == 5);
@@ -406,8 +409,7 @@ TEST_CASE("a variable whose single store comes before its loads becomes the valu
       y[4] = shared_ + pair.c[0];
     })");
   const Words specialised = vulkan::specialised(module, {});
-  tools.validate(specialised);
-  CHECK(tools.optimised(specialised) == tools.optimised(module));
+  tools.checkMeaning(specialised, module);
   CHECK(localsIn(specialised) == 6);
 }
 
