@@ -65,7 +65,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       deformed_(deformed),
       options_(kernelOptions(options, plan)),
       shells_(mostShells(options, machine.traits(), binning_, beams(), triangles)),
-      shellClusters_(shellClusters(options, triangles)),
+      shellClusters_(shellClusters(options, machine.traits(), triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)),

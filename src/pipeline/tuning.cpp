@@ -95,8 +95,9 @@ uint32_t shellGrowth(const Traits& traits) {
   return traits.cpu ? 2 : kGrowthOnGpu;
 }
 
-uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles) {
-  if (options.tuning.culling.occlusion == Culling::Occlusion::always) return 1;
+// The few shells of a graphics card do not grow from one cluster to a whole scene.
+uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles) {
+  if (options.tuning.culling.occlusion == Culling::Occlusion::always && traits.cpu) return 1;
   return static_cast<uint32_t>(
       std::clamp<uint64_t>(triangles / gpu::kClusterTriangles / kFirstShare, 1, kFirstShellClusters));
 }

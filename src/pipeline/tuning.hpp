@@ -28,7 +28,7 @@ uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint3
 /// Returns how many times the clusters of the shell before a shell should hold.
 uint32_t shellGrowth(const Traits& traits);
 /// Returns how many clusters the first shell should hold.
-uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles);
+uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles);
 /// The same for a submission of several views, from the number for one.
 uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
 

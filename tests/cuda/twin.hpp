@@ -31,6 +31,12 @@ inline void needCuda() {
   SKIP("no usable CUDA device: " << problem);
 }
 
+/// True if the device rounds quotients as a CPU does, so its `standard` ranges, which are quotients, have the same
+/// bytes. Graphics cards may round them differently.
+inline bool dividesExactly(const DeviceInfo& device) {
+  return device.type == "cpu";
+}
+
 /// The CUDA backend on the host for one scene: does the work of Simulator without its checks.
 class CudaOnHost {
  public:

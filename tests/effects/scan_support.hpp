@@ -126,8 +126,7 @@ class Twins {
  public:
   Twins(const Scene& scene, const std::vector<Sensor>& sensors, TestOptions options)
       : vulkan(makeSimulator(scene, sensors, options)), onHost(scene, sensors, options) {
-    // With `standard` a range is a quotient, which a GPU's Vulkan driver may round differently.
-    decided_ = options.accuracy == Accuracy::exact || vulkan.device().type == "cpu";
+    decided_ = options.accuracy == Accuracy::exact || dividesExactly(vulkan.device());
     options.device = deviceByName("cuda:0");
     if (cudaProblem().empty()) cuda.emplace(makeSimulator(scene, sensors, options));
   }

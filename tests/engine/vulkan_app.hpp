@@ -188,6 +188,11 @@ class VulkanApp {
     FAIL("the device has no memory that the host sees");
     return 0;
   }
+  bool isHostVisible(uint32_t memoryType) const {
+    VkPhysicalDeviceMemoryProperties memory;
+    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
+    return (memory.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
+  }
   PFN_vkGetInstanceProcAddr loader() const { return get_; }
 
   std::vector<std::string> messages;  ///< of the validation layer

@@ -166,6 +166,7 @@ TEST_CASE("vertices move on straight lines to the deformation at the end of a sc
     }
     REQUIRE(fastest > 3);
     REQUIRE(worst < 2e-3f);
+    if (!dividesExactly(device.device())) continue;
     onHost.scanInto(shot, twin);
     REQUIRE(sameBytes(scan, twin));
   }
