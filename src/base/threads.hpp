@@ -40,33 +40,53 @@ std::thread startThread(const std::string& name, Work work) {
   }
 }
 
-/// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them.
-/// Each thread takes the next run when it is done with one, because a thread may start late. If the system starts fewer
-/// threads, those that run do all the work. If `work` throws, the other threads end after the runs that they are at,
-/// and inRuns() throws the first exception after all threads have ended.
+/// The work that several threads share: work(first, end) for 0..count - 1 in runs of `run`. Each thread takes the next
+/// run when it is done with one, because a thread may start late. If `work` throws, the threads end after the runs that
+/// they are at.
+template <typename Work>
+class SharedRuns {
+ public:
+  SharedRuns(uint64_t count, uint64_t run, const Work& work) : count_(count), run_(run), work_(work) {}
+
+  /// Takes runs until none is left. Each of the threads calls this once.
+  void operator()() noexcept {
+    try {
+      for (uint64_t first = next_.fetch_add(run_); first < count_ && !failed_; first = next_.fetch_add(run_))
+        work_(first, std::min(count_, first + run_));
+    } catch (...) {
+      if (!failed_.exchange(true)) failure_ = std::current_exception();
+    }
+  }
+
+  /// Throws the first exception of `work`. All threads must have ended.
+  void throwFailure() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  const uint64_t count_, run_;
+  const Work& work_;
+  std::atomic<uint64_t> next_ = 0;
+  std::atomic<bool> failed_ = false;
+  std::exception_ptr failure_;  // written by the thread that sets `failed_`
+};
+
+/// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them. If
+/// the system starts fewer threads, those that run do all the work. If `work` throws, inRuns() throws the first
+/// exception after all threads have ended.
 template <typename Work>
 void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
-  std::atomic<uint64_t> next = 0;
-  std::atomic<bool> failed = false;
-  std::exception_ptr failure;  // written by the thread that sets `failed`, and read when all threads have ended
-  const auto loop = [&]() noexcept {
-    try {
-      for (uint64_t first = next.fetch_add(run); first < count && !failed; first = next.fetch_add(run))
-        work(first, std::min(count, first + run));
-    } catch (...) {
-      if (!failed.exchange(true)) failure = std::current_exception();
-    }
-  };
+  SharedRuns<Work> runs(count, run, work);
   {
     std::vector<std::jthread> others;
     try {
-      for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
+      for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back([&] { runs(); });
     } catch (const std::system_error&) {
     } catch (const std::bad_alloc&) {
     }
-    loop();
+    runs();
   }
-  if (failure) std::rethrow_exception(failure);
+  runs.throwFailure();
 }
 
 }  // namespace gnosphere

@@ -376,8 +376,8 @@ class DeviceBackend final : public Backend {
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
       if (sensor.beams() > 0) {
-        readResults(sensor.sensorPlan(), sensor.results(frame, static_cast<uint32_t>(view)), scene_.instances(),
-                    part.shots[view], motionIn(slots_[slot]), result);
+        readResults(workers_, sensor.sensorPlan(), sensor.results(frame, static_cast<uint32_t>(view)),
+                    scene_.instances(), part.shots[view], motionIn(slots_[slot]), result);
         if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
         result.counters.reused = slots_[slot].reused;
         result.counters.culledByCluster -= slots_[slot].reused;
@@ -391,8 +391,8 @@ class DeviceBackend final : public Backend {
   void finishBatch(const Part& part, size_t slot, size_t frame, const Destination& to) {
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     if (sensor.beams() > 0) {
-      readHits(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shots, motionIn(slots_[slot]),
-               to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
+      readHits(workers_, sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shots,
+               motionIn(slots_[slot]), to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
       to.scan.counters.reused += slots_[slot].reused;
       to.scan.counters.culledByCluster -= slots_[slot].reused;
     }
@@ -410,6 +410,7 @@ class DeviceBackend final : public Backend {
   std::vector<std::unique_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
   Clock::time_point start_;  // of the scan that is being finished
+  Workers workers_;
   RecordedScans recorded_;
 };
 

@@ -20,15 +20,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Resolving fewer beams than this is not worth a thread: 50,000 take about 0.9 ms, and starting a thread 0.05 ms.
-constexpr uint64_t kBeamsPerThread = 25'000;
+// Resolving fewer beams than this is not worth waking a thread: 4,000 take about 0.06 ms, and waking a thread 0.01 ms.
+constexpr uint64_t kBeamsPerThread = 4'000;
 
 // Calls work(first, end) for slices of 0..count - 1 on several threads. Each item stands for `beamsEach` beams.
 template <typename Work>
-void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
+void inSlices(Workers& workers, uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
-  const uint64_t slices = threads > 1 ? 8 * threads : 1;
-  inRuns(count, (count + slices - 1) / slices, threads, work);
+  const uint64_t slices = threads > 1 ? 4 * threads : 1;
+  workers.inRuns(count, (count + slices - 1) / slices, threads, work);
 }
 
 // Adds the time since `start` as that of stage resolve, if the stages on the device are timed.
@@ -38,13 +38,13 @@ void addResolve(Clock::time_point start, Timings& timings) {
 }
 
 // Resolves the words of all rows on several threads; returns the number of hits.
-uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
-                   const ShotMotion* motion, Scan& scan) {
+uint64_t readWords(Workers& workers, const SensorPlan& plan, const DeviceResults& device,
+                   const InstanceTable& instances, const ShotMotion* motion, Scan& scan) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
   const bool listed = device.tables.listed || device.tables.mapped;
-  inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
+  inSlices(workers, listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
     hits += resolveWords(plan, {device.words, device.laterWords}, device.tables, instances, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), placesOf(scan));
   });
@@ -211,13 +211,13 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_
   scan.counters.degenerate = placed.degenerate;
 }
 
-void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
-                 const ShotMotion* motion, Scan& scan) {
+void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+                 const Shot& shot, const ShotMotion* motion, Scan& scan) {
   const bool part = device.tables.listed && device.tables.frame.beams < plan.sensor.beamCount();
   const uint64_t beams = part ? device.tables.frame.beams : plan.sensor.beamCount();
   const bool judged = plan.judged();
   std::atomic<uint64_t> hits = 0;
-  if (device.words) hits = readWords(plan, device, instances, motion, scan);
+  if (device.words) hits = readWords(workers, plan, device, instances, motion, scan);
   const uint32_t returns = plan.returns;
   const auto read = [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
@@ -234,13 +234,13 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
   if (part)
     for (const uint32_t beam : device.tables.numbers) read(beam, beam + 1);
   else if (!device.words || judged)
-    inSlices(beams, 1, read);
+    inSlices(workers, beams, 1, read);
   const gpu::Counters counters =
       judged ? device.counters : withHits(device.counters, hits, beams, device.tables.masked);
   readCounters(plan, beams, counters, instances.contentOf(shot.world).usableTriangles(), scan.counters);
 }
 
-void readHits(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
               std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
@@ -253,10 +253,10 @@ void readHits(const SensorPlan& plan, const DeviceResults& device, const Instanc
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), to.from(view * beams));
   };
   if (shots.size() == 1)
-    inSlices(count, frame.beams / std::max<uint64_t>(count, 1),
+    inSlices(workers, count, frame.beams / std::max<uint64_t>(count, 1),
              [&](uint64_t first, uint64_t end) { resolve(0, first, end); });
   else
-    inSlices(shots.size(), frame.beams, [&](uint64_t first, uint64_t end) {
+    inSlices(workers, shots.size(), frame.beams, [&](uint64_t first, uint64_t end) {
       for (uint64_t view = first; view < end; ++view) resolve(view, 0, count);
     });
   addResolve(start, sum.timings);

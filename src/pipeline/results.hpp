@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "base/workers.hpp"
 #include "common/arrays.h"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -51,13 +52,13 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_
 
 /// Fills the arrays of `scan` from the outputs of a shot and adds to its counters. If the tables are those of a part of
 /// the beams, only their entries are written. `motion` is null for a scan without motion.
-void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
-                 const ShotMotion* motion, Scan& scan);
+void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+                 const Shot& shot, const ShotMotion* motion, Scan& scan);
 
 /// Resolves the words of shots that were submitted together to places in which the entries of one scan follow those of
 /// the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone. `motion` is that of the
 /// only shot, and null for scans without motion.
-void readHits(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
               std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum);
 
 }  // namespace gnosphere

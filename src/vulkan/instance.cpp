@@ -4,7 +4,9 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "gnosphere/error.hpp"
 #include "vulkan/driver_advice.hpp"
@@ -94,6 +96,18 @@ VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
   return create;
 }
 
+using Uuid = std::array<uint8_t, VK_UUID_SIZE>;
+
+// Returns the UUIDs of a device and of its driver; zeros of a device that is too old to have any.
+std::pair<Uuid, Uuid> uuidsOf(const InstanceFunctions& vk, VkPhysicalDevice device) {
+  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id};
+  vk.vkGetPhysicalDeviceProperties(device, &properties.properties);
+  if (properties.properties.apiVersion < VK_API_VERSION_1_1) return {};
+  vk.vkGetPhysicalDeviceProperties2(device, &properties);
+  return {std::to_array(id.deviceUUID), std::to_array(id.driverUUID)};
+}
+
 }  // namespace
 
 void check(VkResult result, const char* call, const char* file, uint32_t line) {
@@ -163,11 +177,19 @@ ApiInstance::ApiInstance(bool validation) {
   messenger_ = {made, destroy, instance};
 }
 
+// The loader lists a device once for each manifest of its driver, and containers often have two.
 std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
   uint32_t count = 0;
   VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, nullptr));
-  std::vector<VkPhysicalDevice> devices(count);
-  if (count > 0) VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, devices.data()));
+  std::vector<VkPhysicalDevice> listed(count), devices;
+  if (count > 0) VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, listed.data()));
+  std::vector<std::pair<Uuid, Uuid>> seen;  // of the device and of its driver
+  for (VkPhysicalDevice device : listed) {
+    const std::pair<Uuid, Uuid> uuids = uuidsOf(functions_, device);
+    if (uuids != std::pair<Uuid, Uuid>() && std::find(seen.begin(), seen.end(), uuids) != seen.end()) continue;
+    seen.push_back(uuids);
+    devices.push_back(device);
+  }
   return devices;
 }
 

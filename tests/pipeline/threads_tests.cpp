@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work shared among threads, and simulators in several threads.
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <new>
 #include <thread>
+#include <vector>
 
 #include "base/threads.hpp"
+#include "base/workers.hpp"
 #include "no_more_threads.hpp"
 #include "support.hpp"
 
@@ -21,6 +25,39 @@ TEST_CASE("all runs are completed by however many threads the system starts") {
   const NoMoreThreads none;
   REQUIRE_THROWS_AS(std::thread([] {}), std::system_error);
   CHECK(runsOf(4));
+}
+
+TEST_CASE("workers complete all runs again and again, and throw the exception of the work") {
+  Workers workers;
+  std::vector<int> done(1000);
+  for (int turn = 1; turn <= 200; ++turn) {
+    workers.inRuns(done.size(), 7, 1 + turn % 5, [&](uint64_t first, uint64_t end) {
+      for (uint64_t i = first; i < end; ++i) ++done[i];
+    });
+    REQUIRE(std::count(done.begin(), done.end(), turn) == 1000);
+    CHECK_THROWS_AS(workers.inRuns(100, 1, 4,
+                                   [](uint64_t first, uint64_t) {
+                                     if (first == 30) throw std::bad_alloc();
+                                   }),
+                    std::bad_alloc);
+  }
+  Workers alone;
+  const NoMoreThreads none;
+  alone.inRuns(done.size(), 7, 4, [&](uint64_t first, uint64_t end) {
+    for (uint64_t i = first; i < end; ++i) done[i] = -1;
+  });
+  CHECK(std::count(done.begin(), done.end(), -1) == 1000);
+}
+
+TEST_CASE("workers share work that no thread could do alone") {
+  Workers workers;
+  for (int turn = 0; turn < 20; ++turn) {
+    std::atomic<int> there = 0;
+    workers.inRuns(3, 1, 3, [&](uint64_t, uint64_t) {
+      ++there;
+      while (there < 3) std::this_thread::yield();
+    });
+  }
 }
 
 TEST_CASE("an exception of the work ends all threads and is thrown by inRuns()") {

@@ -231,6 +231,18 @@ TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") 
   CHECK(place.run("devices").status == 0);
 }
 
+TEST_CASE("a device is listed once, however many manifests its driver has") {
+  const std::filesystem::path folder = "/usr/share/vulkan/icd.d";
+  std::filesystem::path manifest = folder / "lvp_icd.json";
+  if (!std::filesystem::exists(manifest)) manifest = folder / "lvp_icd.x86_64.json";
+  if (!std::filesystem::exists(manifest)) SKIP("lavapipe's manifest is not in " << folder);
+  const Workplace place;
+  place.put("again.json", bytesOf(manifest));
+  const std::string once = "VK_DRIVER_FILES=" + manifest.string();
+  CHECK(place.runJson("devices --json", once).at("devices").size() == 2);
+  CHECK(place.runJson("devices --json", once + ":again.json").at("devices").size() == 2);
+}
+
 TEST_CASE("without a Vulkan driver one line says how to get one") {
   const Workplace place;
   const Result scan = place.run("scan floor.obj", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
