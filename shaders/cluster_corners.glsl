@@ -59,7 +59,7 @@ void loadNext(inout Batch batch, inout LoadedCluster loaded) {
 // Holds vertices lane, lane + subgroup size, ... of a cluster, or nothing if the cluster has too many for
 // kVertexRounds. In town scenes a tenth of the clusters has more than 6 times 8 vertices. A pipeline is made for
 // the size of its subgroups: more rounds than a cluster needs only cost registers.
-layout(constant_id = 22) const uint kVertexRounds = 6;
+layout(constant_id = 23) const uint kVertexRounds = 6;
 const uint kMostVertexRounds = 6;
 struct Vertices {
   vec3 corners[kMostVertexRounds];

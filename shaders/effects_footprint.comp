@@ -4,19 +4,25 @@
 // one triangle, which are most of them, and lists the others for two more passes: those whose light meets no pane, and
 // those whose light may have to be followed through panes, layer by layer. Otherwise simple beams would wait for complex
 // ones in their subgroup, and all of them would run the code of the last pass.
-// There are places for RAYS sub-rays; unused ones carry no energy.
+// There are places for RAYS sub-rays; unused ones carry no energy. In the later passes the lanes of a subgroup may share
+// the sub-rays of one beam: then each lane has one (RAYS is 1), and spread_rays.glsl combines the results of the lanes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #ifdef INT64
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "lanes.glsl"
 #include "common/effects/vector.h"
 #include "common/effects/intensity.h"
 #include "common/effects/returns.h"
@@ -26,6 +32,7 @@
 #include "seen.glsl"
 #include "owner.glsl"
 #include "each_ray.glsl"
+#include "spread_rays.glsl"
 #include "echoes.glsl"
 #include "panes.glsl"
 #include "runs.glsl"
@@ -152,6 +159,7 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
   float farthest = 0.0;
 #define STILL_FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
   EACH_RAY(STILL_FARTHEST)
+  farthest = mostOfBeam(farthest);
   if (taken) {
     Optics4 surface = optics.at[projectedMaterials.at[projected]];
     vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
@@ -219,7 +227,7 @@ void findHits(uint index, Beam beam, bool panes) {
   float farthest = 0.0, end = endOf(index);
 #define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
   EACH_RAY(FARTHEST)
-  farthest = min(farthest, end);
+  farthest = min(mostOfBeam(farthest), end);
   while (k != until) {
     uint projected = kNone;
     Candidate candidate;
@@ -239,6 +247,7 @@ void findHits(uint index, Beam beam, bool panes) {
     }
     if (projected != kNone) farthest = consider(candidate, projected, panes, middle);
   }
+  hitAgain = anyOfBeam(hitAgain != 0) ? 1 : 0;
 }
 
 // Keeps the hits of a layer. Arrays that are indexed by a number that a loop counts lie in memory, so each layer has
@@ -269,7 +278,7 @@ bool goOn() {
   carried[s] = hitRanges[s] < kNothing ? passed[s] : 0.0; \
   any = any || carried[s] > 0.0;
   EACH_RAY(GO_ON)
-  return any;
+  return anyOfBeam(any);
 }
 
 // The number of layers in which the beam has hits. Most light meets one pane at most, so few beams
@@ -287,7 +296,7 @@ float nextRange(float after) {
       EACH_RAY(NEXT)
     }
   }
-  return least;
+  return leastOfBeam(least);
 }
 
 // Returns the largest range of the hits that count; 0 if there is none.
@@ -300,7 +309,7 @@ float lastRange() {
       EACH_RAY(LAST)
     }
   }
-  return last;
+  return mostOfBeam(last);
 }
 
 // Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. Hits whose ranges differ
@@ -318,6 +327,7 @@ float endOfEcho(float first, float last) {
         EACH_RAY(FOLLOW)
       }
     }
+    end = mostOfBeam(end);
   } while (end > before);
   return end;
 }
@@ -334,15 +344,30 @@ void storeEcho(uint slot, vec3 echo, uint projected) {
 }
 
 // The owner of an echo is its strongest hit, and the first one of equally strong hits.
-void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint piece) {
-  bool from = ranges[piece] >= first, to = ranges[piece] <= end, counts = energies[piece] >= 0.0;
+void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, float range, float energy,
+           uint candidate) {
+  bool from = range >= first, to = range <= end, counts = energy >= 0.0;
   bool taken = from && to && counts;
   vec3 more = sums;
-  addPiece(more, energies[piece], sumOf(ranges[piece], -first));
+  addPiece(more, energy, sumOf(range, -first));
   sums = taken ? more : sums;
-  bool stronger = taken && energies[piece] > most;
-  most = stronger ? energies[piece] : most;
-  strongest = stronger ? metCandidates[piece] : strongest;
+  bool stronger = taken && energy > most;
+  most = stronger ? energy : most;
+  strongest = stronger ? candidate : strongest;
+}
+
+// Adds the hits of a layer in the order of the sub-rays, because sums depend on the order.
+void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint layer) {
+#define ADD(s) \
+  addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s], metCandidates[layer * RAYS + s]);
+#define ADD_OF_LANE(lane)                                                                                          \
+  addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer], lane), subgroupShuffle(energies[layer], lane), \
+        subgroupShuffle(metCandidates[layer], lane));
+  if (SPREAD_RAYS > 0) {
+    [[dont_unroll]] for (uint lane = 0; lane < SPREAD_RAYS; ++lane) { ADD_OF_LANE(lane) }
+  } else {
+    EACH_RAY(ADD)
+  }
 }
 
 void gatherEchoes(uint index, uint beam) {
@@ -350,23 +375,20 @@ void gatherEchoes(uint index, uint beam) {
   float first = nextRange(0.0), last = lastRange();
   while (first < kNothing) {
     if (count == kMaxEchoes) {
-      atomicAdd(counters.lostEchoes, 1);
+      if (speaksForBeam()) atomicAdd(counters.lostEchoes, 1);
       break;
     }
     float end = endOfEcho(first, last), most = -1.0;
     uint strongest = 0;
     vec3 sums = vec3(0.0);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
-#define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
-      if (IS_MET(layer)) {
-        EACH_RAY(ADD)
-      }
+      if (IS_MET(layer)) addLayer(sums, most, strongest, first, end, layer);
     }
-    storeEcho(echoPlace(index, count), echoOf(first, sums), strongest);
+    if (speaksForBeam()) storeEcho(echoPlace(index, count), echoOf(first, sums), strongest);
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }
-  echoCounts.at[beam] = count;
+  if (speaksForBeam()) echoCounts.at[beam] = count;
 }
 
 // Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end
@@ -391,7 +413,7 @@ void follow(uint index, uint beam, Beam axis) {
       layersMet = search;
     }
   }
-  if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
+  if (LAYERS > 1 && lit && speaksForBeam()) atomicAdd(counters.lostEchoes, 1);
   gatherEchoes(index, beam);
 }
 
@@ -400,16 +422,16 @@ void follow(uint index, uint beam, Beam axis) {
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
-  vec4 subRay = subRays.at[s];
+  vec4 subRay = subRays.at[numberOfRay(s)];
   left[s] = subRay.x;
   up[s] = subRay.y;
-  weights[s] = subRay.z;
+  weights[s] = hasRay() ? subRay.z : 0.0;
   lengths[s] = subRay.w;
   inverses[s] = quotient(1.0, subRay.w);
 }
 
 void shift(uint s, vec2 by) {
-  vec4 subRay = subRays.at[s];
+  vec4 subRay = subRays.at[numberOfRay(s)];
   left[s] = sumOf(subRay.x, by.x);
   up[s] = sumOf(subRay.y, by.y);
   lengths[s] = lengthOf(left[s], up[s]);
@@ -453,11 +475,18 @@ void main() {
 #define REACH(s) \
   if (weights[s] > 0.0) halfAxes = max(halfAxes, vec2(abs(left[s]), abs(up[s])));
   EACH_RAY(REACH)
+  halfAxes = vec2(mostOfBeam(halfAxes.x), mostOfBeam(halfAxes.y));
 #define BEYOND(s) \
   if (weights[s] > 0.0) beyond = max(beyond, dot(vec2(left[s], up[s]) / halfAxes, vec2(left[s], up[s]) / halfAxes));
   EACH_RAY(BEYOND)
+  beyond = mostOfBeam(beyond);
   halfAxes *= sqrt(beyond);
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
+  if (SPREAD_RAYS > 0) {  // the beams with the most candidates are the first of all subgroups
+    uint count = leftBeams(), subgroups = pass.groups * gl_NumSubgroups;
+    for (uint i = subgroupOfStep(); i < count; i += subgroups) finish(leftBeam(i));
+    return;
+  }
   uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : leftBeams());
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = first + gl_SubgroupInvocationID;

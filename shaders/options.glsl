@@ -25,6 +25,7 @@ layout(constant_id = 18) const uint DEFORMED = kDeformsNothing;  // whether the 
 layout(constant_id = 19) const bool ORIGINS = false;    // lasers stand away from the point that the scan is seen from
 layout(constant_id = 20) const bool STAGGERED = false;  // the beams of a place fire at different times
 layout(constant_id = 21) const bool VIEWS = false;  // the submission may have several views, see views.glsl
+layout(constant_id = 22) const uint SPREAD_RAYS = 0;  // sub-rays of a beam that the lanes share, see spread_rays.glsl
 
 // True if lasers do not see everything from one place all the time.
 #define APART (MOTION || ORIGINS)
@@ -37,4 +38,4 @@ layout(constant_id = 21) const bool VIEWS = false;  // the submission may have s
 
 // True on CPU devices, which execute the lanes of a subgroup together in any case. The constant follows from the device,
 // not from the scan.
-layout(constant_id = 23) const bool kLanesInStep = false;
+layout(constant_id = 24) const bool kLanesInStep = false;

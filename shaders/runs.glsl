@@ -19,3 +19,6 @@ uvec2 runOf(uint count) {
   uint first = (group * gl_NumSubgroups + gl_SubgroupID) * steps * gl_SubgroupSize;
   return uvec2(first, min(first + steps * gl_SubgroupSize, count));
 }
+
+// Returns the number of this subgroup among those of all workgroups of the step.
+uint subgroupOfStep() { return (pass.firstGroup + gl_WorkGroupID.x) * gl_NumSubgroups + gl_SubgroupID; }

@@ -95,6 +95,16 @@ std::vector<Option<S>> makeSimulatorTable() {
            "Triangles behind hits nearer to the sensor. The test reads the word of every beam; `automatic` uses it if "
            "the scene has enough triangles to make that worthwhile."),
        time},
+      {choice<&S::tuning, &Tuning::subRays>(
+           "tuning.sub_rays",
+           {{"auto", "Lanes on a graphics card, one on a CPU."},
+            {"lanes",
+             "The lanes of a subgroup share the sub-rays of a beam, if there are as many lanes; Vulkan only, otherwise "
+             "as "
+             "`one`."},
+            {"one", "One invocation has all sub-rays of a beam."}},
+           "How the footprints that lie on several triangles are computed. Every choice gives the same cloud."),
+       time},
       {flag<&S::tuning, &Tuning::keepStill>(
            "tuning.keep_still",
            "If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 "

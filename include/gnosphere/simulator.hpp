@@ -101,10 +101,19 @@ struct Culling {
   Occlusion occlusion = Occlusion::automatic;
 };
 
+/// How the footprints that lie on several triangles are computed. Every choice gives the same cloud.
+enum class SubRays {
+  automatic,  ///< lanes on a graphics card, one on a CPU
+  lanes,  ///< the lanes of a subgroup share the sub-rays of a beam, if there are as many lanes; Vulkan only, otherwise
+          ///< as `one`
+  one,    ///< one invocation has all sub-rays of a beam
+};
+
 /// How a scan is computed. The choices affect only time and memory; the cloud is the same.
 struct Tuning {
   Binning binning = Binning::automatic;
   Culling culling;
+  SubRays subRays = SubRays::automatic;
   /// If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 bytes per
   /// beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or the paper's bounds.
   bool keepStill = true;

@@ -42,6 +42,7 @@ void bindAccuracy(nb::module_& m) {
 
 void bindTuning(nb::module_& m) {
   bindWords<Binning>(m, "Binning", optionNamed("tuning.binning"));
+  bindWords<SubRays>(m, "SubRays", optionNamed("tuning.sub_rays"));
   nb::class_<Culling> culling(
       m, "Culling", "Which triangles are skipped early. The switches affect only the time; the cloud is the same.");
   bindWords<Culling::Occlusion>(culling, "Occlusion", optionNamed("tuning.culling.occlusion"));
@@ -78,6 +79,7 @@ void bindTuning(nb::module_& m) {
           nb::sig("def __init__(self, **properties: object) -> None"),
           "Takes its properties as keywords, in which a choice may be its name.")
       .def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
+      .def_rw("sub_rays", &Tuning::subRays, pythonText(optionNamed("tuning.sub_rays").doc).c_str())
       .def_rw("culling", &Tuning::culling, "Which triangles are skipped early.");
   bindOptionRows<[](SimulatorOptions& options) -> Tuning& { return options.tuning; }>(tuning, "tuning.");
 }

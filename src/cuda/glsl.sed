@@ -5,8 +5,8 @@
 
 # Lines that only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
-# RAYS is a template argument, because arrays have this size.
-/^layout\(constant_id = [0-9]+\) const uint RAYS /d
+# RAYS is a template argument, because arrays have this size. SPREAD_RAYS is 0.
+/^layout\(constant_id = [0-9]+\) const uint (RAYS|SPREAD_RAYS) /d
 # The lanes decide these two.
 /^layout\(constant_id = [0-9]+\) const (uint kVertexRounds|bool kLanesInStep) /d
 s/__cplusplus/GNO_NEVER/

@@ -40,6 +40,8 @@
 #define GNO_OPTION(type_, name_) const type_ name_ = job.options.name_
 
 namespace gnosphere::cuda::GNO_MODE {
+
+constexpr uint SPREAD_RAYS = 0;  // each thread has all sub-rays of a beam, see spread_rays.glsl
 namespace {
 
 #include "glsl/common/shared.h"

@@ -64,7 +64,12 @@ template <typename T>
 T subgroupAdd(T value) {
   return value;
 }
-inline uint subgroupMax(uint value) {
+template <typename T>
+T subgroupMin(T value) {
+  return value;
+}
+template <typename T>
+T subgroupMax(T value) {
   return value;
 }
 inline uint subgroupOr(uint value) {

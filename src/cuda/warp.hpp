@@ -75,7 +75,14 @@ GNO_DEVICE T subgroupAdd(T value) {
     value += subgroupShuffle(value, gl_SubgroupInvocationID ^ step);
   return value;
 }
-GNO_DEVICE uint subgroupMax(uint value) {
+template <typename T>
+GNO_DEVICE T subgroupMin(T value) {
+  for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2)
+    value = min(value, subgroupShuffle(value, gl_SubgroupInvocationID ^ step));
+  return value;
+}
+template <typename T>
+GNO_DEVICE T subgroupMax(T value) {
   for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2)
     value = max(value, subgroupShuffle(value, gl_SubgroupInvocationID ^ step));
   return value;

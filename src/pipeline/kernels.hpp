@@ -48,6 +48,7 @@ struct Options {
   uint32_t DEFORMED = 0;
   uint32_t ORIGINS = 0, STAGGERED = 0;
   uint32_t VIEWS = 0;
+  uint32_t SPREAD_RAYS = 0;
 
   auto operator<=>(const Options&) const = default;
 };

@@ -9,6 +9,8 @@ namespace {
 
 // A guess: in towns a projected triangle is tested against so many beams.
 constexpr uint64_t kBeamsPerBox = 8;
+// Where a subgroup looks at one beam at a time, more of them are wanted. One beam in eight of a town lies on edges.
+constexpr uint32_t kSpreadBeamsPerGroup = 8;
 
 class Steps {
  public:
@@ -179,9 +181,15 @@ class Steps {
   // Dispatches a kernel that processes the beams of `hardBeams`.
   void dispatchOnList(Kernel kernel, uint32_t pass) {
     const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
-    dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
+    const uint32_t beamsPerGroup = spreads(kernel, pass) ? kSpreadBeamsPerGroup : 64;
+    dispatch("effects", kernel, std::min(groups, input_.frame.beams / beamsPerGroup + 1), {}, pass);
     const Options& options = steps_.back().variant.options;
-    inRuns(uint64_t{input_.frame.beams} * options.RAYS * options.LAYERS);
+    inRuns(uint64_t{input_.frame.beams} * std::max(options.RAYS, options.SPREAD_RAYS) * options.LAYERS);
+  }
+
+  // The first pass of footprints finishes most beams by a short test, which an invocation does alone.
+  bool spreads(Kernel kernel, uint32_t pass) const {
+    return input_.spreadsRays && kernel == Kernel::effects_footprint && pass != gpu::kPassWithinOne;
   }
 
   bool judged() const { return input_.effects == StepsInput::Judged::all; }
@@ -213,7 +221,8 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     const bool looksAtRays = kernel == Kernel::effects_footprint || (kernel == Kernel::bin && input_.footprint);
-    if (!looksAtRays) step.variant.options.RAYS = 1;
+    if (spreads(kernel, number)) step.variant.options.SPREAD_RAYS = step.variant.options.RAYS;
+    if (!looksAtRays || spreads(kernel, number)) step.variant.options.RAYS = 1;
     if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
     // Nothing but the lasers' origins: these kernels need no poses.
     const bool bounds = kernel == Kernel::project_groups || kernel == Kernel::project_clusters ||

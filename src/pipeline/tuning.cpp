@@ -91,6 +91,12 @@ uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint3
              : 1;
 }
 
+bool spreadsRays(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {
+  const bool possible = traits.spreadsRays && rays > 1 && rays <= traits.info.subgroupSize;
+  const SubRays choice = options.tuning.subRays;
+  return possible && (choice == SubRays::lanes || (choice == SubRays::automatic && !traits.cpu));
+}
+
 uint32_t shellGrowth(const Traits& traits) {
   return traits.cpu ? 2 : kGrowthOnGpu;
 }

@@ -25,6 +25,9 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 /// can hide those of farther shells.
 uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
                     uint64_t triangles);
+/// Whether the lanes of a subgroup share the sub-rays of a beam, for which there are so many places.
+bool spreadsRays(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
+
 /// Returns how many times the clusters of the shell before a shell should hold.
 uint32_t shellGrowth(const Traits& traits);
 /// Returns how many clusters the first shell should hold.

@@ -83,7 +83,7 @@ bool holdsMuch(const Variant& variant) {
   if (variant.kernel == gnosphere::Kernel::bin)
     return options.MOTION != 0 || options.RAYS > 1 || options.RANGE == gpu::kRangeExact;
   return variant.kernel == gnosphere::Kernel::project_triangles ||
-         variant.kernel == gnosphere::Kernel::effects_footprint;
+         (variant.kernel == gnosphere::Kernel::effects_footprint && variant.options.SPREAD_RAYS == 0);
 }
 
 uint32_t lanesOf(const FullSubgroups& subgroups, const Variant& variant) {

@@ -274,6 +274,55 @@ TEST_CASE("footprints have the same echoes with lists and with chains that end w
   }
 }
 
+TEST_CASE("sub-rays that the lanes of a subgroup share have the echoes that one invocation finds") {
+  needVulkan();
+  Scene scene = town();
+  addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
+  for (const double distance : {4, 5, 7}) {
+    scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), translation(0, 0, 1.8)});
+    scene.meshes.push_back(plate(distance, 2, static_cast<uint32_t>(scene.materials.size())));
+  }
+  scene.materials.push_back(lambertian(0.2f, "pane"));
+  scene.materials.back().transmission = 0.6f;
+  for (const auto& [moving, binning] :
+       {std::pair(false, Binning::automatic), std::pair(true, Binning::automatic), std::pair(false, Binning::lists)}) {
+    INFO((moving ? "moving" : "at rest") << ", binning " << int(binning));
+    TestOptions options = optionsOn("vulkan");
+    options.tuning.binning = binning;
+    options.effects = physical();
+    // A subgroup of lavapipe has eight lanes.
+    options.effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 6e-3, 3e-3};
+    options.effects.returns.use = options.effects.transmission.use = options.effects.cutOuts.use = EffectUse::on;
+    options.effects.returns.count = 4;
+    if (!moving) options.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+    options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material, Field::width};
+    Shot shot;
+    shot.pose = kPose;
+    Sensor sensor = coarse(720);
+    if (moving) {
+      options.effects.sensorMotion.use = EffectUse::on;
+      sensor.rotationPeriod = 0.1;
+      Pose end = kPose;
+      end.position.x += 1.5;
+      shot.motion = {{{0, kPose}, {0.1, end}}};
+    }
+    std::vector<Scan> scans;
+    for (const SubRays subRays : {SubRays::one, SubRays::lanes}) {
+      options.tuning.subRays = subRays;
+      Simulator simulator = makeSimulator(scene, sensor, options);
+      if (simulator.device().subgroupSize < 7) SKIP("the device's subgroups have fewer lanes than there are sub-rays");
+      scans.emplace_back();
+      simulator.scanInto(shot, scans.back());
+    }
+    CHECK(firstBytes(scans[0], scans[1]) == "none");
+    CHECK(scans[0].counters.hits == scans[1].counters.hits);
+    CHECK(scans[0].counters.lostEchoes == scans[1].counters.lostEchoes);
+    size_t third = 0;  // returns of the third pane
+    for (size_t beam = 0; beam < scans[1].beamCount(); ++beam) third += scans[1].returned(4 * beam + 2);
+    CHECK(third > 20);
+  }
+}
+
 TEST_CASE("the lists of footprints have room for a town, and grow once where triangles are smaller than footprints") {
   needVulkan();
   TestOptions options = optionsOn("vulkan");

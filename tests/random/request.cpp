@@ -332,6 +332,10 @@ Tuning anyTuning(Draw& draw, std::ostringstream& text) {
     tuning.binning = draw.of<Binning>({Binning::nearest, Binning::lists, Binning::slabs});
     text << ", binning " << int(tuning.binning);
   }
+  if (draw.often(20)) {
+    tuning.subRays = draw.of<SubRays>({SubRays::lanes, SubRays::one});
+    text << ", sub-rays " << int(tuning.subRays);
+  }
   if (draw.often(75)) return tuning;
   for (bool* use : {&tuning.culling.range, &tuning.culling.rows, &tuning.culling.columns, &tuning.culling.cones,
                     &tuning.keepStill, &tuning.float64})

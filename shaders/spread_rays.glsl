@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sub-rays of one beam that the lanes of a subgroup share: lane i has sub-ray i of SPREAD_RAYS, and the other lanes have
+// one that carries no energy. All lanes look at the same candidate, so they take the same branches. If SPREAD_RAYS is 0,
+// each invocation has all sub-rays of a beam of its own, and the functions return what they are given.
+
+// Returns the number of the sub-ray at a place of this lane.
+uint numberOfRay(uint place) { return SPREAD_RAYS > 0 ? min(gl_SubgroupInvocationID, SPREAD_RAYS - 1) : place; }
+
+bool hasRay() { return SPREAD_RAYS == 0 || gl_SubgroupInvocationID < SPREAD_RAYS; }
+
+// True for the lane that stores what all lanes of the beam have found.
+bool speaksForBeam() { return SPREAD_RAYS == 0 || gl_SubgroupInvocationID == 0; }
+
+float leastOfBeam(float value) {
+  if (SPREAD_RAYS > 0) return subgroupMin(value);
+  return value;
+}
+
+float mostOfBeam(float value) {
+  if (SPREAD_RAYS > 0) return subgroupMax(value);
+  return value;
+}
+
+bool anyOfBeam(bool value) {
+  if (SPREAD_RAYS > 0) return subgroupAny(value);
+  return value;
+}
