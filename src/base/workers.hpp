@@ -11,8 +11,8 @@
 
 namespace gnosphere {
 
-/// Keeps threads, because to wake a thread takes a fraction of the time that it takes to start one, so these threads can
-/// share work of a tenth of a millisecond. A thread starts when it is first wanted. One thread at a time may call
+/// Keeps threads, because to wake a thread takes a fraction of the time that it takes to start one, so these threads
+/// can share work of a tenth of a millisecond. A thread starts when it is first wanted. One thread at a time may call
 /// inRuns().
 class Workers {
  public:

@@ -27,7 +27,7 @@ constexpr uint64_t kBeamsPerThread = 4'000;
 template <typename Work>
 void inSlices(Workers& workers, uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
-  const uint64_t slices = threads > 1 ? 4 * threads : 1;
+  const uint64_t slices = threads > 1 ? 8 * threads : 1;
   workers.inRuns(count, (count + slices - 1) / slices, threads, work);
 }
 

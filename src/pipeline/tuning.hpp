@@ -28,8 +28,8 @@ uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint3
 /// Whether the lanes of a subgroup share the sub-rays of a beam, for which there are so many places.
 bool spreadsRays(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
 
-/// Returns how many times the clusters of the shell before a shell should hold.
-uint32_t shellGrowth(const Traits& traits);
+/// How many times the clusters of the shell before it a shell should hold.
+inline constexpr uint32_t kShellGrowth = 2;
 /// Returns how many clusters the first shell should hold.
 uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles);
 /// The same for a submission of several views, from the number for one.

@@ -285,7 +285,7 @@ TEST_CASE("culling: geometry visible through one column of a wall is seen, also 
     const Scan full = without.scan({}), scan = with.scan({});
     CHECK(full.ranges[2 * columns + gaps[i]] > 19);
     CHECK(sameBytes(full, scan));
-    if (segments == 404) CHECK(scan.counters.culledByCluster > scene.meshes[0].triangleCount() / 4);
+    if (segments == 404 && onCpu(with)) CHECK(scan.counters.culledByCluster > scene.meshes[0].triangleCount() / 4);
     without.removeInstance(near);
     with.removeInstance(near);
   }
