@@ -5,7 +5,7 @@
 // those whose light may have to be followed through panes, layer by layer. Otherwise simple beams would wait for complex
 // ones in their subgroup, and all of them would run the code of the last pass.
 // There are places for RAYS sub-rays; unused ones carry no energy. In the later passes the lanes of a subgroup may share
-// the sub-rays of one beam: then each lane has one (RAYS is 1), and spread_rays.glsl combines the results of the lanes.
+// the sub-rays of one beam: then RAYS is the number of places of a lane, and spread_rays.glsl combines what lanes find.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -360,11 +360,12 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
 void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint layer) {
 #define ADD(s) \
   addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s], metCandidates[layer * RAYS + s]);
-#define ADD_OF_LANE(lane)                                                                                          \
-  addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer], lane), subgroupShuffle(energies[layer], lane), \
-        subgroupShuffle(metCandidates[layer], lane));
+#define ADD_OF_LANES(s)                                                                                     \
+  [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                       \
+    addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
+          subgroupShuffle(energies[layer * RAYS + s], lane), subgroupShuffle(metCandidates[layer * RAYS + s], lane));
   if (SPREAD_RAYS > 0) {
-    [[dont_unroll]] for (uint lane = 0; lane < SPREAD_RAYS; ++lane) { ADD_OF_LANE(lane) }
+    EACH_RAY(ADD_OF_LANES)
   } else {
     EACH_RAY(ADD)
   }
@@ -422,16 +423,16 @@ void follow(uint index, uint beam, Beam axis) {
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
-  vec4 subRay = subRays.at[numberOfRay(s)];
+  vec4 subRay = SPREAD_RAYS == 0 || numberOfRay(s) < SPREAD_RAYS ? subRays.at[numberOfRay(s)] : vec4(0.0, 0.0, 0.0, 1.0);
   left[s] = subRay.x;
   up[s] = subRay.y;
-  weights[s] = hasRay() ? subRay.z : 0.0;
+  weights[s] = subRay.z;
   lengths[s] = subRay.w;
   inverses[s] = quotient(1.0, subRay.w);
 }
 
 void shift(uint s, vec2 by) {
-  vec4 subRay = subRays.at[numberOfRay(s)];
+  vec4 subRay = subRays.at[SPREAD_RAYS == 0 ? s : min(numberOfRay(s), SPREAD_RAYS - 1)];
   left[s] = sumOf(subRay.x, by.x);
   up[s] = sumOf(subRay.y, by.y);
   lengths[s] = lengthOf(left[s], up[s]);

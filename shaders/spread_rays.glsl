@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sub-rays of one beam that the lanes of a subgroup share: lane i has sub-ray i of SPREAD_RAYS, and the other lanes have
-// one that carries no energy. All lanes look at the same candidate, so they take the same branches. If SPREAD_RAYS is 0,
-// each invocation has all sub-rays of a beam of its own, and the functions return what they are given.
+// Sub-rays of one beam that the lanes of a subgroup share. Lane i has the sub-rays i, i + gl_SubgroupSize, ... of
+// SPREAD_RAYS, at RAYS places; a place without a sub-ray has one that carries no energy. All lanes look at the same
+// candidate, so they take the same branches. If SPREAD_RAYS is 0, each invocation has all sub-rays of a beam of its own, and
+// the functions return what they are given.
 
-// Returns the number of the sub-ray at a place of this lane.
-uint numberOfRay(uint place) { return SPREAD_RAYS > 0 ? min(gl_SubgroupInvocationID, SPREAD_RAYS - 1) : place; }
+// Returns the number of the sub-ray at a place of this lane; SPREAD_RAYS or more if the place has no sub-ray.
+uint numberOfRay(uint place) {
+  return SPREAD_RAYS > 0 ? place * gl_SubgroupSize + gl_SubgroupInvocationID : place;
+}
 
-bool hasRay() { return SPREAD_RAYS == 0 || gl_SubgroupInvocationID < SPREAD_RAYS; }
+// Returns the number of lanes that have a sub-ray at a place.
+uint lanesWithRay(uint place) { return min(SPREAD_RAYS - min(place * gl_SubgroupSize, SPREAD_RAYS), gl_SubgroupSize); }
 
 // True for the lane that stores what all lanes of the beam have found.
 bool speaksForBeam() { return SPREAD_RAYS == 0 || gl_SubgroupInvocationID == 0; }

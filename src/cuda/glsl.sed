@@ -5,7 +5,7 @@
 
 # Lines that only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
-# RAYS is a template argument, because arrays have this size. SPREAD_RAYS is 0.
+# RAYS is a template argument, because arrays have this size, and with it SPREAD_RAYS.
 /^layout\(constant_id = [0-9]+\) const uint (RAYS|SPREAD_RAYS) /d
 # The lanes decide these two.
 /^layout\(constant_id = [0-9]+\) const (uint kVertexRounds|bool kLanesInStep) /d

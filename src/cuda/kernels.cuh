@@ -26,7 +26,7 @@
     GNO_LOOP_OF_RAYS(do_)             \
   } else {                            \
     do_(0u) if constexpr (RAYS > 1) { \
-      RAYS_TO_7(do_)                  \
+      RAYS_TO_2(do_) RAYS_TO_7(do_)   \
     }                                 \
     if constexpr (RAYS > 7) {         \
       RAYS_TO_19(do_)                 \
@@ -40,8 +40,6 @@
 #define GNO_OPTION(type_, name_) const type_ name_ = job.options.name_
 
 namespace gnosphere::cuda::GNO_MODE {
-
-constexpr uint SPREAD_RAYS = 0;  // each thread has all sub-rays of a beam, see spread_rays.glsl
 namespace {
 
 #include "glsl/common/shared.h"
@@ -185,7 +183,8 @@ struct effects_strays {
 #include "glsl/effects_strays.comp"
 };
 
-template <uint RAYS>
+// CUDA leaves all sub-rays of a beam to one thread, so it has no SPREAD_RAYS; tools/gpus asks for it.
+template <uint RAYS, uint SPREAD_RAYS = 0>
 struct effects_footprint {
   const Job& job;
   GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // the arrays of hits stay unset

@@ -66,7 +66,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       options_(kernelOptions(options, plan)),
       shells_(mostShells(options, machine.traits(), binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, machine.traits(), triangles)),
-      spreadsRays_(spreadsRays(options, machine.traits(), placesFor(static_cast<uint32_t>(plan.subRays.size())))),
+      raysPerLane_(raysPerLane(options, machine.traits(), placesFor(static_cast<uint32_t>(plan.subRays.size())))),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)),
@@ -358,7 +358,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
-  input.spreadsRays = spreadsRays_;
+  input.raysPerLane = raysPerLane_;
   input.records = records_.held;
   input.entries = entries();
   input.organised = !plan_.layout.compact;

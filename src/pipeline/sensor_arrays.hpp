@@ -152,7 +152,7 @@ class SensorArrays {
   bool leavesWords_, exact_, keepsStill_, float64_, deformed_;
   Options options_;
   uint32_t shells_, shellClusters_;
-  bool spreadsRays_;
+  uint32_t raysPerLane_;
   float shellHint_ = 0;
   double reach_;
   uint32_t mostViews_ = 1, viewsWithRoom_ = 1;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace gnosphere {
 namespace {
@@ -189,7 +190,7 @@ class Steps {
 
   // The first pass of footprints finishes most beams by a short test, which an invocation does alone.
   bool spreads(Kernel kernel, uint32_t pass) const {
-    return input_.spreadsRays && kernel == Kernel::effects_footprint && pass != gpu::kPassWithinOne;
+    return input_.raysPerLane > 0 && kernel == Kernel::effects_footprint && pass != gpu::kPassWithinOne;
   }
 
   bool judged() const { return input_.effects == StepsInput::Judged::all; }
@@ -221,8 +222,9 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     const bool looksAtRays = kernel == Kernel::effects_footprint || (kernel == Kernel::bin && input_.footprint);
-    if (spreads(kernel, number)) step.variant.options.SPREAD_RAYS = step.variant.options.RAYS;
-    if (!looksAtRays || spreads(kernel, number)) step.variant.options.RAYS = 1;
+    if (!looksAtRays) step.variant.options.RAYS = 1;
+    if (spreads(kernel, number))
+      step.variant.options.SPREAD_RAYS = std::exchange(step.variant.options.RAYS, input_.raysPerLane);
     if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
     // Nothing but the lasers' origins: these kernels need no poses.
     const bool bounds = kernel == Kernel::project_groups || kernel == Kernel::project_clusters ||

@@ -56,7 +56,7 @@ struct StepsInput {
   bool holes = false;            ///< some places of the grid have no beam
   bool sparse = false;           ///< parts of the grid have no beams
   bool laterWords = false;       ///< only listed beams store words of returns after the first
-  bool spreadsRays = false;      ///< the lanes of a subgroup share the sub-rays of a beam
+  uint32_t raysPerLane = 0;      ///< see raysPerLane()
   uint32_t records = 0;          ///< if results stay on the device: RecordTables::held
   uint64_t entries = 0;          ///< returns of all beams of the sensor, with those that are missing
   bool organised = false;        ///< records of all entries

@@ -23,6 +23,8 @@ constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
 // On an H100 scans of an OS1-64 and an Alpha-Prime with two shells took 0.89 and 0.91 of the time with three in a town
 // of 300,000 triangles, and 0.92 and 0.90 in a street of 2.8 million, where four shells took 1.11 and 1.06 of it.
 constexpr uint32_t kShellsOfGpu = 2;
+// EACH_RAY of each_ray.glsl has code for one and for two places, and then for seven.
+constexpr uint32_t kMostRaysPerLane = 2;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
@@ -92,10 +94,12 @@ uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint3
              : 1;
 }
 
-bool spreadsRays(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {
-  const bool possible = traits.spreadsRays && rays > 1 && rays <= traits.info.subgroupSize;
+uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {
+  const uint32_t lanes = traits.info.subgroupSize;
   const SubRays choice = options.tuning.subRays;
-  return possible && (choice == SubRays::lanes || (choice == SubRays::automatic && !traits.cpu));
+  const bool wanted = choice == SubRays::lanes || (choice == SubRays::automatic && !traits.cpu);
+  if (!wanted || !traits.spreadsRays || rays <= 1 || rays > kMostRaysPerLane * lanes) return 0;
+  return (rays + lanes - 1) / lanes;
 }
 
 // The two shells of a graphics card do not grow from one cluster to a whole scene.

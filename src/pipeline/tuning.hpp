@@ -25,8 +25,9 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 /// can hide those of farther shells.
 uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
                     uint64_t triangles);
-/// Whether the lanes of a subgroup share the sub-rays of a beam, for which there are so many places.
-bool spreadsRays(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
+/// Returns how many sub-rays of a beam each lane of a subgroup has if the lanes share those of a beam, for which there
+/// are `rays` places; 0 if each invocation has all sub-rays of a beam of its own.
+uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
 
 /// How many times the clusters of the shell before it a shell should hold.
 inline constexpr uint32_t kShellGrowth = 2;
