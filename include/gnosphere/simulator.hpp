@@ -104,9 +104,9 @@ struct Culling {
 /// How the footprints that lie on several triangles are computed. Every choice gives the same cloud.
 enum class SubRays {
   automatic,  ///< lanes on a graphics card, one on a CPU
-  lanes,  ///< the lanes of a subgroup share the sub-rays of a beam, if there are as many lanes; Vulkan only, otherwise
-          ///< as `one`
-  one,    ///< one invocation has all sub-rays of a beam
+  /// The lanes of a subgroup share the sub-rays of a beam, up to two each; as `one` if there are more, and by CUDA.
+  lanes,
+  one,  ///< one invocation has all sub-rays of a beam
 };
 
 /// How a scan is computed. The choices affect only time and memory; the cloud is the same.
