@@ -358,8 +358,9 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
 
 // Adds the hits of a layer in the order of the sub-rays, because sums depend on the order.
 void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint layer) {
-#define ADD(s) \
-  addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s], metCandidates[layer * RAYS + s]);
+#define ADD(s)                                                                                              \
+  addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s],            \
+        metCandidates[layer * RAYS + s]);
 #define ADD_OF_LANES(s)                                                                                     \
   [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                       \
     addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
@@ -423,7 +424,8 @@ void follow(uint index, uint beam, Beam axis) {
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
-  vec4 subRay = SPREAD_RAYS == 0 || numberOfRay(s) < SPREAD_RAYS ? subRays.at[numberOfRay(s)] : vec4(0.0, 0.0, 0.0, 1.0);
+  vec4 subRay = vec4(0.0, 0.0, 0.0, 1.0);  // without energy
+  if (SPREAD_RAYS == 0 || numberOfRay(s) < SPREAD_RAYS) subRay = subRays.at[numberOfRay(s)];
   left[s] = subRay.x;
   up[s] = subRay.y;
   weights[s] = subRay.z;
