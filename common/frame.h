@@ -63,7 +63,7 @@ struct Frame {
   uint ownRanges;                           // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
-  uint shellCount, shellGrowth;             // most shells of a scan; each has so many times the clusters of the last
+  uint shellCount;                          // most shells of a scan
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
   uint beamColumnFirst, beamColumnCount;    // columns that hold all beams; after the last column comes column 0
   uint views;                               // of the submission
@@ -134,7 +134,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 144 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

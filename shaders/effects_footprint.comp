@@ -119,6 +119,14 @@ void share(bool pane, float transmission, uint projected, uint s) {
   hitShares[s] = mine ? energy : hitShares[s];
 }
 
+// Returns the largest range of the hits of this layer; 0 if no sub-ray has light.
+float farthestHit() {
+  float farthest = 0.0;
+#define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
+  EACH_RAY(FARTHEST)
+  return mostOfBeam(farthest);
+}
+
 // Tries a candidate on every sub-ray. Returns the range beyond which further candidates cannot matter.
 float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
   bool mask = false, taken = false;
@@ -156,10 +164,7 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
   }
     EACH_RAY(OFFER_OPEN)
   }
-  float farthest = 0.0;
-#define STILL_FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
-  EACH_RAY(STILL_FARTHEST)
-  farthest = mostOfBeam(farthest);
+  float farthest = farthestHit();
   if (taken) {
     Optics4 surface = optics.at[projectedMaterials.at[projected]];
     vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
@@ -224,10 +229,7 @@ void findHits(uint index, Beam beam, bool panes) {
   if (!panes) panesEnd = afterWord;
   raysHit = uvec2(0);
   hitAgain = 0;
-  float farthest = 0.0, end = endOf(index);
-#define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
-  EACH_RAY(FARTHEST)
-  farthest = min(mostOfBeam(farthest), end);
+  float end = endOf(index), farthest = min(farthestHit(), end);
   while (k != until) {
     uint projected = kNone;
     Candidate candidate;
@@ -421,11 +423,16 @@ void follow(uint index, uint beam, Beam axis) {
 
 #include "footprint_within_one.glsl"
 
+// Returns the tangents, the energy and the length of the sub-ray at a place. A place without one has no energy.
+vec4 subRayAt(uint place) {
+  if (SPREAD_RAYS > 0 && numberOfRay(place) >= SPREAD_RAYS) return vec4(0.0, 0.0, 0.0, 1.0);
+  return subRays.at[numberOfRay(place)];
+}
+
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
-  vec4 subRay = vec4(0.0, 0.0, 0.0, 1.0);  // without energy
-  if (SPREAD_RAYS == 0 || numberOfRay(s) < SPREAD_RAYS) subRay = subRays.at[numberOfRay(s)];
+  vec4 subRay = subRayAt(s);
   left[s] = subRay.x;
   up[s] = subRay.y;
   weights[s] = subRay.z;
@@ -434,7 +441,7 @@ void loadSubRay(uint s) {
 }
 
 void shift(uint s, vec2 by) {
-  vec4 subRay = subRays.at[SPREAD_RAYS == 0 ? s : min(numberOfRay(s), SPREAD_RAYS - 1)];
+  vec4 subRay = subRayAt(s);
   left[s] = sumOf(subRay.x, by.x);
   up[s] = sumOf(subRay.y, by.y);
   lengths[s] = lengthOf(left[s], up[s]);

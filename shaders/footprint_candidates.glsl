@@ -57,8 +57,8 @@ float nearestAt(uint k) {
 // The panes that light may meet: candidates from `afterWord` on, before this one.
 uint panesEnd;
 
-// Moves a candidate to the end of these panes, where there are only candidates that have been searched already. Lanes
-// that share a beam all store the same, each for itself, once all of them have searched what is there.
+// Moves a pane to `panesEnd`, before which the search has left only such panes and read everything. Lanes that share a
+// beam all store the same values, so that each finds them later, and wait until all lanes have read the old ones.
 void keepPane(uint k) {
   if (SPREAD_RAYS > 0) meetAgain();
   if (BINNING == kBinningLists) {

@@ -93,7 +93,7 @@ void chooseShells() {
     bool last = shell == frame.shellCount - 1 || bucket == kShellBuckets || left < frame.shellClusters;
     shells.of[shell].end = last ? uintBitsToFloat(0x7f800000u) : endOfBucket(bucket - 1);
     if (last) break;
-    wanted *= frame.shellGrowth;
+    wanted *= kShellGrowth;
   }
 }
 

@@ -2,7 +2,7 @@
 // Sub-rays of one beam that the lanes of a subgroup share. Lane i has the sub-rays i, i + gl_SubgroupSize, ... of
 // SPREAD_RAYS, at RAYS places; a place without a sub-ray has one that carries no energy. All lanes look at the same
 // candidate, so they take the same branches. If SPREAD_RAYS is 0, each invocation has all sub-rays of a beam of its own,
-// and the functions return what they are given.
+// and leastOfBeam(), mostOfBeam() and anyOfBeam() return their argument.
 
 // Returns the number of the sub-ray at a place of this lane; SPREAD_RAYS or more if the place has no sub-ray.
 uint numberOfRay(uint place) {

@@ -227,18 +227,17 @@ class HeadMeasurement {
     const bool footprints = ours.plan(2).has("divergence");
     const bool moves = firesInTurn(head);
     check(place, requests, ours, footprints, moves);
-    if (ours.device().type != "cpu") warmUp(place, head, bool(twin), ours, moves);
+    if (ours.device().type != "cpu") warmUp(place, requests, ours, moves);
     for (uint32_t run = 0; run < session_.options().runs; ++run)
       for (size_t frame = 0; frame < place.poses.size(); ++frame)
         time(place, head, bool(twin), ours, footprints, moves, run * place.poses.size() + frame, row);
     return row;
   }
 
-  void warmUp(const Place& place, const Sensor& head, bool twin, Simulator& ours, bool moves) {
+  void warmUp(const Place& place, const std::vector<SensorRequest>& requests, Simulator& ours, bool moves) {
     for (const double start = cli::nowMs(); cli::nowMs() < start + kWarmUpMs;)
-      for (size_t sensor = 0; sensor < 6; ++sensor)
-        if (twin || (sensor != 1 && sensor != 4))
-          ours.scanInto(shotOf(place.poses[0], head, sensor, moves && sensor > 2), scan_);
+      for (size_t sensor = 0; sensor < requests.size(); ++sensor)
+        ours.scanInto(shotOf(place.poses[0], requests[sensor].sensor, sensor, moves && sensor > 2), scan_);
   }
 
   static Shot shotOf(const Pose& pose, const Sensor& head, size_t sensor, bool moves) {

@@ -72,7 +72,7 @@ class SharedRuns {
 };
 
 /// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them. If
-/// the system starts fewer threads, those that run do all the work. If `work` throws, inRuns() throws the first
+/// the system starts fewer threads, the threads that run do all the work. If `work` throws, inRuns() throws the first
 /// exception after all threads have ended.
 template <typename Work>
 void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {

@@ -447,7 +447,6 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   }
   content.shellHint = shellHint_;
   content.shellCount = shells_;
-  content.shellGrowth = kShellGrowth;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));

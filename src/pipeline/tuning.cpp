@@ -94,14 +94,6 @@ uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint3
              : 1;
 }
 
-uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {
-  const uint32_t lanes = traits.info.subgroupSize;
-  const SubRays choice = options.tuning.subRays;
-  const bool wanted = choice == SubRays::lanes || (choice == SubRays::automatic && !traits.cpu);
-  if (!wanted || !traits.spreadsRays || rays <= 1 || rays > kMostRaysPerLane * lanes) return 0;
-  return (rays + lanes - 1) / lanes;
-}
-
 // The two shells of a graphics card do not grow from one cluster to a whole scene.
 uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles) {
   if (options.tuning.culling.occlusion == Culling::Occlusion::always && traits.cpu) return 1;
@@ -111,6 +103,14 @@ uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, ui
 
 uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views) {
   return views > 1 ? views * std::min(ofOne, kFirstShellClustersOfView) : ofOne;
+}
+
+uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {
+  const uint32_t lanes = traits.info.subgroupSize;
+  const SubRays choice = options.tuning.subRays;
+  const bool wanted = choice == SubRays::lanes || (choice == SubRays::automatic && !traits.cpu);
+  if (!wanted || !traits.spreadsRays || rays <= 1 || rays > kMostRaysPerLane * lanes) return 0;
+  return (rays + lanes - 1) / lanes;
 }
 
 uint32_t slabShift(uint32_t columns) {

@@ -25,16 +25,14 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 /// can hide those of farther shells.
 uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
                     uint64_t triangles);
-/// Returns how many sub-rays of a beam each lane of a subgroup has if the lanes share those of a beam, for which there
-/// are `rays` places; 0 if each invocation has all sub-rays of a beam of its own.
-uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
-
-/// How many times the clusters of the shell before it a shell should hold.
-inline constexpr uint32_t kShellGrowth = 2;
-/// Returns how many clusters the first shell should hold.
+/// Returns how many clusters the first shell should hold; kShellGrowth tells of the others.
 uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles);
 /// The same for a submission of several views, from the number for one.
 uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
+
+/// Returns how many sub-rays each lane of a subgroup computes if the lanes share the sub-rays of a beam; 0 if one
+/// invocation computes all sub-rays of its beam. `rays` is the number of places for sub-rays, placesFor().
+uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays);
 
 /// Returns the binary logarithm of the number of columns that one subgroup owns with Binning::slabs.
 uint32_t slabShift(uint32_t columns);

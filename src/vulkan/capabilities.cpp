@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/shared.h"
+#include "pipeline/machine.hpp"
 #include "vulkan/instance.hpp"
 
 namespace gnosphere::vulkan {
@@ -204,6 +205,12 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   info.reason = reasonAgainst(offer);
   info.usable = info.reason.empty();
   return result;
+}
+
+Traits traitsOf(const Capabilities& capabilities) {
+  Traits traits = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64};
+  traits.spreadsRays = true;
+  return traits;
 }
 
 double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {

@@ -9,6 +9,10 @@
 #include "gnosphere/vulkan.hpp"
 #include "vulkan/functions.hpp"
 
+namespace gnosphere {
+struct Traits;
+}
+
 namespace gnosphere::vulkan {
 
 /// The properties that decide whether a device can be used. The pNext pointers of the members are ignored.
@@ -65,6 +69,9 @@ struct Capabilities {
   double elapsedMs(uint64_t from, uint64_t to) const;
 };
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical);
+
+/// Returns what the pipeline asks of the device.
+Traits traitsOf(const Capabilities& capabilities);
 
 /// Returns the extensions and features that a device with these capabilities is created with.
 Requirements requirementsFor(const Capabilities& capabilities);

@@ -15,8 +15,7 @@ class CompilingMachine final : public Machine {
       : device_(options.device, options.validation, options.tuning.maxBufferBytes, true),
         cache_(device_, "off"),
         kernels_(device_, cache_) {
-    const Capabilities& capabilities = device_.capabilities();
-    traits_ = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64, true};
+    traits_ = traitsOf(device_.capabilities());
     // A driver that only compiles may have no memory at all.
     if (traits_.info.maxBufferBytes == 0) traits_.info.maxBufferBytes = uint64_t{4} << 30;
   }

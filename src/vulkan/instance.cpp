@@ -98,7 +98,7 @@ VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
 
 using Uuid = std::array<uint8_t, VK_UUID_SIZE>;
 
-// Returns the UUIDs of a device and of its driver; zeros of a device that is too old to have any.
+// Returns the UUIDs of a device and of its driver. Before Vulkan 1.1 a device has none, and both are zeros.
 std::pair<Uuid, Uuid> uuidsOf(const InstanceFunctions& vk, VkPhysicalDevice device) {
   VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id};

@@ -110,7 +110,7 @@ class VulkanMachine final : public Machine {
       : lent_(lendDevice(options)), warn_(options.warn), trace_(options.trace), transfer_(device_) {
     const Capabilities& capabilities = device_.capabilities();
     timesStages_ = !capabilities.cpu || options.tuning.stageTimes || trace_;
-    traits_ = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64, true};
+    traits_ = traitsOf(capabilities);
   }
 
   const Traits& traits() const override { return traits_; }

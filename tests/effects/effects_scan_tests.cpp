@@ -234,6 +234,31 @@ TEST_CASE("effects of lines give the same bytes with every way of binning, and e
     }
 }
 
+/// A scan with footprints: its beams deviate, or the sensor drives.
+struct FootprintScan {
+  TestOptions options = optionsOn("vulkan");
+  Sensor sensor = coarse(720);
+  Shot shot;
+};
+
+FootprintScan footprintScan(bool moving) {
+  FootprintScan scan;
+  scan.options.effects = physical();
+  scan.options.effects.returns.use = EffectUse::on;
+  scan.options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material};
+  scan.shot.pose = kPose;
+  if (!moving) {
+    scan.options.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+    return scan;
+  }
+  scan.options.effects.sensorMotion.use = EffectUse::on;
+  scan.sensor.rotationPeriod = 0.1;
+  Pose end = kPose;
+  end.position.x += 1.5;
+  scan.shot.motion = {{{0, kPose}, {0.1, end}}};
+  return scan;
+}
+
 // With lists every candidate of a footprint is kept, otherwise only those before a triangle that stops the whole
 // footprint. Large triangles in several shells stop many of them.
 TEST_CASE("footprints have the same echoes with lists and with chains that end where the footprint is stopped") {
@@ -241,26 +266,12 @@ TEST_CASE("footprints have the same echoes with lists and with chains that end w
   addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
   for (const bool moving : {false, true}) {
     INFO((moving ? "moving" : "at rest"));
-    TestOptions options = optionsOn("vulkan");
+    auto [options, sensor, shot] = footprintScan(moving);
     options.tuning.culling.occlusion = Culling::Occlusion::always;
-    options.effects = physical();
     options.effects.divergence = {EffectUse::on, moving ? 7u : 19u, Effects::Divergence::Profile::gaussian, 3e-3,
                                   1.5e-3};
-    options.effects.returns.use = EffectUse::on;
     options.effects.cutOuts.use = moving ? EffectUse::off : EffectUse::on;
     options.effects.returns.count = 3;
-    if (!moving) options.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
-    options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material};
-    Shot shot;
-    shot.pose = kPose;
-    Sensor sensor = coarse(720);
-    if (moving) {
-      options.effects.sensorMotion.use = EffectUse::on;
-      sensor.rotationPeriod = 0.1;
-      Pose end = kPose;
-      end.position.x += 1.5;
-      shot.motion = {{{0, kPose}, {0.1, end}}};
-    }
     std::vector<Scan> scans;
     for (const Binning binning : {Binning::lists, Binning::automatic}) {
       options.tuning.binning = binning;
@@ -287,25 +298,13 @@ TEST_CASE("sub-rays that the lanes of a subgroup share have the echoes that one 
   for (const auto& [moving, binning] :
        {std::pair(false, Binning::automatic), std::pair(true, Binning::automatic), std::pair(false, Binning::lists)}) {
     INFO((moving ? "moving" : "at rest") << ", binning " << int(binning));
-    TestOptions options = optionsOn("vulkan");
+    auto [options, sensor, shot] = footprintScan(moving);
     options.tuning.binning = binning;
-    options.effects = physical();
-    // A subgroup of lavapipe has eight lanes, and one of SwiftShader four, each of which has up to two sub-rays.
+    // Seven sub-rays need the eight lanes of lavapipe's subgroups, or four lanes as SwiftShader's with two each.
     options.effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 6e-3, 3e-3};
-    options.effects.returns.use = options.effects.transmission.use = options.effects.cutOuts.use = EffectUse::on;
+    options.effects.transmission.use = options.effects.cutOuts.use = EffectUse::on;
     options.effects.returns.count = 4;
-    if (!moving) options.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
-    options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material, Field::width};
-    Shot shot;
-    shot.pose = kPose;
-    Sensor sensor = coarse(720);
-    if (moving) {
-      options.effects.sensorMotion.use = EffectUse::on;
-      sensor.rotationPeriod = 0.1;
-      Pose end = kPose;
-      end.position.x += 1.5;
-      shot.motion = {{{0, kPose}, {0.1, end}}};
-    }
+    options.fields.push_back(Field::width);
     std::vector<Scan> scans;
     for (const SubRays subRays : {SubRays::one, SubRays::lanes}) {
       options.tuning.subRays = subRays;

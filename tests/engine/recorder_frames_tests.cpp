@@ -26,6 +26,13 @@ SimulatorOptions plainOptions() {
   return options;
 }
 
+/// With slabs every device cuts wide triangles into tiles.
+SimulatorOptions slabOptions() {
+  SimulatorOptions options = plainOptions();
+  options.tuning.binning = Binning::slabs;
+  return options;
+}
+
 /// The calls of the library to its entry points that allocate, submit or wait, counted by a table between the library
 /// and the loader.
 struct Calls {
@@ -143,8 +150,7 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
   const SensorRequest request = {listSensor("rosette", rosette(3000, 1.5)), Effects::none()};
   Scene scene = boxes();
   for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
-  SimulatorOptions options = plainOptions();
-  options.tuning.binning = Binning::slabs;
+  const SimulatorOptions options = slabOptions();
   Recorded recorded(app, scene, request, options, pointLayout());
   Shot shot;
   const std::vector<std::byte> rows = recorded.scan(shot);
@@ -172,8 +178,7 @@ TEST_CASE("a list that is too small for the first of several heads is reported, 
   rig.patterns[0].origins.push_back({2, 0, 0});
   Scene scene = boxes();
   for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
-  SimulatorOptions options = plainOptions();
-  options.tuning.binning = Binning::slabs;
+  const SimulatorOptions options = slabOptions();
   Recorded recorded(app, scene, {rig, Effects::none()}, options, pointLayout());
   const std::vector<std::byte> rows = recorded.scan({});
   CHECK((recorded.incomplete == 1 || recorded.incomplete == 2));

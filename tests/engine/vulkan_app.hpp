@@ -180,8 +180,7 @@ class VulkanApp {
   }
   /// A type of memory that the host sees.
   uint32_t hostMemory(uint32_t typeBits) const {
-    VkPhysicalDeviceMemoryProperties memory;
-    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
+    const VkPhysicalDeviceMemoryProperties memory = memoryProperties();
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
       if ((typeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & kHost) == kHost) return i;
@@ -189,15 +188,19 @@ class VulkanApp {
     return 0;
   }
   bool isHostVisible(uint32_t memoryType) const {
-    VkPhysicalDeviceMemoryProperties memory;
-    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
-    return (memory.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
+    return (memoryProperties().memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
   }
   PFN_vkGetInstanceProcAddr loader() const { return get_; }
 
   std::vector<std::string> messages;  ///< of the validation layer
 
  private:
+  VkPhysicalDeviceMemoryProperties memoryProperties() const {
+    VkPhysicalDeviceMemoryProperties memory;
+    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
+    return memory;
+  }
+
   static VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                                   VkDebugUtilsMessageTypeFlagsEXT,
                                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
