@@ -244,7 +244,7 @@ TEST_CASE("ROS 2: subscribers that stop, sleep, die and come back stall nobody")
   loopbackDomain();
   constexpr uint32_t kPoints = 131072;  // 2 MB
   PublisherOptions options;
-  options.qos.depth = 10;  // a healthy subscriber on a busy machine may be a second late
+  options.qos.depth = 20;  // a healthy subscriber on a busy machine may be two seconds late
   std::vector<Publisher> publishers;
   publishers.emplace_back(MessageType::pointCloud2, "points", options);
   Publisher& publisher = publishers[0];
@@ -266,7 +266,7 @@ TEST_CASE("ROS 2: subscribers that stop, sleep, die and come back stall nobody")
   CHECK(restarted.lines().size() == 5);
   CHECK(late < 10);
   CHECK(publisher.counts().dropped == 0);
-  CHECK(residentMegabytes() - before < 60);  // the queue and what is not confirmed: 2 * depth * 2 MB, and some
+  CHECK(residentMegabytes() - before < 100);  // the queue and unconfirmed messages: 2 * depth * 2 MB, of 120 MB sent
 }
 
 TEST_CASE("ROS 2: ten publishers at once") {
