@@ -60,7 +60,9 @@
   ARRAY(readonly, uint, instanceMeshes) \
   ARRAY(readonly, uint, instanceViews)       /* per instance, if a submission has several views: its view */ \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \
-  ARRAY(readonly, uvec2, ownerRanges)        /* per block of placed triangles: first and last instance in it */
+  ARRAY(readonly, uvec2, ownerRanges)        /* per block of placed triangles: first and last instance in it; if a */ \
+                                             /* submission has several views, two runs of instances per view: first */ \
+                                             /* one, one after the last */
 
 // Arrays that the stages pass on to each other. A projected triangle is spread over four of them. projectedA holds
 // corner a and the number of the placed triangle (top bit: one-sided). projectedB holds corner b and a lower bound of
@@ -72,6 +74,7 @@
 #define GNO_WORK_ARRAYS(BLOCK, ARRAY) \
   BLOCK(coherent, Counters, counters) \
   BLOCK(coherent, Shells, shells) \
+  ARRAY(, uint, viewCauses)                /* per view, if there are several: its beams by Cause; without signals its hits */ \
   ARRAY(, uvec4, shellGroups)              /* instance, group, bits of its nearest distance, its first row | row */ \
                                            /* after its last << 16; one half for even shells, one for odd ones */ \
   ARRAY(, uvec2, visible)                  /* instance, cluster */ \

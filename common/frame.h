@@ -67,6 +67,7 @@ struct Frame {
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
   uint beamColumnFirst, beamColumnCount;    // columns that hold all beams; after the last column comes column 0
   uint views;                               // of the submission
+  uint scanBeams;                           // beams of the sensor, which have entries in the results of each view
 };
 
 // One channel; rows are sorted by elevation. A row of cells has no angles.
@@ -134,7 +135,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 144 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

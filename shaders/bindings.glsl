@@ -47,6 +47,7 @@ void loadMotion() {
 #define counters countersAt.at[0]
 #define shells shellsAt.at[0]
 #define parameters parametersAt.at[0]
+#define parametersOf(view_) parametersAt.at[view_]
 
 #else
 
@@ -55,6 +56,7 @@ void loadMotion() {
 #undef counters
 #undef shells
 #undef parameters
+#undef parametersOf
 #undef motion
 using CallerMemory = const uint*;
 struct CallerBuffer {
@@ -69,6 +71,7 @@ Frame& frame = *frameAt;
 #define counters (*countersAt)
 #define shells (*shellsAt)
 #define parameters (*parametersAt)
+#define parametersOf(view_) parametersAt[view_]
 #define motion (*motionAt)
 GNO_DEVICE void loadMotion() {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);

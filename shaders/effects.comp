@@ -17,6 +17,7 @@
 #include "runs.glsl"
 #include "common/effects/doppler.h"
 #include "motion.glsl"
+#include "views.glsl"
 #include "beam_place.glsl"
 #include "owner.glsl"
 #include "strays.glsl"
@@ -113,9 +114,9 @@ void storeWord(uint j, Return value, uvec2 owner) {
   if (value.label != kLabelNone) word.y = floatBitsToUint(value.range);
   if (value.label == kLabelSolid) word.x = many ? firstTriangleOf(owner.y) + owner.x : hitWord.x;
   if (j > 0)
-    laterWords.at[(j - 1) * frame.beams + wordIndex] = word;
+    laterWords.at[firstWord() * (RETURNS - 1) + (j - 1) * frame.beams + wordIndex] = word;
   else if (many || word.x != hitWord.x || word.y != hitWord.y)
-    words.at[wordIndex] = word;
+    words.at[firstWord() + wordIndex] = word;
 }
 
 void storePoint(uint at, Return value, uvec2 owner) {
@@ -126,7 +127,7 @@ void storePoint(uint at, Return value, uvec2 owner) {
 }
 
 void storeReturn(uint j, Return value) {
-  uint at = beamIndex * RETURNS + j;
+  uint at = resultOf(beamIndex) * RETURNS + j;
   uvec2 owner = uvec2(kNone);
   SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
@@ -173,23 +174,30 @@ void storeHit() {
   hits += hit ? 1 : 0;
 }
 
-// All invocations of the subgroup must call this.
+// Adds the counts of a cause; without signals, the only cause is that of a hit. All invocations of the subgroup must call
+// this.
+void addCount(uint cause, uint count) {
+  uint sum = subgroupAdd(count);
+  if (!subgroupElect() || sum == 0) return;
+  if (VIEWS)
+    atomicAdd(viewCauses.at[view * kCauses + cause], sum);
+  else if (SIGNALS)
+    atomicAdd(counters.causes[cause], sum);
+  else
+    atomicAdd(counters.hits, sum);
+}
+
 void addCounts() {
-  if (SIGNALS) {
-    for (uint k = 0; k < kCauses; ++k) {
-      uint sum = subgroupAdd(causeCounts[k]);
-      if (subgroupElect() && sum > 0) atomicAdd(counters.causes[k], sum);
-    }
-  } else {
-    uint sum = subgroupAdd(hits);
-    if (subgroupElect() && sum > 0) atomicAdd(counters.hits, sum);
-  }
+  if (SIGNALS)
+    for (uint k = 0; k < kCauses; ++k) addCount(k, causeCounts[k]);
+  else
+    addCount(kCauseReturned, hits);
 }
 
 // Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this;
 // one that has no beam of its own has no hit, because another invocation may be writing the word.
 void loadHit(bool own) {
-  hitWord = own ? words.at[wordIndex] : uvec2(kNone);
+  hitWord = own ? words.at[firstWord() + wordIndex] : uvec2(kNone);
   float range = uintBitsToFloat(hitWord.y);
   bool there = hitWord.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, range);
   hitRange = there ? range : notANumber();
@@ -209,7 +217,7 @@ void answer(BeamRow row, bool own) {
   Beam axis = beamIn(row, columnIndex);
   loadPlaceOfBeam(rowIndex, columnIndex, axis.azimuth);
   beamDirection = lightDirection = axis.direction;
-  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[wordIndex]);
+  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[firstWord() + wordIndex]);
   if (!MANY_ECHOES) loadHit(own);
   if (!own || (MAPPED && beamIndex == kNone)) return;
   if (NUMBERED && SIGNALS) {
@@ -230,7 +238,8 @@ void answer(BeamRow row, bool own) {
 
 void main() {
   loadMotion();
-  if (SIGNALS) planned = parameters;
+  uint groupRow = rowInView(gl_WorkGroupID.y);
+  if (SIGNALS) planned = parametersOf(view);
   hits = 0;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
   // Only the listed beams are processed if nothing but panes can change an answer. There is one loop for both cases,
@@ -238,7 +247,7 @@ void main() {
   // surfaces.
   bool listed = PANES && PASS == kPassListed;
   uvec2 run = listed ? runOf(counters.hardBeams) : runOfBeams();
-  uint ownRow = dealt(gl_WorkGroupID.y, frame.rows);
+  uint ownRow = dealt(groupRow, frame.rows);
   BeamRow row = loadRow(ownRow);
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = min(first + gl_SubgroupInvocationID, run.y - 1);

@@ -28,6 +28,7 @@
 #include "common/effects/returns.h"
 #include "motion.glsl"
 #include "beam_place.glsl"
+#include "views.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"

@@ -16,6 +16,7 @@
 #include "motion.glsl"
 #include "beam_place.glsl"
 #include "to_sensor.glsl"
+#include "views.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"

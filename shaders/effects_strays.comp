@@ -13,17 +13,19 @@
 #include "common/beam.h"
 #include "beams.glsl"
 #include "runs.glsl"
+#include "views.glsl"
 
 layout(local_size_x = 64) in;
 
 void main() {
-  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint ownRow = rowInView(gl_WorkGroupID.y);
+  BeamRow row = loadRow(ownRow);
   uvec2 run = runOfBeams();
   for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
-    uint column = beamColumn(k), index = indexOf(gl_WorkGroupID.y, column);
-    vec2 error = angleError(parameters, numberIn(row, index, column));
+    uint column = beamColumn(k), index = indexOf(ownRow, column);
+    vec2 error = angleError(parametersOf(view), numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
     precise float left = error.x * cosElevation;
-    strays.at[index] = vec2(left, error.y);
+    strays.at[firstWord() + index] = vec2(left, error.y);
   }
 }

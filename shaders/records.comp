@@ -16,6 +16,7 @@
 #include "common/beam.h"
 #include "beams.glsl"
 #include "motion.glsl"
+#include "views.glsl"
 #include "owner.glsl"
 #include "buckets.glsl"
 

@@ -14,6 +14,7 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "motion.glsl"
+#include "views.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"

@@ -9,6 +9,15 @@ void setView(uint instance) {
   if (VIEWS) view = instanceViews.at[instance];
 }
 
+// Kernels that process all beams have a row of workgroups per row of the grid, view after view. Sets the view to that of
+// a row of workgroups, and returns the row of the grid.
+uint rowInView(uint groupRow) {
+  if (!VIEWS) return groupRow;
+  uint rows = LISTED ? 1 : frame.rows;
+  view = groupRow / rows;
+  return groupRow - view * rows;
+}
+
 // Entries of the farthest-range table per view, on its fine and on its coarse level.
 uint fineEntries() {
   return ((frame.columns - 1) / kFineColumns + 1) * ((frame.rows - 1) / kFineRows + 1);
@@ -17,7 +26,10 @@ uint coarseEntries() {
   return ((frame.columns - 1) / kCoarseColumns + 1) * ((frame.rows - 1) / kCoarseRows + 1);
 }
 
-// The first entries of the view in `words`, in `farthest` and in `staleEntries`.
+// The first entries of the view in `words` and `strays`, in `farthest` and in `staleEntries`.
 uint firstWord() { return VIEWS ? view * frame.beams : 0; }
 uint firstFarthest() { return VIEWS ? view * (fineEntries() + coarseEntries()) : 0; }
 uint firstStale() { return VIEWS ? view * coarseEntries() : 0; }
+
+// Returns the entry of a beam in arrays of results with one entry per beam, from the beam's number.
+uint resultOf(uint beam) { return VIEWS ? view * frame.scanBeams + beam : beam; }

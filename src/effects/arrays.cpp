@@ -66,18 +66,22 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   return arrays;
 }
 
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, const ShotMotion* motion) {
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, const ShotMotion* motion) {
   std::vector<EffectsArray> arrays;
   if (plan.signals()) {
-    gpu::EffectParameters parameters = plan.parameters;
-    if (shot.weather) parameters = effectParameters(effectsOf(plan, shot), plan.sensor, plan.bits);
-    parameters.sensor = plan.parameters.sensor;
-    parameters.frame = static_cast<uint32_t>(shot.frame);
-    arrays.push_back(table(gpu::Array::parameters, std::vector{parameters}));
+    std::vector<gpu::EffectParameters> all;
+    for (const Shot& shot : shots) {
+      gpu::EffectParameters parameters = plan.parameters;
+      if (shot.weather) parameters = effectParameters(effectsOf(plan, shot), plan.sensor, plan.bits);
+      parameters.sensor = plan.parameters.sensor;
+      parameters.frame = static_cast<uint32_t>(shot.frame);
+      all.push_back(parameters);
+    }
+    arrays.push_back(table(gpu::Array::parameters, all));
   }
   if (plan.has(gpu::kVolumes))
-    arrays.push_back(
-        table(gpu::Array::volumes, volumeBoxes(effectsOf(plan, shot), motion ? motion->tables.middle : shot.pose)));
+    arrays.push_back(table(gpu::Array::volumes,
+                           volumeBoxes(effectsOf(plan, shots[0]), motion ? motion->tables.middle : shots[0].pose)));
   if (motion) {
     arrays.push_back(table(gpu::Array::columnMotions, motion->tables.columns));
     arrays.push_back(table(gpu::Array::motion, std::vector{motion->tables.bounds}));

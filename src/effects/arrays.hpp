@@ -24,7 +24,8 @@ struct EffectsArray {
 std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
-/// Arrays that are written anew for each scan. `motion` is null for a scan without motion.
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, const ShotMotion* motion);
+/// Arrays that are written anew for each scan; each of several shots is a view. `motion` is null for a scan without
+/// motion.
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, const ShotMotion* motion);
 
 }  // namespace gnosphere

@@ -330,21 +330,25 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
 }
 
 PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
-                                   std::vector<InView>& inViews) {
+                                   InViews& inViews) {
   number();
   moveSpheres();
-  inViews.clear();
+  std::vector<InView>& entries = inViews.entries;
+  entries.clear();
+  inViews.runs.clear();
   PlacedGroups::Run run;
   const World* const common = find(0);
   const auto see = [&](uint32_t view, const glm::dvec3& sensor, const World* world) {
-    if (!world) return;
-    for (const uint32_t instance : world->instances) {
+    const auto first = static_cast<uint32_t>(entries.size());
+    for (const uint32_t instance : world ? std::span<const uint32_t>(world->instances) : std::span<const uint32_t>()) {
       if ((instance < ignored.size() && ignored[instance]) || !isSeen(instance, sensor, reach)) continue;
-      inViews.push_back({view, instance, run.groups});
       const MeshSummary& mesh = meshOf(placements_[instance]);
+      if (mesh.groups == 0) continue;  // no beam hits it, and the next instance may have the same number
+      entries.push_back({view, instance, run.groups});
       run.groups += mesh.groups;
       run.clusters += mesh.clusters;
     }
+    inViews.runs.push_back({first, static_cast<uint32_t>(entries.size())});
   };
   for (uint32_t view = 0; view < views.size(); ++view) {
     const glm::dvec3 sensor = positionOf(views[view].pose);
@@ -354,14 +358,14 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
   return {run, {run.groups}};
 }
 
-void InstanceTable::writeViews(std::span<const ViewPlace> places, std::span<const InView> inViews,
-                               gpu::Instance* instances, uint32_t* views, uint32_t* pairs) const {
-  inRuns(inViews.size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
+void InstanceTable::writeViews(std::span<const ViewPlace> places, const InViews& inViews, gpu::Instance* instances,
+                               uint32_t* views, uint32_t* pairs) const {
+  inRuns(inViews.entries.size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
     uint32_t view = gpu::kNone;
     glm::dmat3 toSensor;
     glm::dvec3 sensor;
     for (uint64_t k = first; k < end; ++k) {
-      const auto& [inView, instance, pair] = inViews[k];
+      const auto& [inView, instance, pair] = inViews.entries[k];
       if (inView != view) {
         view = inView;
         toSensor = rotationToSensor(places[view].pose);
@@ -381,8 +385,12 @@ void InstanceTable::writeViews(std::span<const ViewPlace> places, std::span<cons
   });
 }
 
-void InstanceTable::writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const {
-  for (const InView& each : inViews) *meshes++ = placements_[each.instance].mesh;
+void InstanceTable::writeMeshes(const InViews& inViews, uint32_t* meshes) const {
+  for (const InView& each : inViews.entries) *meshes++ = placements_[each.instance].mesh;
+}
+
+void InstanceTable::writeOwnerRanges(const InViews& inViews, uint32_t* ranges) const {
+  for (const auto& run : inViews.runs) ranges = std::copy(run.begin(), run.end(), ranges);
 }
 
 void InstanceTable::setTransforms(const CallerTransforms& buffer) {

@@ -112,14 +112,21 @@ class InstanceTable {
   struct InView {
     uint32_t view, instance, pair;
   };
+  /// The instances within reach of all views. Each view has two runs of entries: the instances of all worlds, and those
+  /// of its own world. The triangle numbers ascend in each run.
+  struct InViews {
+    std::vector<InView> entries;
+    std::vector<std::array<uint32_t, 2>> runs;  ///< per view and run: the first entry, the one after the last
+  };
   /// Chooses, view by view, the instances of the view's world, all of them still ones, within reach (metres) of its
   /// pose. The writers below write an entry for each of them, so that an instance which several views see has several
   /// entries.
   PlacedGroups choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
-                      std::vector<InView>& inViews);
-  void writeViews(std::span<const ViewPlace> places, std::span<const InView> inViews, gpu::Instance* instances,
-                  uint32_t* views, uint32_t* pairs) const;
-  void writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const;
+                      InViews& inViews);
+  void writeViews(std::span<const ViewPlace> places, const InViews& inViews, gpu::Instance* instances, uint32_t* views,
+                  uint32_t* pairs) const;
+  void writeMeshes(const InViews& inViews, uint32_t* meshes) const;
+  void writeOwnerRanges(const InViews& inViews, uint32_t* ranges) const;
 
   /// Version of the triangle numbers: scans with the same numbering() have the same triangle numbers.
   uint64_t numbering() const { return numbering_; }

@@ -251,9 +251,15 @@ class DeviceBackend final : public Backend {
     const auto standsStill = [&](const Shot& shot, const Shot& before) {
       return shot.world == before.world && std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
     };
+    const bool mayMove = sensors_[shots[0].sensor]->plan->moves();
+    const auto moves = [&](const Shot& shot) {
+      return mayMove && !(shot.motion.stamps.empty() && shot.instanceMotions.empty() && shot.meshMotions.empty());
+    };
+    if (moves(shots[0])) return 1;
     size_t views = 1;
     uint64_t bytes = most > 1 ? bytesOf(0) : 0;
-    while (views < most && shots[views].sensor == shots[0].sensor && !standsStill(shots[views], shots[views - 1])) {
+    while (views < most && shots[views].sensor == shots[0].sensor && !moves(shots[views]) &&
+           !standsStill(shots[views], shots[views - 1])) {
       bytes += bytesOf(views);
       if (bytes > room) break;
       ++views;
@@ -328,8 +334,8 @@ class DeviceBackend final : public Backend {
     scene_.bind(arrays);
     slot.placed.bind(arrays);
     const std::vector<Step> steps =
-        sensor.prepare(sensorFrame(frame, part), shot, part.group, motionIn(slot), scene_.instances().count(),
-                       slot.placed.groups(), use, views, arrays);
+        sensor.prepare(sensorFrame(frame, part), part.shots, part.group, motionIn(slot), scene_.instances().count(),
+                       slot.placed.groups(), use, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
   }

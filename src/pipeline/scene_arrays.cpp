@@ -120,7 +120,7 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
 void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
                         PlacedArrays& to) {
   to.groups_ = instances_.choose(views, reach, ignored, to.inViews_);
-  const uint64_t count = to.inViews_.size();
+  const uint64_t count = to.inViews_.entries.size();
   to.numbering_ = 0;  // the entries are no longer those of a single scan, even if memory runs out below
   const auto room = [&](Array array, uint64_t bytes, std::unique_ptr<DeviceMemory>& memory) {
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
@@ -133,11 +133,17 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
   to.instances_->flush();
   to.views_->flush();
   to.placed_->flush();
-  if (!deformed()) return;
+  const bool surfaces = of(Array::triangleSlots) != nullptr;
+  if (surfaces) {
+    room(Array::ownerRanges, to.inViews_.runs.size() * 2 * sizeof(uint32_t), to.ownerRanges_);
+    instances_.writeOwnerRanges(to.inViews_, static_cast<uint32_t*>(to.ownerRanges_->host()));
+    to.ownerRanges_->flush();
+  }
+  if (!surfaces && !deformed()) return;
   room(Array::instanceMeshes, count * sizeof(uint32_t), to.meshes_);
   instances_.writeMeshes(to.inViews_, static_cast<uint32_t*>(to.meshes_->host()));
   to.meshes_->flush();
-  placeDeformations(to);
+  if (deformed()) placeDeformations(to);
 }
 
 uint64_t SceneArrays::bytesOfView(uint32_t world) const {

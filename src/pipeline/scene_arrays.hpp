@@ -33,7 +33,7 @@ class PlacedArrays {
   std::unique_ptr<DeviceMemory> placed_;     // (instance, group) pairs of the instances in range
   std::unique_ptr<DeviceMemory> meshes_;     // mesh of each instance, if kernels ask for it
   std::unique_ptr<DeviceMemory> views_;      // view of each instance, if there are several views
-  std::vector<InstanceTable::InView> inViews_;
+  InstanceTable::InViews inViews_;
   std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
   // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
   std::unique_ptr<DeviceMemory> deformers_, jointRows_, morphWeights_;

@@ -21,6 +21,8 @@ using gpu::Array;
 // Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
 constexpr uint64_t kMostEntries = limits::kEntries.most;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
+// Rows of workgroups that every device can dispatch at once.
+constexpr uint64_t kMostGroupRows = 65535;
 
 // Triangles that a scan has projected, including those for which there was no room.
 uint64_t projectedCount(const gpu::Counters& counters) {
@@ -111,12 +113,16 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
 }
 
 uint32_t SensorArrays::findMostViews() const {
-  const bool words = binning_ != gpu::kBinningLists && leavesHitsAlone();
-  const uint64_t inWords = limit(sizeof(Word)) / std::max<uint64_t>(beams(), 1);
-  return words && patterns_.size() == 1 && plan_.bits == 0 && !plan_.speeds()
-             ? static_cast<uint32_t>(
-                   std::max<uint64_t>(std::min<uint64_t>(gnosphere::mostViews(machine_.traits(), beams()), inWords), 1))
-             : 1;
+  const bool words = binning_ != gpu::kBinningLists && leavesWords_ && !keepsRecords();
+  const bool alike = patterns_.size() == 1 && mostGroups() == 1 && !plan_.footprint() && !plan_.panes() &&
+                     !plan_.speeds() && !plan_.has(gpu::kVolumes);
+  if (!words || !alike) return 1;
+  uint64_t bytesPerBeam = 1;
+  for (const Output& output : outputs_) bytesPerBeam = std::max<uint64_t>(bytesPerBeam, output.bytesPerBeam);
+  const uint64_t inOutputs = limit(bytesPerBeam) / std::max<uint64_t>(mostBeams(), 1),
+                 inRows = kMostGroupRows / std::max<uint64_t>(patterns_[0].tables.frame.rows, 1);
+  const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()), inOutputs, inRows};
+  return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
 }
 
 // Grows the work arrays that lie view after view.
@@ -128,6 +134,7 @@ void SensorArrays::growArrays(uint32_t views) {
     allocate(Array::staleEntries, 4 * most_.coarse * views);
     allocate(Array::slabEnds, most_.slabs * 4 * views);
   }
+  if (of(Array::strays)) allocate(Array::strays, mostBeams() * sizeof(gpu::vec2) * views);
   repeat(Array::startFarthest, views);
   repeat(Array::startWords, views);
   viewsWithRoom_ = views;
@@ -406,13 +413,14 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
   }
 }
 
-std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t group, const ShotMotion* motion,
-                                        uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
-                                        uint32_t views, BoundArrays& arrays) {
+std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, size_t group,
+                                        const ShotMotion* motion, uint32_t instanceCount, const PlacedGroups& placed,
+                                        StillImage::Use still, BoundArrays& arrays) {
   Frame& frame = frameAt(index);
+  const auto views = static_cast<uint32_t>(shots.size());
   frame.capacities = capacities_;
   frame.views = views;
-  frame.pattern = shot.frame % patterns_.size();
+  frame.pattern = shots[0].frame % patterns_.size();
   const Pattern& pattern = patterns_[frame.pattern];
   const std::pair fires(frame.pattern, group);
   if (pattern.groups.size() > 1 && frame.loaded != fires) {
@@ -439,8 +447,12 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
     content.slabShift = slabShiftOfViews();
     content.slabFirst = 0;
     content.slabCount = slabsOf(content);
-    makeRoom(machine_, Array::words, uint64_t{content.beams} * sizeof(Word) * views, MemoryKind::readback,
-             frame.arrays[static_cast<size_t>(Array::words)]);
+    content.scanBeams = static_cast<uint32_t>(plan_.sensor.beamCount());
+    const auto room = [&](Array array, uint64_t bytes) {
+      makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
+    };
+    for (const Output& output : outputs_) room(output.array, mostBeams() * output.bytesPerBeam * views);
+    if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
     if (capacities_.projected > 0)
       makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
                of(Array::projectedViews));
@@ -449,7 +461,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   content.shellCount = shells_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
-  if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
+  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motion));
 
   // The pattern's come last: a frame that has fired another pattern, group by group, still has the tables of that one.
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
@@ -565,8 +577,25 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   const Frame& frame = frames_[index];
   DeviceResults results = this->results(index);
   if (frame.views == 1) return results;
-  results.words += uint64_t{view} * fired(frame).frame.beams;
+  const uint64_t beams = fired(frame).frame.beams, entries = this->entries();
+  const auto move = [&](auto*& output, uint64_t entriesPerView) {
+    if (output) output += view * entriesPerView;
+  };
+  move(results.words, beams);
+  move(results.laterWords, beams * (plan_.returns - 1));
+  move(results.intensities, entries);
+  move(results.signals, entries);
+  move(results.surfaces, entries);
+  move(results.barycentrics, entries);
   results.counters = shareOf(results.counters, view, frame.views);
+  if (!plan_.judged()) return results;
+  DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::viewCauses)];
+  memory.invalidate();
+  const uint32_t* const causes = static_cast<const uint32_t*>(memory.host()) + size_t{view} * gpu::kCauses;
+  if (plan_.signals())
+    std::copy_n(causes, gpu::kCauses, results.counters.causes);
+  else
+    results.counters.hits = causes[0];
   return results;
 }
 

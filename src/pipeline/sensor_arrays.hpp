@@ -38,8 +38,8 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have. Views are shots with different poses in which nothing moves and that
-  /// need no arrays of their own but their words: geometry alone.
+  /// The most views that a submission may have. Views are shots with different poses in which nothing moves; their beams
+  /// are single lines, no surface lets light pass, and no fog is a volume of the scene.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
@@ -51,10 +51,9 @@ class SensorArrays {
   /// The largest number of groups that any scan projects.
   size_t mostGroups() const;
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
-  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. If there are several views, the
-  /// scan is that of the shot and the `views` - 1 shots after it.
-  std::vector<Step> prepare(size_t frame, const Shot& shot, size_t group, const ShotMotion* motion,
-                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still, uint32_t views,
+  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. Each of several shots is a view.
+  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, const ShotMotion* motion,
+                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
                             BoundArrays& arrays);
   /// Throws Error(device) if the device has run nothing of the last scan of this frame.
   void checkAlive(size_t frame);

@@ -69,6 +69,7 @@ class Steps {
     if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
     if (input_.footprint && binning_ != gpu::kBinningLists) fill(gpu::Array::covers, 0);
     if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
+    if (input_.views > 1 && judged()) fill(gpu::Array::viewCauses, 0);
     if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }
 
@@ -195,13 +196,13 @@ class Steps {
 
   bool judged() const { return input_.effects == StepsInput::Judged::all; }
 
-  // Dispatches one row of workgroups per channel; the beams of a list are one row.
+  // Dispatches one row of workgroups per channel of each view; the beams of a list are one row.
   void dispatchOnBeams(const char* stage, Kernel kernel, uint32_t pass = 0) {
     const bool listed = input_.variant.options.LISTED != 0;
     const uint32_t columns = listed ? input_.frame.beams : input_.frame.beamColumnCount;
     dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, pass,
-             listed ? 1 : input_.frame.rows);
-    if (!steps_.empty()) inRuns(input_.frame.beams);
+             (listed ? 1 : input_.frame.rows) * input_.views);
+    if (!steps_.empty()) inRuns(uint64_t{input_.frame.beams} * input_.views);
   }
 
   // With several shells, earlier kernels decide whether the kernels of a shell run. `work` is the place of this
