@@ -67,7 +67,7 @@ struct Frame {
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
   uint beamColumnFirst, beamColumnCount;    // columns that hold all beams; after the last column comes column 0
   uint views;                               // of the submission
-  uint scanBeams;                           // beams of the sensor, which have entries in the results of each view
+  uint scanBeams;                           // beams of the sensor, by whose numbers results are stored
 };
 
 // One channel; rows are sorted by elevation. A row of cells has no angles.

@@ -66,7 +66,3 @@ vec2 rangesOf(uint index) {
 
 // True if a hit at this range ends the beam without a return.
 bool hidesItself(uint index, float range) { return NUMBERED && frame.hidesNear != 0 && range < rangesOf(index).x; }
-
-// Returns the entry of echo k of the beam with this index in `echoes`. Neighbouring beams have their first echoes side by
-// side, then the second ones.
-uint echoPlace(uint index, uint k) { return k * frame.beams + index; }

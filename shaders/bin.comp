@@ -68,11 +68,11 @@ void offer(uint beam, float range, uint projected, uint id) {
 void link(uint beam, uint projected, uint rangeBits) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
-  uint before = atomicExchange(listEnds.at[beam], place);
+  uint before = atomicExchange(listEnds.at[beamEntry(beam)], place);
   candidates.at[3 * place] = projected;
   candidates.at[3 * place + 1] = rangeBits;
   candidates.at[3 * place + 2] = before;
-  if (PANES && before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
+  if (PANES && before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beamEntry(beam);
 }
 
 #include "bin_footprints.glsl"
@@ -91,7 +91,7 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   float range;
   bool met = meet(triangle, prepared, turned, beam, index, projected, range);
   if (BINNING != kBinningLists && PASS == kPassPanes) {
-    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected, floatBitsToUint(range));
+    if (met && comesBefore(range, triangle.id, words.at[beamEntry(index)])) link(index, projected, floatBitsToUint(range));
   } else if (BINNING == kBinningSlabs) {
     keepNearer(index, met, range, triangle.id);
   } else if (met) {

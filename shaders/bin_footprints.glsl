@@ -66,7 +66,7 @@ uvec2 raysWithin(Turned turned, Beam beam, vec3 depth, vec3 side, bool averted, 
     second = -second;
     third = -third;
   }
-  vec2 stray = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  vec2 stray = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
   side += stray.x * second + stray.y * third + margin;
   uvec2 rays = uvec2(0);
   vec3 sides;
@@ -121,22 +121,22 @@ Covers64 covers64 = Covers64(covers);
 uint rangeOfAll(uint index, uvec2 rays, float farthest) {
 #if defined(VULKAN) && defined(INT64_ATOMICS)
   if (kLanesInStep && RAYS <= 32) {
-    uint64_t expected = covers64.at[2 * index];
+    uint64_t expected = covers64.at[2 * beamEntry(index)];
     while (true) {
       uvec2 cover = unpackUint2x32(expected);
       cover = uvec2(max(cover.x, floatBitsToUint(farthest)), cover.y | rays.x);
-      uint64_t found = atomicCompSwap(covers64.at[2 * index], expected, packUint2x32(cover));
+      uint64_t found = atomicCompSwap(covers64.at[2 * beamEntry(index)], expected, packUint2x32(cover));
       if (found == expected) return cover.y == litRays.x ? cover.x : kNone;
       expected = found;
     }
   }
 #endif
-  atomicMax(covers.at[index].farthest, floatBitsToUint(farthest));
+  atomicMax(covers.at[beamEntry(index)].farthest, floatBitsToUint(farthest));
   memoryBarrierBuffer();  // whoever sees the bits also sees the range
-  rays.x |= atomicOr(covers.at[index].lowRays, rays.x);
-  if (RAYS > 32) rays.y |= atomicOr(covers.at[index].highRays, rays.y);
+  rays.x |= atomicOr(covers.at[beamEntry(index)].lowRays, rays.x);
+  if (RAYS > 32) rays.y |= atomicOr(covers.at[beamEntry(index)].highRays, rays.y);
   memoryBarrierBuffer();
-  return rays == litRays ? covers.at[index].farthest : kNone;
+  return rays == litRays ? covers.at[beamEntry(index)].farthest : kNone;
 }
 
 uint ownLinkCount = 0;  // links that this invocation has made at their beams' own places
@@ -144,9 +144,9 @@ uint ownLinkCount = 0;  // links that this invocation has made at their beams' o
 // Adds a candidate to the chain of a beam. Its first links lie side by side at places of its own; following a pointer
 // from link to link takes longer.
 void linkFootprint(uint beam, uint projected, uint rangeBits) {
-  uint number = atomicAdd(covers.at[beam].links, 1);
+  uint number = atomicAdd(covers.at[beamEntry(beam)].links, 1);
   if (number < kOwnLinks) {
-    ownLinks.at[kOwnLinks * beam + number] = uvec2(projected, rangeBits);
+    ownLinks.at[kOwnLinks * beamEntry(beam) + number] = uvec2(projected, rangeBits);
     ++ownLinkCount;
   } else {
     link(beam, projected, rangeBits);
@@ -157,19 +157,19 @@ void linkFootprint(uint beam, uint projected, uint rangeBits) {
 void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
                     uint projected) {
 #ifdef INT64_ATOMICS
-  uint stopped = words.at[index].y;
+  uint stopped = words.at[beamEntry(index)].y;
   if (floatBitsToUint(triangle.rangeMin) > stopped) return;
   Stop stop = stopOf(triangle, prepared, turned, beam, side, index, stopped);
   uint nearest = floatBitsToUint(stop.least), farthest = floatBitsToUint(stop.farthest), driven = kNone;
   if (nearest > stopped) return;
   if (!stop.whole) {
     // Sub-rays that are all stopped already would only move the range at which they are stopped farther away.
-    uvec2 covered = uvec2(covers.at[index].lowRays, RAYS > 32 ? covers.at[index].highRays : 0);
+    uvec2 covered = uvec2(covers.at[beamEntry(index)].lowRays, RAYS > 32 ? covers.at[beamEntry(index)].highRays : 0);
     farthest = (stop.rays & covered) != stop.rays ? rangeOfAll(index, stop.rays, stop.farthest) : kNone;
   }
   if (farthest <= stopped && farthest != kNone) {
     uvec2 word = uvec2(stop.whole ? projected : kNone, farthest);
-    uint64_t had = atomicMin(words64.at[index], packUint2x32(word));
+    uint64_t had = atomicMin(words64.at[beamEntry(index)], packUint2x32(word));
     uvec2 before = uvec2(uint(had), uint(had >> 32));
     bool stays = before.y < word.y || (before.y == word.y && before.x < word.x);
     stopped = min(before.y, word.y);

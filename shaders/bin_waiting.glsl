@@ -22,7 +22,10 @@ struct Meeting {
 uint waiting = 0;  // so many of the first lanes hold a meeting
 Meeting held;
 
+// The lanes may hold meetings of other views than that of the tile.
 void offerHeld() {
+  uint ofTile = view;
+  if (VIEWS) view = projectedViews.at[held.projected];
   uint index = LISTED ? held.column : held.row * frame.columns + held.column;
   Beam beam;
   if (LISTED) {
@@ -37,6 +40,7 @@ void offerHeld() {
   lookAtSurface(held.projected);
   offerFootprint(seen, preparedFor(seen, turned), turned, beam,
                  watertightSides(turned, beam.cosElevation, beam.sinElevation), index, held.projected);
+  view = ofTile;
 }
 
 // Adds the meetings of the lanes that have one to those that wait. Offers them if every lane has one, or if `flush` says
@@ -65,6 +69,7 @@ void trySmallTogether(uint i, bool there, bool flush) {
     TaggedCorner c = loadedC(i);
     triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
     box = boxOf(i, projectedColumns.at[i], c.tag);
+    if (VIEWS) view = projectedViews.at[i];
   }
   Prepared prepared = preparedForAll(triangle);
   uint columnCount = boxColumnCount(box);

@@ -50,7 +50,7 @@ EffectParameters planned;   // loaded once, because a compiler must reload memor
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
-  VolumeBox box = volumes.at[i];
+  VolumeBox box = volumes.at[view * planned.volumeCount + i];
   if (MOTION) {
     box.row0 = seenPlane(beamMotion, beamOrigin, box.row0);
     box.row1 = seenPlane(beamMotion, beamOrigin, box.row1);
@@ -116,7 +116,7 @@ void storeWord(uint j, Return value, uvec2 owner) {
   if (j > 0)
     laterWords.at[firstWord() * (RETURNS - 1) + (j - 1) * frame.beams + wordIndex] = word;
   else if (many || word.x != hitWord.x || word.y != hitWord.y)
-    words.at[firstWord() + wordIndex] = word;
+    words.at[beamEntry(wordIndex)] = word;
 }
 
 void storePoint(uint at, Return value, uvec2 owner) {
@@ -159,7 +159,7 @@ bool isHit() { return floatBitsToUint(hitRange) <= 0x7f800000u; }
 // Computes the returns of one beam.
 void judge() {
   uint count = isHit() ? 1 : 0, returned;
-  if (many) count = echoCounts.at[beamIndex];
+  if (many) count = echoCounts.at[resultOf(beamIndex)];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
@@ -197,7 +197,7 @@ void addCounts() {
 // Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this;
 // one that has no beam of its own has no hit, because another invocation may be writing the word.
 void loadHit(bool own) {
-  hitWord = own ? words.at[firstWord() + wordIndex] : uvec2(kNone);
+  hitWord = own ? words.at[beamEntry(wordIndex)] : uvec2(kNone);
   float range = uintBitsToFloat(hitWord.y);
   bool there = hitWord.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, range);
   hitRange = there ? range : notANumber();
@@ -217,7 +217,7 @@ void answer(BeamRow row, bool own) {
   Beam axis = beamIn(row, columnIndex);
   loadPlaceOfBeam(rowIndex, columnIndex, axis.azimuth);
   beamDirection = lightDirection = axis.direction;
-  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[firstWord() + wordIndex]);
+  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[beamEntry(wordIndex)]);
   if (!MANY_ECHOES) loadHit(own);
   if (!own || (MAPPED && beamIndex == kNone)) return;
   if (NUMBERED && SIGNALS) {
@@ -226,7 +226,7 @@ void answer(BeamRow row, bool own) {
     planned.rangeMax = window.y;
   }
   many = MANY_ECHOES;
-  if (PANES && PASS == kPassAll) many = echoCounts.at[beamIndex] != kNone;
+  if (PANES && PASS == kPassAll) many = echoCounts.at[resultOf(beamIndex)] != kNone;
   pointDirection = beamDirection;
   if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
     pointDirection = astray(beamDirection, angleError(planned, beamIndex));
@@ -256,7 +256,7 @@ void main() {
     columnIndex = beamColumn(i);
     wordIndex = indexOf(rowIndex, columnIndex);
     if (LISTED || listed) {
-      if (listed) wordIndex = hardBeams.at[i];
+      if (listed) wordIndex = enterView(hardBeams.at[i]);
       rowIndex = rowOf(wordIndex);
       columnIndex = columnOf(wordIndex);
     }

@@ -207,7 +207,7 @@ void beginLayer() {
 
 // Chooses the pass and the class of a beam that the first pass does not finish.
 uvec2 leftTo(uint index, Beam beam) {
-  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
   float end = endOf(index);
   bool meetsPane = false;  // whether light may meet a pane before the triangle that stops all of it, if there is one
   uint count = 0;
@@ -225,7 +225,7 @@ uvec2 leftTo(uint index, Beam beam) {
 // Each lane first searches for the next candidate that it must try, so that the lanes of a subgroup try their candidates
 // together.
 void findHits(uint index, Beam beam, bool panes) {
-  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
   uint k = panes ? afterWord : listFirst, until = panes ? panesEnd : listEnd;
   if (!panes) panesEnd = afterWord;
   raysHit = uvec2(0);
@@ -393,7 +393,7 @@ void gatherEchoes(uint index, uint beam) {
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }
-  if (speaksForBeam()) echoCounts.at[beam] = count;
+  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = count;
 }
 
 // Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end
@@ -451,7 +451,7 @@ void shift(uint s, vec2 by) {
 
 void aim(uint index) {
   if ((EFFECTS & kStrays) != 0) {
-    vec2 stray = strays.at[index];
+    vec2 stray = strays.at[beamEntry(index)];
 #define SHIFT(s) shift(s, stray);
     EACH_RAY(SHIFT)
   }
@@ -460,7 +460,8 @@ void aim(uint index) {
 }
 
 // Finishes a beam, or lists it for a later pass.
-void finish(uint index) {
+void finish(uint entry) {
+  uint index = enterView(entry);
   uint number = numberOf(index);
   if (!MAPPED || number != kNone) {
     Beam axis = beamWith(index);
@@ -498,7 +499,7 @@ void main() {
     for (uint i = subgroupOfStep(); i < count; i += subgroups) finish(leftBeam(i));
     return;
   }
-  uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : leftBeams());
+  uvec2 run = runOf(PASS == kPassWithinOne ? beamsOfViews() : leftBeams());
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = first + gl_SubgroupInvocationID;
     if (i < run.y) finish(PASS == kPassWithinOne ? i : leftBeam(i));

@@ -44,7 +44,7 @@ bool looksAtMaterials() { return (EFFECTS & kIntensity) != 0 && parameters.inten
 
 // The list of a beam is a run of candidates with kBinningLists, otherwise a chain of hits; see bin.comp.
 uint listFirst() {
-  if (BINNING != kBinningLists) return listEnds.at[beamIndex];
+  if (BINNING != kBinningLists) return listEnds.at[beamEntry(beamIndex)];
   return beamIndex == 0 ? 0 : min(listEnds.at[max(beamIndex, 1) - 1], frame.candidateCapacity);
 }
 
@@ -120,7 +120,7 @@ Surface surfaceOfHit(uint pane, uint id) {
 
 // Follows the light through the panes. An opaque hit ends it, however close to a pane.
 void follow() {
-  uvec2 opaque = words.at[beamIndex];
+  uvec2 opaque = words.at[beamEntry(beamIndex)];
   float carried = 1.0, before = 0.0;
   hitCount = 0;
   while (hitCount < LAYERS && carried > 0.0) {
@@ -176,18 +176,18 @@ void gatherEchoes(uint beam) {
     storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), strongest);
     ++count;
   }
-  echoCounts.at[beam] = count;
+  echoCounts.at[resultOf(beam)] = count;
 }
 
 void main() {
   loadMotion();
   uvec2 run = runOf(counters.hardBeams);
   for (uint i = run.x + gl_SubgroupInvocationID; i < run.y; i += gl_SubgroupSize) {
-    beamIndex = hardBeams.at[i];
+    beamIndex = enterView(hardBeams.at[i]);
     beamRow = rowOf(beamIndex);
     axis = beamWith(beamIndex);
     direction = axis.direction;
-    if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
+    if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamEntry(beamIndex)]);
     loadPlaceOfBeam(beamRow, columnOf(beamIndex), axis.azimuth);
     if (MOTION) direction = reportedDirection(beamMotion, direction);
     follow();

@@ -26,6 +26,6 @@ void main() {
     vec2 error = angleError(parametersOf(view), numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
     precise float left = error.x * cosElevation;
-    strays.at[firstWord() + index] = vec2(left, error.y);
+    strays.at[beamEntry(index)] = vec2(left, error.y);
   }
 }

@@ -17,13 +17,13 @@ void openList(uint index) {
     listFirst = afterWord = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
     return;
   }
-  uint links = covers.at[index].links, own = kOwnPlace | kOwnLinks * index;
+  uint links = covers.at[beamEntry(index)].links, own = kOwnPlace | kOwnLinks * beamEntry(index);
   ownEnd = own + min(links, kOwnLinks);
   chainFirst = kNone;
-  if (links > kOwnLinks) chainFirst = listEnds.at[index];
+  if (links > kOwnLinks) chainFirst = listEnds.at[beamEntry(index)];
   listEnd = kNone;
   listFirst = afterWord = links > 0 ? own : kNone;
-  wordCandidate = words.at[index].x;
+  wordCandidate = words.at[beamEntry(index)].x;
   if (wordCandidate != kNone) listFirst = kOfWord;
 }
 
@@ -77,7 +77,7 @@ void keepPane(uint k) {
 
 // Returns the range behind which no light of the beam goes on.
 float endOf(uint index) {
-  uint bits = BINNING == kBinningLists ? kNone : words.at[index].y;
+  uint bits = BINNING == kBinningLists ? kNone : words.at[beamEntry(index)].y;
   return bits == kNone ? 3e38 : uintBitsToFloat(bits);
 }
 

@@ -39,7 +39,7 @@ uint bestOf() {
 bool findWithinOne(uint index, uint beam, Beam axis) {
   uint best = BINNING != kBinningLists && listFirst == kOfWord ? kOfWord : bestOf();
   if (best == listEnd) {
-    echoCounts.at[beam] = 0;
+    echoCounts.at[resultOf(beam)] = 0;
     return true;
   }
   uint projected = projectedAt(best);
@@ -59,7 +59,7 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   most = lit && range > most ? range : most;                          \
   met = met && hit;
   EACH_RAY(MEET)
-  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
   for (uint k = listFirst; k != listEnd && met; k = nextOf(k))
     if (k != best && nearestAt(k) <= farthest) met = !touchesFootprint(candidateOf(projectedAt(k), axis), middle);
   if (!met) return false;
@@ -71,6 +71,6 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
     return true;
   }
   storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(least)), projected);
-  echoCounts.at[beam] = 1;
+  echoCounts.at[resultOf(beam)] = 1;
   return true;
 }

@@ -63,7 +63,7 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
                  out float range) {
   vec2 stray = vec2(0.0);
   if ((EFFECTS & kStrays) != 0) {
-    stray = strays.at[firstWord() + index];
+    stray = strays.at[beamEntry(index)];
     side = strayedSides(turned, beam.cosElevation, beam.sinElevation, stray);
   } else {
     side = INSIDE == kInsidePlain ? plainSides(prepared.normals, beam.direction)

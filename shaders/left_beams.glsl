@@ -11,7 +11,8 @@ uint effortOf(uint candidateCount) {
 }
 
 uint placeInClass(uint effort, uint number, uint ofPass) {
-  return effort * frame.beams + (ofPass == kPassPanesToo ? frame.beams - 1 - number : number);
+  uint beams = beamsOfViews();
+  return effort * beams + (ofPass == kPassPanesToo ? beams - 1 - number : number);
 }
 
 // Lists a beam for a pass and in a class.
@@ -21,7 +22,7 @@ void leave(uint index, uvec2 passAndEffort) {
     number = atomicAdd(counters.paneBeams[effort], 1);
   else
     number = atomicAdd(counters.edgeBeams[effort], 1);
-  hardBeams.at[placeInClass(effort, number, passAndEffort.x)] = index;
+  hardBeams.at[placeInClass(effort, number, passAndEffort.x)] = beamEntry(index);
 }
 
 uint leftBeams(uint effort) {
@@ -34,7 +35,7 @@ uint leftBeams() {
   return sum;
 }
 
-// Returns beam i of those left to this pass. The first ones have the most candidates.
+// Returns beam i of those left to this pass, as beamEntry() does. The first ones have the most candidates.
 uint leftBeam(uint i) {
   uint place = 0;
   bool found = false;

@@ -26,10 +26,27 @@ uint coarseEntries() {
   return ((frame.columns - 1) / kCoarseColumns + 1) * ((frame.rows - 1) / kCoarseRows + 1);
 }
 
-// The first entries of the view in `words` and `strays`, in `farthest` and in `staleEntries`.
+// The first entries of the view in `words` and other arrays with an entry per index of a beam, in `farthest` and in
+// `staleEntries`.
 uint firstWord() { return VIEWS ? view * frame.beams : 0; }
 uint firstFarthest() { return VIEWS ? view * (fineEntries() + coarseEntries()) : 0; }
 uint firstStale() { return VIEWS ? view * coarseEntries() : 0; }
+
+uint beamsOfViews() { return VIEWS ? frame.views * frame.beams : frame.beams; }
+
+// Returns the entry of a beam of the view in arrays with an entry per index of a beam.
+uint beamEntry(uint index) { return firstWord() + index; }
+
+// Sets the view to that of an entry of such arrays, and returns the index of the beam in the view.
+uint enterView(uint entry) {
+  if (!VIEWS) return entry;
+  view = entry / frame.beams;
+  return entry - view * frame.beams;
+}
+
+// Returns the entry of echo k of a beam of the view in `echoes`. Neighbouring beams have their first echoes side by side,
+// then the second ones.
+uint echoPlace(uint index, uint k) { return k * beamsOfViews() + beamEntry(index); }
 
 // Returns the entry of a beam in arrays of results with one entry per beam, from the beam's number.
 uint resultOf(uint beam) { return VIEWS ? view * frame.scanBeams + beam : beam; }

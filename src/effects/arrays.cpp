@@ -28,14 +28,19 @@ bool firesApart(const SensorPlan& plan) {
   return plan.listed || (plan.rows && plan.rows->staggered());
 }
 
+// Returns the pose in whose frame the shot is scanned. Nothing moves during one of several shots.
+Pose seenFrom(const Shot& shot, size_t shots, const ShotMotion* motion) {
+  if (!motion) return shot.pose;
+  return shots == 1 ? motion->tables.middle : movedTo(motion->centre, shot.pose);
+}
+
 }  // namespace
 
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) {
+std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams) {
   std::vector<EffectsArray> arrays;
   const auto addRoom = [&](gpu::Array array, uint64_t bytesPerBeam) {
     arrays.push_back({array, beams * bytesPerBeam, {}});
   };
-  if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
   if (plan.footprint() || plan.panes()) {
     addRoom(gpu::Array::hardBeams, sizeof(uint32_t) * (plan.footprint() ? gpu::kEffortClasses : 1));
     addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
@@ -44,8 +49,14 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) 
     addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.moves() && firesApart(plan)) addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
   if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
+  return arrays;
+}
+
+std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) {
+  std::vector<EffectsArray> arrays;
+  if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
+  if (plan.moves() && firesApart(plan)) arrays.push_back({gpu::Array::beamFrames, beams * sizeof(gpu::BeamFrame), {}});
   if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
     arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
@@ -79,9 +90,13 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Sho
     }
     arrays.push_back(table(gpu::Array::parameters, all));
   }
-  if (plan.has(gpu::kVolumes))
-    arrays.push_back(table(gpu::Array::volumes,
-                           volumeBoxes(effectsOf(plan, shots[0]), motion ? motion->tables.middle : shots[0].pose)));
+  if (plan.has(gpu::kVolumes)) {
+    std::vector<gpu::VolumeBox> all;
+    for (const Shot& shot : shots)
+      for (const gpu::VolumeBox& box : volumeBoxes(effectsOf(plan, shot), seenFrom(shot, shots.size(), motion)))
+        all.push_back(box);
+    arrays.push_back(table(gpu::Array::volumes, all));
+  }
   if (motion) {
     arrays.push_back(table(gpu::Array::columnMotions, motion->tables.columns));
     arrays.push_back(table(gpu::Array::motion, std::vector{motion->tables.bounds}));

@@ -12,6 +12,7 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
+  motion.centre = lasers.centre;
   motion.moves = sensorMoves || instancesMove;
   const ScanTimes times =
       plan.rows ? scanTimesOf(*plan.rows, plan.sensor) : scanTimesOf(plan.sensor, plan.listed, shot.frame);

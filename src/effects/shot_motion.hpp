@@ -14,6 +14,7 @@ namespace gnosphere {
 /// The motion of one shot.
 struct ShotMotion {
   MotionTables tables;
+  Vec3 centre;         ///< of the lasers, from which the scene is projected, in the sensor's frame
   bool moves = false;  ///< whether anything moves; otherwise there are only lasers away from the sensor's origin
   std::vector<gpu::InstanceMotion> instances;  ///< one per instance; empty if no instance moves
   Deformables::End end;                        ///< of the meshes that are deformed meanwhile; empty if none is

@@ -117,7 +117,7 @@ void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& 
   frame.beamColumnCount = columns;
   frame.views = 1;
   frame.rows = static_cast<uint32_t>(tables.rows.size());
-  frame.beams = static_cast<uint32_t>(sensor.beamCount());
+  frame.beams = frame.scanBeams = static_cast<uint32_t>(sensor.beamCount());
 
   frame.rangeMin = static_cast<float>(sensor.rangeMin);
   frame.rangeMax = static_cast<float>(sensor.rangeMax);

@@ -333,9 +333,8 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     slot.placed.bind(arrays);
-    const std::vector<Step> steps =
-        sensor.prepare(sensorFrame(frame, part), part.shots, part.group, motionIn(slot), scene_.instances().count(),
-                       slot.placed.groups(), use, arrays);
+    const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), part.shots, part.group, motionIn(slot),
+                                                   scene_.instances().count(), slot.placed.groups(), use, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
   }
@@ -382,8 +381,10 @@ class DeviceBackend final : public Backend {
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
       if (sensor.beams() > 0) {
-        readResults(workers_, sensor.sensorPlan(), sensor.results(frame, static_cast<uint32_t>(view)),
-                    scene_.instances(), part.shots[view], motionIn(slots_[slot]), result);
+        DeviceResults results = sensor.results(frame, static_cast<uint32_t>(view));
+        if (views > 1) results.inViews = slots_[slot].placed.inViews();
+        readResults(workers_, sensor.sensorPlan(), results, scene_.instances(), part.shots[view],
+                    motionIn(slots_[slot]), result);
         if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
         result.counters.reused = slots_[slot].reused;
         result.counters.culledByCluster -= slots_[slot].reused;

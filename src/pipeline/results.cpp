@@ -87,7 +87,9 @@ void readPoints(const DeviceResults& device, uint64_t first, uint64_t count, Sca
     std::copy_n(&point.x, 3, &scan.points[3 * entry]);
     scan.ranges[entry] = point.w;
     scan.triangles[entry] = device.owners[entry][0];
-    scan.instances[entry] = device.owners[entry][1];
+    const uint32_t instance = device.owners[entry][1];
+    const bool inView = !device.inViews.empty() && instance != gpu::kNone;
+    scan.instances[entry] = inView ? device.inViews[instance].instance : instance;
   }
 }
 

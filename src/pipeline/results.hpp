@@ -28,6 +28,7 @@ struct DeviceResults {
   const gpu::vec4* motions = nullptr;
   const gpu::vec2* barycentrics = nullptr;
   gpu::Counters counters = {};
+  std::span<const InstanceTable::InView> inViews = {};  ///< with several views, `owners` have these entries
 
   /// Collects the outputs; `of(array)` returns the address of an output or null.
   template <typename Of>

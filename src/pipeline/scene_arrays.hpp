@@ -23,6 +23,8 @@ std::unique_ptr<DeviceMemory> uploaded(Machine& machine, gpu::Array array, std::
 class PlacedArrays {
  public:
   const PlacedGroups& groups() const { return groups_; }
+  /// The instances of several views, entry by entry.
+  std::span<const InstanceTable::InView> inViews() const { return inViews_.entries; }
   void bind(BoundArrays& arrays) const;
   uint64_t bytes() const;
 

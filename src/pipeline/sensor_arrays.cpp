@@ -87,13 +87,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
-  const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
-  if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
-  if (lists || plan_.panes() || plan_.footprint()) allocate(Array::listEnds, beams * 4);
-  if (plan_.footprint() && !lists) {
-    allocate(Array::covers, beams * sizeof(gpu::Cover));
-    allocate(Array::ownLinks, beams * gpu::kOwnLinks * 8);
-  }
+  allocateByBeam(1);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
@@ -109,19 +103,41 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   firstProjected_ = room.projected;
   makeLists(room);
   addFrame();
-  mostViews_ = findMostViews();
+  mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
 }
 
-uint32_t SensorArrays::findMostViews() const {
-  const bool words = binning_ != gpu::kBinningLists && leavesWords_ && !keepsRecords();
-  const bool alike = patterns_.size() == 1 && mostGroups() == 1 && !plan_.footprint() && !plan_.panes() &&
-                     !plan_.speeds() && !plan_.has(gpu::kVolumes);
-  if (!words || !alike) return 1;
-  uint64_t bytesPerBeam = 1;
-  for (const Output& output : outputs_) bytesPerBeam = std::max<uint64_t>(bytesPerBeam, output.bytesPerBeam);
-  const uint64_t inOutputs = limit(bytesPerBeam) / std::max<uint64_t>(mostBeams(), 1),
-                 inRows = kMostGroupRows / std::max<uint64_t>(patterns_[0].tables.frame.rows, 1);
-  const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()), inOutputs, inRows};
+// Returns the arrays with entries per beam and view that stages pass on to each other.
+std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
+  const uint64_t beams = uint64_t{this->beams()} * views;
+  const bool lists = binning_ == gpu::kBinningLists;
+  std::vector<EffectsArray> arrays;
+  if (!plan_.bare()) arrays = beamArrays(plan_, mostBeams() * views);
+  const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
+  if (words && !leavesWords_) arrays.push_back({Array::words, beams * sizeof(Word), {}});
+  if (lists || plan_.panes() || plan_.footprint()) arrays.push_back({Array::listEnds, beams * 4, {}});
+  if (plan_.footprint() && !lists) {
+    arrays.push_back({Array::covers, beams * sizeof(gpu::Cover), {}});
+    arrays.push_back({Array::ownLinks, beams * gpu::kOwnLinks * 8, {}});
+  }
+  return arrays;
+}
+
+void SensorArrays::allocateByBeam(uint32_t views) {
+  for (const EffectsArray& array : arraysByBeam(views)) allocate(array.array, array.bytes);
+}
+
+uint32_t SensorArrays::findMostViews(uint64_t room) const {
+  if (binning_ == gpu::kBinningLists || keepsRecords() || patterns_.size() > 1 || mostGroups() > 1) return 1;
+  uint64_t ofView = 1, mostOfView = 1;  // bytes
+  for (const Output& output : outputs_) mostOfView = std::max(mostOfView, mostBeams() * output.bytesPerBeam);
+  for (const EffectsArray& array : arraysByBeam(1)) {
+    ofView += array.bytes;
+    mostOfView = std::max(mostOfView, array.bytes);
+  }
+  const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()),
+                                                machine_.traits().info.maxBufferBytes / mostOfView,
+                                                kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView,
+                                                kMostGroupRows / std::max(patterns_[0].tables.frame.rows, 1u)};
   return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
 }
 
@@ -132,9 +148,9 @@ void SensorArrays::growArrays(uint32_t views) {
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
   if (binning_ == gpu::kBinningSlabs) {
     allocate(Array::staleEntries, 4 * most_.coarse * views);
-    allocate(Array::slabEnds, most_.slabs * 4 * views);
+    allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4) * views);
   }
-  if (of(Array::strays)) allocate(Array::strays, mostBeams() * sizeof(gpu::vec2) * views);
+  allocateByBeam(views);
   repeat(Array::startFarthest, views);
   repeat(Array::startWords, views);
   viewsWithRoom_ = views;
@@ -447,7 +463,6 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
     content.slabShift = slabShiftOfViews();
     content.slabFirst = 0;
     content.slabCount = slabsOf(content);
-    content.scanBeams = static_cast<uint32_t>(plan_.sensor.beamCount());
     const auto room = [&](Array array, uint64_t bytes) {
       makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
     };
@@ -583,9 +598,12 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   };
   move(results.words, beams);
   move(results.laterWords, beams * (plan_.returns - 1));
+  move(results.points, entries);
+  move(results.owners, entries);
   move(results.intensities, entries);
   move(results.signals, entries);
   move(results.surfaces, entries);
+  move(results.motions, entries);
   move(results.barycentrics, entries);
   results.counters = shareOf(results.counters, view, frame.views);
   if (!plan_.judged()) return results;

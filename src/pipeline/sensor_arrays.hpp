@@ -38,8 +38,7 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have. Views are shots with different poses in which nothing moves; their beams
-  /// are single lines, no surface lets light pass, and no fog is a volume of the scene.
+  /// The most views that a submission may have. Views are shots with different poses in which nothing moves.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
@@ -51,7 +50,8 @@ class SensorArrays {
   /// The largest number of groups that any scan projects.
   size_t mostGroups() const;
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
-  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. Each of several shots is a view.
+  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. Each of several shots is a
+  /// view.
   std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, const ShotMotion* motion,
                             uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
                             BoundArrays& arrays);
@@ -127,7 +127,9 @@ class SensorArrays {
   uint64_t mostBeams() const;
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
                           StillImage::Use still, Motion motion, bool lastGroup) const;
-  uint32_t findMostViews() const;
+  uint32_t findMostViews(uint64_t room) const;
+  std::vector<EffectsArray> arraysByBeam(uint32_t views) const;
+  void allocateByBeam(uint32_t views);
   void growArrays(uint32_t views);
   void repeat(gpu::Array array, uint32_t views);
   PlacedGroups everything() const;

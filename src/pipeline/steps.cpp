@@ -64,11 +64,15 @@ class Steps {
     else if (binning_ != gpu::kBinningLists)
       input_.holes ? copy(gpu::Array::startWords, gpu::Array::words)
                    : fill(gpu::Array::words, gpu::kNone, 8 * uint64_t{frame.beams});
-    if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
+    const uint64_t ofBeams = sizeof(uint32_t) * uint64_t{frame.beams};
+    if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0, ofBeams);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
-    if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
-    if (input_.footprint && binning_ != gpu::kBinningLists) fill(gpu::Array::covers, 0);
-    if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
+    if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists)
+      fill(gpu::Array::listEnds, gpu::kNone, ofBeams);
+    if (input_.footprint && binning_ != gpu::kBinningLists)
+      fill(gpu::Array::covers, 0, sizeof(gpu::Cover) * uint64_t{frame.beams});
+    if (input_.panes && judged())
+      fill(gpu::Array::echoCounts, gpu::kNone, sizeof(uint32_t) * uint64_t{frame.scanBeams});
     if (input_.views > 1 && judged()) fill(gpu::Array::viewCauses, 0);
     if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }
@@ -184,9 +188,10 @@ class Steps {
   void dispatchOnList(Kernel kernel, uint32_t pass) {
     const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
     const uint32_t beamsPerGroup = spreads(kernel, pass) ? kSpreadBeamsPerGroup : 64;
-    dispatch("effects", kernel, std::min(groups, input_.frame.beams / beamsPerGroup + 1), {}, pass);
+    const uint32_t beams = input_.frame.beams * input_.views;
+    dispatch("effects", kernel, std::min(groups, beams / beamsPerGroup + 1), {}, pass);
     const Options& options = steps_.back().variant.options;
-    inRuns(uint64_t{input_.frame.beams} * std::max(options.RAYS, options.SPREAD_RAYS) * options.LAYERS);
+    inRuns(uint64_t{beams} * std::max(options.RAYS, options.SPREAD_RAYS) * options.LAYERS);
   }
 
   // The first pass of footprints finishes most beams by a short test, which an invocation does alone.
