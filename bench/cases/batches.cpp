@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <tuple>
 
 #include "cases.hpp"
 #include "gnosphere/batch.hpp"
@@ -111,6 +112,7 @@ class BatchMeasurement {
 
   void run() {
     town();
+    townWithEffects();
     const size_t most = session_.options().frames;
     worlds(heightScan(), most);
     worlds(headOf(300, 30), (most + 3) / 4);
@@ -130,7 +132,7 @@ class BatchMeasurement {
       for (size_t i = 0; i < std::size(columns); ++i) {
         const double ms = row.perView(*columns[i]);
         cells.push_back(ms > 0 ? formatted("%.4f", ms) : "-");
-        if (ms > 0 && row.moving.empty())
+        if (ms > 0 && row.what == rows_[0].what)
           report.panel.series[i].points.push_back({static_cast<double>(row.views), ms, 0, 0, ""});
       }
       cells.push_back(formatted("%.2f", row.raysPerSecond(row.batch, row.moving) / 1e6));
@@ -148,27 +150,59 @@ class BatchMeasurement {
 
  private:
   void town() {
-    Scene scene = session_.scene();
-    for (Material& material : scene.materials) material.doubleSided = true;  // rivals see both faces
+    const Scene scene = doubleSidedTown();
     const Sensor sensor = session_.options().sensor.empty() ? headOf(360, 100) : session_.sensors({})[0];
     Simulator ours(scene, {sensor, Effects::none()}, session_.simulatorOptions());
     session_.setDevice(ours.device());
     const std::unique_ptr<EmbreeRival> embree = embreeFor(scene, EmbreeWay::flat);
     std::mt19937 random(1);
-    std::uniform_real_distribution<double> along(-60, 60), across(-6, 6), turn(-3, 3);
     for (size_t views = 1; views <= session_.options().frames; views = views == 512    ? 1024
                                                                        : views == 1024 ? 4096
                                                                                        : 8 * views) {
-      std::vector<Shot> shots(views);
-      for (Shot& shot : shots) {
-        const double yaw = turn(random);
-        shot.pose = {{along(random), across(random), 1.8}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
-      }
-      BatchRow row = {"town", views, sensor.beamCount(), {}, {}, {}, {}, {}};
-      for (uint32_t run = 0; run <= session_.options().runs; ++run)
-        step(run, ours, sensor, shots, shots, embree.get(), row);
-      rows_.push_back(row);
+      measureTown("town", ours, sensor, townShots(views, random), embree.get());
     }
+  }
+
+  /// The same head with noise and intensities, and a real head with its own effects.
+  void townWithEffects() {
+    const Scene scene = doubleSidedTown();
+    const size_t views = std::min<size_t>(session_.options().frames, 1024);
+    std::mt19937 random(1);
+    const std::vector<Shot> shots = townShots(views, random);
+    Effects noise = Effects::none();
+    noise.intensity.use = noise.rangeNoise.use = EffectUse::on;
+    noise.rangeNoise.sigma = 0.02;
+    Sensor real = builtinSensor("Puck");
+    real.columns = 360;
+    const std::tuple<const char*, Sensor, Effects> cases[] = {{"town, noise and intensity", headOf(360, 100), noise},
+                                                              {"town, Puck of 360 columns, default", real, Effects()}};
+    for (const auto& [what, sensor, effects] : cases) {
+      Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
+      measureTown(what, ours, sensor, shots, nullptr);
+    }
+  }
+
+  Scene doubleSidedTown() const {
+    Scene scene = session_.scene();
+    for (Material& material : scene.materials) material.doubleSided = true;  // rivals see both faces
+    return scene;
+  }
+
+  static std::vector<Shot> townShots(size_t views, std::mt19937& random) {
+    std::uniform_real_distribution<double> along(-60, 60), across(-6, 6), turn(-3, 3);
+    std::vector<Shot> shots(views);
+    for (Shot& shot : shots) {
+      const double yaw = turn(random);
+      shot.pose = {{along(random), across(random), 1.8}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
+    }
+    return shots;
+  }
+
+  void measureTown(const std::string& what, Simulator& ours, const Sensor& sensor, const std::vector<Shot>& shots,
+                   EmbreeRival* embree) {
+    BatchRow row = {what, shots.size(), sensor.beamCount(), {}, {}, {}, {}, {}};
+    for (uint32_t run = 0; run <= session_.options().runs; ++run) step(run, ours, sensor, shots, shots, embree, row);
+    rows_.push_back(row);
   }
 
   /// Each world has its own boxes on a common ground. Embree sees the worlds side by side, out of reach of each other.
@@ -253,7 +287,8 @@ class BatchMeasurement {
       start = cli::nowMs();
       ours.scanInto(shots[i], scan_);
       singleMs += cli::nowMs() - start;
-      if (run == 0 && std::memcmp(scan_.ranges.data(), &batch_.ranges()[i * row.beams], 4 * row.beams) != 0)
+      const size_t entries = scan_.ranges.size();
+      if (run == 0 && std::memcmp(scan_.ranges.data(), &batch_.ranges()[i * entries], 4 * entries) != 0)
         throw Error(ErrorCode::device, formatted("wrong: view %zu of a batch has other ranges than its scan", i));
     }
     if (run > 0) row.batch.push_back(batchMs);

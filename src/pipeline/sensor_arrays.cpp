@@ -134,6 +134,7 @@ uint32_t SensorArrays::findMostViews(uint64_t room) const {
     ofView += array.bytes;
     mostOfView = std::max(mostOfView, array.bytes);
   }
+  if (plan_.footprint()) ofView += listBytes(mostOfFootprints(beams()));
   const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()),
                                                 machine_.traits().info.maxBufferBytes / mostOfView,
                                                 kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView,
@@ -174,10 +175,14 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   growArrays(views);
   if (views == 1) return;
   Capacities room = capacities_;
-  const uint64_t ofView = std::min(firstProjected_, firstProjectedOfView(beams()));
+  const uint64_t ofView =
+      plan_.footprint() ? firstProjected_ : std::min(firstProjected_, firstProjectedOfView(beams()));
   const uint64_t projected = std::min(ofView * views, mostProjected());
   room.projected = std::max(room.projected, static_cast<uint32_t>(projected));
   room.tiles = std::max(room.tiles, room.projected / 2);
+  if (plan_.footprint())
+    room.candidates =
+        std::max(room.candidates, within(leastWithFootprints(room.projected).candidates, mostCandidates()));
   if (room.projected != capacities_.projected || room.tiles != capacities_.tiles) makeLists(room);
 }
 
@@ -334,6 +339,13 @@ uint64_t SensorArrays::candidateBytes() const {
 // Kernels number the words of a chain, not its entries.
 uint64_t SensorArrays::mostCandidates() const {
   return limit(sizeof(uint32_t)) / (candidateBytes() / sizeof(uint32_t));
+}
+
+uint64_t SensorArrays::listBytes(const Capacities& room) const {
+  uint64_t ofProjected = 2 * sizeof(gpu::TaggedCorner) + sizeof(gpu::vec4) + sizeof(gpu::vec2);
+  for (const EffectsArray& array : projectedArrays(plan_, 1)) ofProjected += array.bytes;
+  return room.projected * ofProjected + (tilesBehind(room) + room.tiles) * kTileBytes +
+         room.candidates * candidateBytes();
 }
 
 // Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.

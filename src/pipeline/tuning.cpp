@@ -31,7 +31,7 @@ constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProje
 // Footprints reach triangles between the beams, too. In ten scenes an OS1-64 projected 0.2 to 7 triangles per beam and
 // an Alpha-Prime 0.03 to 2.5; in a town they projected 1.1 and 0.5. A triangle had 0.7 to 8 links, and one of 200 to
 // one of 2 triangles was cut into tiles.
-constexpr uint64_t kProjectedPerBeam = 2, kLinksPerProjected = 3, kProjectedPerTile = 2;
+constexpr uint64_t kProjectedPerBeam = 2, kMostProjectedPerBeam = 7, kLinksPerProjected = 3, kProjectedPerTile = 2;
 // A moving triangle may have several boxes, one for each interval of the scan. A list that holds this many boxes rarely
 // makes the first moving scan of a few dozen triangles run twice.
 constexpr uint64_t kLeastBoxes = 1024;
@@ -155,6 +155,10 @@ Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_
   const uint32_t tiles = footprint ? projected / kProjectedPerTile : kFirstTiles;
   return {projected, std::max(binning == gpu::kBinningSlabs ? projected / 2 : tiles, kFirstTiles),
           static_cast<uint32_t>(std::min<uint64_t>(candidates, 0xffffffff))};
+}
+
+Capacities mostOfFootprints(uint64_t beams) {
+  return leastWithFootprints(beams * kMostProjectedPerBeam);
 }
 
 Capacities leastWithFootprints(uint64_t projected) {

@@ -56,6 +56,8 @@ struct Capacities {
 };
 /// Returns the initial capacities; lists grow when a scan needs more.
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles);
+/// Returns what the lists need at most, in the scenes that were measured, if beams have footprints.
+Capacities mostOfFootprints(uint64_t beams);
 /// Returns what the lists probably need if footprints meet so many projected triangles that there was no room for all.
 Capacities leastWithFootprints(uint64_t projected);
 

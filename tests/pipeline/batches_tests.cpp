@@ -297,11 +297,17 @@ TEST_CASE("a batch has only the fields that were asked for, in memory that it ke
 TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
   needVulkan();
   const Scene scene = worlds(6, 4);
-  const Sensor sensor = gridSensor(90, 16, -30, 30);
+  const bool footprints = GENERATE(false, true);
+  SensorRequest request(gridSensor(90, 16, -30, 30), Effects::none());
+  if (footprints) {
+    request.sensor.divergenceHorizontal = request.sensor.divergenceVertical = 3e-3;
+    request.effects.divergence = {EffectUse::on, 7};
+    request.effects.intensity.use = EffectUse::on;
+  }
   const std::vector<Shot> shots = shotsOf(6, 40);
-  const Batch expected = makeSimulator(scene, sensor, vulkanOptions()).scanBatch(shots);
+  const Batch expected = Simulator(scene, request, vulkanOptions()).scanBatch(shots);
   const auto check = [&](const TestOptions& options) {
-    const Batch batch = makeSimulator(scene, sensor, options).scanBatch(shots);
+    const Batch batch = Simulator(scene, request, options).scanBatch(shots);
     CHECK(std::memcmp(batch.ranges().data(), expected.ranges().data(), expected.ranges().size_bytes()) == 0);
     CHECK(std::ranges::equal(batch.instances(), expected.instances()));
     CHECK(batch.counters.hits == expected.counters.hits);
@@ -313,7 +319,7 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
   }
   for (const uint64_t limit : {256 * 1024, 400 * 1024}) {
     TestOptions options = vulkanOptions();
-    options.tuning.maxBufferBytes = limit;
+    options.tuning.maxBufferBytes = footprints ? 8 * limit : limit;
     check(options);
   }
 }
