@@ -136,7 +136,7 @@ class BatchMeasurement {
           report.panel.series[i].points.push_back({static_cast<double>(row.views), ms, 0, 0, ""});
       }
       cells.push_back(formatted("%.2f", row.raysPerSecond(row.batch, row.moving) / 1e6));
-      cells.push_back(formatted("%.2f", row.raysPerSecond(row.embree, row.renewing) / 1e6));
+      cells.push_back(row.embree.empty() ? "-" : formatted("%.2f", row.raysPerSecond(row.embree, row.renewing) / 1e6));
       cells.push_back(formatted("%.1f", static_cast<double>(row.memoryBytes) / 1e6));
       table.rows.push_back(cells);
       report.more["rows"].push_back(jsonOf(row));
