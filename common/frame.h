@@ -67,6 +67,7 @@ struct Frame {
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
   uint beamColumnFirst, beamColumnCount;    // columns that hold all beams; after the last column comes column 0
   uint views;                               // of the submission
+  uint moments;                             // entries of columnMotions per view; 0 if all views share them
   uint scanBeams;                           // beams of the sensor, by whose numbers results are stored
 };
 
@@ -135,7 +136,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 148 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 152 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

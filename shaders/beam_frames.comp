@@ -12,17 +12,19 @@
 #include "bindings.glsl"
 #include "common/beam.h"
 #include "beams.glsl"
+#include "views.glsl"
 #include "motion.glsl"
 #include "runs.glsl"
 
 layout(local_size_x = 64) in;
 
 void main() {
-  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint ownRow = rowInView(gl_WorkGroupID.y);
+  BeamRow row = loadRow(ownRow);
   uvec2 run = runOfBeams();
   for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
-    uint column = beamColumn(k), index = indexOf(gl_WorkGroupID.y, column);
-    uint rowIndex = LISTED ? column : gl_WorkGroupID.y;  // as rowOf() returns it, without its division
+    uint column = beamColumn(k), index = indexOf(ownRow, column);
+    uint rowIndex = LISTED ? column : ownRow;  // as rowOf() returns it, without its division
     ColumnMotion at = columnMotionOf(rowIndex, column);
     vec2 azimuth = beamIn(row, column).azimuth;
     precise vec4 forward = at.row0 * azimuth.x + at.row1 * azimuth.y;
@@ -34,6 +36,6 @@ void main() {
       left.w -= laser.y;
       up.w -= laser.z;
     }
-    beamFrames.at[index] = BeamFrame(forward, left, up);
+    beamFrames.at[beamEntry(index)] = BeamFrame(forward, left, up);
   }
 }

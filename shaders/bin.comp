@@ -19,10 +19,10 @@
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "views.glsl"
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
-#include "views.glsl"
 #include "inside.glsl"
 #include "lanes.glsl"
 #include "shared_runs.glsl"
@@ -134,7 +134,7 @@ void trySmall(uint i) {
   TaggedCorner c = loadedC(i);
   Triangle triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
   Box box = boxOf(i, projectedColumns.at[i], c.tag);
-  if (VIEWS) view = projectedViews.at[i];
+  if (VIEWS) lookFrom(projectedViews.at[i]);
   Prepared prepared = prepare(triangle);
   lookAtSurface(i);
   uint columnCount = boxColumnCount(box);
@@ -397,7 +397,7 @@ void trySlabs() {
       if (slab != kNone && pass.table != kTableNone) writeTable(slab - view * perView, rowFirst, rowLast);
       t = takeSlab(slabs, slab);
       if (slab >= slabs) return;
-      if (VIEWS) view = slab / perView;
+      if (VIEWS) lookFrom(slab / perView);
       rowFirst = frame.rows;
       rowLast = 0;
       continue;
@@ -436,7 +436,7 @@ void tryProjected(uint firstSmall, uint firstTile) {
   for (uint share = nextShare(kNone, together); WAITS || share < all; share = nextShare(share, together)) {
     if (share < tileCount) {
       Tile tile = tileAt(firstTile + share);
-      if (VIEWS) view = projectedViews.at[tile.slot];
+      if (VIEWS) lookFrom(projectedViews.at[tile.slot]);
       if (isInPass(tile.slot)) tryTile(tile);
     } else {
       bool none = share >= all;  // a last round offers the triangles that still wait

@@ -25,7 +25,7 @@ Meeting held;
 // The lanes may hold meetings of other views than that of the tile.
 void offerHeld() {
   uint ofTile = view;
-  if (VIEWS) view = projectedViews.at[held.projected];
+  if (VIEWS) lookFrom(projectedViews.at[held.projected]);
   uint index = LISTED ? held.column : held.row * frame.columns + held.column;
   Beam beam;
   if (LISTED) {
@@ -40,7 +40,7 @@ void offerHeld() {
   lookAtSurface(held.projected);
   offerFootprint(seen, preparedFor(seen, turned), turned, beam,
                  watertightSides(turned, beam.cosElevation, beam.sinElevation), index, held.projected);
-  view = ofTile;
+  lookFrom(ofTile);
 }
 
 // Adds the meetings of the lanes that have one to those that wait. Offers them if every lane has one, or if `flush` says
@@ -69,7 +69,7 @@ void trySmallTogether(uint i, bool there, bool flush) {
     TaggedCorner c = loadedC(i);
     triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
     box = boxOf(i, projectedColumns.at[i], c.tag);
-    if (VIEWS) view = projectedViews.at[i];
+    if (VIEWS) lookFrom(projectedViews.at[i]);
   }
   Prepared prepared = preparedForAll(triangle);
   uint columnCount = boxColumnCount(box);

@@ -44,6 +44,7 @@ MotionBounds motion;  // copied by loadMotion() for the same reason; a scan with
 void loadMotion() {
   if (APART) motion = motionAt.at[0];
 }
+void loadMotionOf(uint view_) { motion = motionAt.at[view_]; }
 #define counters countersAt.at[0]
 #define shells shellsAt.at[0]
 #define parameters parametersAt.at[0]
@@ -74,6 +75,7 @@ Frame& frame = *frameAt;
 #define parametersOf(view_) parametersAt[view_]
 #define motion (*motionAt)
 GNO_DEVICE void loadMotion() {}
+GNO_DEVICE void loadMotionOf(uint) {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);
 
 #endif

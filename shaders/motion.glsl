@@ -29,8 +29,8 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
 
 // Returns the sensor at a place in its table, which may lie between two entries.
 ColumnMotion columnMotionAt(float place) {
-  uint before = uint(whole(floor(place)));
-  return motionBetween(loadedMotion(before), loadedMotion(before + 1), place - float(before));
+  uint before = firstMoment() + uint(whole(floor(place)));
+  return motionBetween(loadedMotion(before), loadedMotion(before + 1), place - float(before - firstMoment()));
 }
 
 // Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire
@@ -38,13 +38,13 @@ ColumnMotion columnMotionAt(float place) {
 ColumnMotion columnMotionOf(uint row, uint column) {
   if (LISTED) return columnMotionAt(beamOrigins.at[column].w);
   if (STAGGERED) return columnMotionAt(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
-  return loadedMotion(column);
+  return loadedMotion(firstMoment() + column);
 }
 
 // Returns the sensor at a whole place in its table; other places are rounded down. The places of a grid are its columns. A
 // list asks for the middles of runs of slices, which are whole, because the number of places of a slice is even.
 ColumnMotion columnMotionOfPlace(float place) {
-  return loadedMotion(uint(int(floor(place)) + int(frame.momentsBefore)));
+  return loadedMotion(firstMoment() + uint(int(floor(place)) + int(frame.momentsBefore)));
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.
@@ -58,7 +58,7 @@ vec3 originOf(uint row, vec2 azimuth) {
 // Returns the point at a range along a beam, in the frame that points are reported in. `at` is where the sensor is when
 // the beam fires.
 vec3 reported(ColumnMotion at, vec3 laser, vec3 direction, float range) {
-  if (STAGGERED && motion.sensor == 0) return reportedPoint(columnMotions.at[0], laser, direction, range);
+  if (STAGGERED && motion.sensor == 0) return reportedPoint(columnMotions.at[firstMoment()], laser, direction, range);
   return reportedPoint(at, laser, direction, range);
 }
 

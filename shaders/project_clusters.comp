@@ -16,10 +16,10 @@
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "views.glsl"
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "to_sensor.glsl"
-#include "views.glsl"
 #include "firing_times.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
@@ -167,8 +167,8 @@ void main() {
         Group group = loadedGroup(entry.y);
         sensorBox(loadedInstance(entry.x), group.low, group.high, low, high);
         middle = length(0.5 * (low + high));
-        if (MOTION) widenByMotion(entry.x, low, high);
         setView(entry.x);
+        if (MOTION) widenByMotion(entry.x, low, high);
         keep = pass.occluders == 0 || !outOfSight(low, high);
         if (keep) run = uvec2(group.clusterFirst, group.clusterCount);
         goesOn = pass.last == 0 && run.y > 1 && farthestPoint(low, high) >= shellMax;

@@ -14,10 +14,10 @@
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "views.glsl"
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "to_sensor.glsl"
-#include "views.glsl"
 #include "firing_times.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
@@ -56,8 +56,8 @@ void listGroups() {
       vec3 low, high;
       Group group = loadedGroup(pair.y);
       sensorBox(loadedInstance(pair.x), group.low, group.high, low, high);
-      if (MOTION) widenByMotion(pair.x, low, high);
       setView(pair.x);
+      if (MOTION) widenByMotion(pair.x, low, high);
       keep = !outOfSight(low, high);
       float nearest = nearestPoint(low, high);
       entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));

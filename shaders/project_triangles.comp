@@ -19,6 +19,7 @@
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "views.glsl"
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
@@ -26,7 +27,6 @@
 #include "lanes.glsl"
 #include "shared_runs.glsl"
 #include "to_sensor.glsl"
-#include "views.glsl"
 #include "firing_times.glsl"
 #include "cull.glsl"
 #include "limits.glsl"
@@ -296,8 +296,8 @@ bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few
   Instance instance = loadedInstance(pair.x);
   Group box = loadedBox(pair.y);
   sensorBox(instance, box.low, box.high, low, high);
-  if (MOTION) widenByMotion(pair.x, low, high);
   setView(pair.x);
+  if (MOTION) widenByMotion(pair.x, low, high);
   setSeeming(0.0);
   float nearest = seemFromSensor(low, high);
   if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
@@ -360,7 +360,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     Box box;
     bool shares = false;
     if (there) {
-      view = survivor.view;
+      lookFrom(survivor.view);
       fate = projectOne(survivor, interval, projected, box);
       any = any || fate == kKeep;
       there = MOTION && !isEmpty(interval);
@@ -424,6 +424,7 @@ void main() {
     uint left = 0;  // one bit for each triangle that needs bounds
     if (more && loaded.triangleCount > 0) {
       triangleCount += loaded.triangleCount;
+      if (VIEWS && MOTION) setView(loaded.number);
       vertices = verticesOf(loaded);
       for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
         uint k = first + lane;

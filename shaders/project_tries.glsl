@@ -7,7 +7,7 @@
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
   bool seenFromOnePlace = BINNING == kBinningSlabs || !MOTION || atRest(moves);
   if (ORIGINS) seenFromOnePlace = seenFromOnePlace && SHIFTS_TURNED;
-  bool walks = silhouette.known || (LISTED && VIEWS);  // cells of a list are all tried
+  bool walks = silhouette.known || (LISTED && VIEWS && !MOTION);  // cells of a list are all tried
   bool few = BINNING == kBinningSlabs && walks && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
          !(PANES && isPaneMaterial(material)) && (isSmall(box) || few);
@@ -75,7 +75,7 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
 // True if the lanes of a subgroup share the beams of their triangles. The boxes of a list hold numbers of beams that
 // differ much, and without sharing all lanes wait for the one with the most. A single scan gains nothing, because it tries
 // only small boxes here.
-bool sharesBeams() { return LISTED && VIEWS && SHIFTS_TURNED && (EFFECTS & kCutOuts) == 0 && gl_SubgroupSize <= 32; }
+bool sharesBeams() { return LISTED && VIEWS && !MOTION && SHIFTS_TURNED && (EFFECTS & kCutOuts) == 0 && gl_SubgroupSize <= 32; }
 
 // Tries the beams of the boxes of all lanes that have a triangle, as tryBox() does for one box. In each round every lane
 // looks up one run of cells, and the lanes share the beams of all these runs. All lanes of the subgroup must call this.

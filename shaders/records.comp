@@ -15,8 +15,8 @@
 #include "to_sensor.glsl"
 #include "common/beam.h"
 #include "beams.glsl"
-#include "motion.glsl"
 #include "views.glsl"
+#include "motion.glsl"
 #include "owner.glsl"
 #include "buckets.glsl"
 

@@ -81,7 +81,7 @@ Turned shifted(Turned turned, vec3 laser) {
 // Turns a triangle that seenFrom() has returned to a beam of the row.
 Turned turnedFrom(Triangle seen, uint row, uint index, vec2 azimuth) {
   if (BEAM_FRAMES && ((EFFECTS & kFootprint) != 0 || !atRest(seen.moves))) {
-    BeamFrame of = loadedBeamFrame(index);
+    BeamFrame of = loadedBeamFrame(beamEntry(index));
     return Turned(cornersAlong(of.forward, seen), cornersAlong(of.left, seen), cornersAlong(of.up, seen));
   }
   Turned turned = turn(seen, azimuth);

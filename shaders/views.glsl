@@ -4,17 +4,27 @@
 
 uint view = 0;  // the view for which this invocation works
 
+// Sets the view, and loads how its sensor moves.
+void lookFrom(uint ofView) {
+  if (!VIEWS) return;
+  view = ofView;
+  if (MOTION && frame.moments != 0) loadMotionOf(view);
+}
+
 // Sets the view to that of an instance. Each entry of `instances` belongs to one view.
 void setView(uint instance) {
-  if (VIEWS) view = instanceViews.at[instance];
+  if (VIEWS) lookFrom(instanceViews.at[instance]);
 }
+
+// The first entry of the view in `columnMotions`.
+uint firstMoment() { return VIEWS ? view * frame.moments : 0; }
 
 // Kernels that process all beams have a row of workgroups per row of the grid, view after view. Sets the view to that of
 // a row of workgroups, and returns the row of the grid.
 uint rowInView(uint groupRow) {
   if (!VIEWS) return groupRow;
   uint rows = LISTED ? 1 : frame.rows;
-  view = groupRow / rows;
+  lookFrom(groupRow / rows);
   return groupRow - view * rows;
 }
 
@@ -40,7 +50,7 @@ uint beamEntry(uint index) { return firstWord() + index; }
 // Sets the view to that of an entry of such arrays, and returns the index of the beam in the view.
 uint enterView(uint entry) {
   if (!VIEWS) return entry;
-  view = entry / frame.beams;
+  lookFrom(entry / frame.beams);
   return entry - view * frame.beams;
 }
 

@@ -28,10 +28,15 @@ bool firesApart(const SensorPlan& plan) {
   return plan.listed || (plan.rows && plan.rows->staggered());
 }
 
-// Returns the pose in whose frame the shot is scanned. Nothing moves during one of several shots.
-Pose seenFrom(const Shot& shot, size_t shots, const ShotMotion* motion) {
-  if (!motion) return shot.pose;
-  return shots == 1 ? motion->tables.middle : movedTo(motion->centre, shot.pose);
+// Returns the parts of several motions one after the other.
+template <typename T, typename Of>
+EffectsArray joined(gpu::Array array, ShotMotions motions, const Of& of) {
+  std::vector<T> all;
+  for (const ShotMotion& motion : motions) {
+    const std::span<const T> part = of(motion);
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return table(array, all);
 }
 
 }  // namespace
@@ -49,14 +54,14 @@ std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams) {
     addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));
   }
+  if (plan.moves() && firesApart(plan)) addRoom(gpu::Array::beamFrames, sizeof(gpu::BeamFrame));
   if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
   return arrays;
 }
 
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) {
+std::vector<EffectsArray> lastingTables(const SensorPlan& plan) {
   std::vector<EffectsArray> arrays;
   if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
-  if (plan.moves() && firesApart(plan)) arrays.push_back({gpu::Array::beamFrames, beams * sizeof(gpu::BeamFrame), {}});
   if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
     arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
@@ -77,7 +82,7 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   return arrays;
 }
 
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, const ShotMotion* motion) {
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions) {
   std::vector<EffectsArray> arrays;
   if (plan.signals()) {
     std::vector<gpu::EffectParameters> all;
@@ -92,19 +97,20 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Sho
   }
   if (plan.has(gpu::kVolumes)) {
     std::vector<gpu::VolumeBox> all;
-    for (const Shot& shot : shots)
-      for (const gpu::VolumeBox& box : volumeBoxes(effectsOf(plan, shot), seenFrom(shot, shots.size(), motion)))
+    for (size_t i = 0; i < shots.size(); ++i)
+      for (const gpu::VolumeBox& box : volumeBoxes(effectsOf(plan, shots[i]), seenFrom(shots, i, motions)))
         all.push_back(box);
     arrays.push_back(table(gpu::Array::volumes, all));
   }
-  if (motion) {
-    arrays.push_back(table(gpu::Array::columnMotions, motion->tables.columns));
-    arrays.push_back(table(gpu::Array::motion, std::vector{motion->tables.bounds}));
-    arrays.push_back(table(gpu::Array::instanceMotions, motion->instances));
-    if (!motion->end.jointRows.empty()) arrays.push_back(table(gpu::Array::endJointRows, motion->end.jointRows));
-    if (!motion->end.morphWeights.empty())
-      arrays.push_back(table(gpu::Array::endMorphWeights, motion->end.morphWeights));
-  }
+  if (motions.empty()) return arrays;
+  arrays.push_back(joined<gpu::ColumnMotion>(
+      gpu::Array::columnMotions, motions, [](const ShotMotion& motion) { return std::span(motion.tables.columns); }));
+  arrays.push_back(joined<gpu::MotionBounds>(
+      gpu::Array::motion, motions, [](const ShotMotion& motion) { return std::span(&motion.tables.bounds, 1); }));
+  const ShotMotion& first = motions[0];  // instances do not move during several shots
+  arrays.push_back(table(gpu::Array::instanceMotions, first.instances));
+  if (!first.end.jointRows.empty()) arrays.push_back(table(gpu::Array::endJointRows, first.end.jointRows));
+  if (!first.end.morphWeights.empty()) arrays.push_back(table(gpu::Array::endMorphWeights, first.end.morphWeights));
   return arrays;
 }
 

@@ -19,14 +19,13 @@ struct EffectsArray {
   std::vector<std::byte> content;  ///< `bytes` bytes, or empty
 };
 
-/// Tables that live as long as the sensor, and the frames of its beams while it moves.
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams);
+/// Tables that live as long as the sensor.
+std::vector<EffectsArray> lastingTables(const SensorPlan& plan);
 /// Arrays that the stages pass on to each other, with entries for each beam. `beams` counts those of all views.
 std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
-/// Arrays that are written anew for each scan; each of several shots is a view. `motion` is null for a scan without
-/// motion.
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, const ShotMotion* motion);
+/// Arrays that are written anew for each scan; each of several shots is a view.
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions);
 
 }  // namespace gnosphere

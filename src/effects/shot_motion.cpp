@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/shot_motion.hpp"
 
+#include <algorithm>
+
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -39,8 +41,15 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
   return motion;
 }
 
-double reachOf(const std::optional<ShotMotion>& motion) {
-  return motion ? motion->tables.bounds.shift + motion->farthest : 0;
+Pose seenFrom(std::span<const Shot> shots, size_t shot, ShotMotions motions) {
+  if (motions.empty()) return shots[shot].pose;
+  return motions.size() == shots.size() ? motions[shot].tables.middle : movedTo(motions[0].centre, shots[shot].pose);
+}
+
+double reachOf(ShotMotions motions) {
+  double reach = 0;
+  for (const ShotMotion& motion : motions) reach = std::max(reach, motion.tables.bounds.shift + motion.farthest);
+  return reach;
 }
 
 }  // namespace gnosphere

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "effects/motion_tables.hpp"
 #include "effects/sensor_plan.hpp"
@@ -26,7 +27,18 @@ struct ShotMotion {
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
                                    const InstanceTable& instances, const Deformables& deformables);
 
+/// The motions of shots that are submitted together: none, one for each shot, or one for all of them if nothing moves
+/// but lasers stand away from the sensor's origin.
+using ShotMotions = std::span<const ShotMotion>;
+/// Returns the motion of a shot; null if there is none.
+inline const ShotMotion* motionOf(ShotMotions motions, size_t shot) {
+  return motions.empty() ? nullptr : &motions[motions.size() > 1 ? shot : 0];
+}
+
+/// Returns the pose in whose frame one of the shots is scanned.
+Pose seenFrom(std::span<const Shot> shots, size_t shot, ShotMotions motions);
+
 /// Returns by how many metres motion may bring a surface nearer to the sensor; 0 without motion.
-double reachOf(const std::optional<ShotMotion>& motion);
+double reachOf(ShotMotions motions);
 
 }  // namespace gnosphere

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/threads.hpp"
+#include "effects/arrays.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"
@@ -166,8 +168,8 @@ class DeviceBackend final : public Backend {
   // The data of a frame in flight that do not depend on the sensor.
   struct Slot {
     PlacedArrays placed;
-    uint64_t reused = 0;  // number of triangles that the still image replaces
-    std::optional<ShotMotion> motion;
+    uint64_t reused = 0;              // number of triangles that the still image replaces
+    std::vector<ShotMotion> motions;  // of the shots that are scanned
     Clock::time_point start;
   };
 
@@ -228,6 +230,7 @@ class DeviceBackend final : public Backend {
     return parts;
   }
 
+  static constexpr uint64_t kMotionsPerRun = 4;  // each takes about 0.1 ms
   static constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
 
   // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
@@ -252,22 +255,23 @@ class DeviceBackend final : public Backend {
       return shot.world == before.world && std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
     };
     const bool mayMove = sensors_[shots[0].sensor]->plan->moves();
-    const auto moves = [&](const Shot& shot) {
-      return mayMove && !(shot.motion.stamps.empty() && shot.instanceMotions.empty() && shot.meshMotions.empty());
+    const auto instancesMove = [&](const Shot& shot) {
+      return mayMove && !(shot.instanceMotions.empty() && shot.meshMotions.empty());
     };
-    if (moves(shots[0])) return 1;
+    const auto alike = [&](const Shot& shot) {
+      return shot.sensor == shots[0].sensor && !instancesMove(shot) &&
+             (!mayMove || shot.motion.stamps.empty() == shots[0].motion.stamps.empty());
+    };
+    if (instancesMove(shots[0])) return 1;
     size_t views = 1;
     uint64_t bytes = most > 1 ? bytesOf(0) : 0;
-    while (views < most && shots[views].sensor == shots[0].sensor && !moves(shots[views]) &&
-           !standsStill(shots[views], shots[views - 1])) {
+    while (views < most && alike(shots[views]) && !standsStill(shots[views], shots[views - 1])) {
       bytes += bytesOf(views);
       if (bytes > room) break;
       ++views;
     }
     return views;
   }
-
-  static const ShotMotion* motionIn(const Slot& slot) { return slot.motion ? &*slot.motion : nullptr; }
 
   // Scans of several views have frames of their own, because their arrays are larger.
   size_t sensorFrame(size_t slot, const Part& part) const {
@@ -304,27 +308,26 @@ class DeviceBackend final : public Backend {
     const auto views = static_cast<uint32_t>(part.shots.size());
     StillImage& still = sensors_[shot.sensor]->still;
     StillImage::Use use = StillImage::Use::none;
-    slot.motion.reset();
     slot.reused = 0;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
       sensor.makeRoomForViews(views);
     }
     const OriginBounds& lasers = sensor.groups(shot.frame)[part.group].lasers;
-    slot.motion = motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
+    slot.motions = motionsOf(sensor.sensorPlan(), lasers, part.shots);
     if (views > 1) {
       std::vector<ViewPlace> places;
-      for (const Shot& view : part.shots)
-        places.push_back({slot.motion ? movedTo(lasers.centre, view.pose) : view.pose, view.world});
-      scene_.place(places, sensor.reach() + reachOf(slot.motion), sensor.sensorPlan().ignored, slot.placed);
+      for (uint32_t view = 0; view < views; ++view)
+        places.push_back({seenFrom(part.shots, view, slot.motions), part.shots[view].world});
+      scene_.place(places, sensor.reach() + reachOf(slot.motions), sensor.sensorPlan().ignored, slot.placed);
     } else {
-      use = useStill(still, sensor, shot, slot.motion && slot.motion->moves);
+      use = useStill(still, sensor, shot, !slot.motions.empty() && slot.motions[0].moves);
       slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-      const Pose& pose = slot.motion ? slot.motion->tables.middle : shot.pose;
+      const Pose pose = seenFrom(part.shots, 0, slot.motions);
       Selection selection = still.selection(use);
       selection.ignored = sensor.sensorPlan().ignored;
       selection.world = shot.world;
-      scene_.place(pose, sensor.reach() + reachOf(slot.motion), selection, slot.placed);
+      scene_.place(pose, sensor.reach() + reachOf(slot.motions), selection, slot.placed);
     }
     if (!scene_.listsHold(slot.placed)) {
       waitForAll();
@@ -333,7 +336,7 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     slot.placed.bind(arrays);
-    const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), part.shots, part.group, motionIn(slot),
+    const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), part.shots, part.group, slot.motions,
                                                    scene_.instances().count(), slot.placed.groups(), use, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
@@ -384,7 +387,7 @@ class DeviceBackend final : public Backend {
         DeviceResults results = sensor.results(frame, static_cast<uint32_t>(view));
         if (views > 1) results.inViews = slots_[slot].placed.inViews();
         readResults(workers_, sensor.sensorPlan(), results, scene_.instances(), part.shots[view],
-                    motionIn(slots_[slot]), result);
+                    motionOf(slots_[slot].motions, view), result);
         if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
         result.counters.reused = slots_[slot].reused;
         result.counters.culledByCluster -= slots_[slot].reused;
@@ -399,11 +402,28 @@ class DeviceBackend final : public Backend {
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     if (sensor.beams() > 0) {
       readHits(workers_, sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shots,
-               motionIn(slots_[slot]), to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
+               slots_[slot].motions, to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
       to.scan.counters.reused += slots_[slot].reused;
       to.scan.counters.culledByCluster -= slots_[slot].reused;
     }
     for (size_t view = 0; view < part.shots.size(); ++view) to.receive(part.index + view);
+  }
+
+  // Returns the motions of shots of which the first one tells whether anything moves.
+  std::vector<ShotMotion> motionsOf(const SensorPlan& plan, const OriginBounds& lasers,
+                                    std::span<const Shot> shots) const {
+    const auto of = [&](const Shot& shot) {
+      return motionOf(plan, lasers, shot, scene_.instances(), scene_.geometry().deformables());
+    };
+    std::vector<ShotMotion> motions;
+    std::optional<ShotMotion> first = of(shots[0]);
+    if (!first) return motions;
+    motions.resize(first->moves ? shots.size() : 1);
+    motions[0] = std::move(*first);
+    inRuns(motions.size() - 1, kMotionsPerRun, threadCount(), [&](uint64_t begin, uint64_t end) {
+      for (uint64_t i = begin + 1; i <= end; ++i) motions[i] = *of(shots[i]);
+    });
+    return motions;
   }
 
   static double millisecondsSince(Clock::time_point start) {

@@ -149,8 +149,9 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   const OriginBounds& lasers = sensor.groups(shot.frame)[group].lasers;
   const std::optional<ShotMotion> motion =
       motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
-  const Pose& pose = motion ? motion->tables.middle : shot.pose;
-  scene_.place(pose, sensor.reach() + reachOf(motion), {.ignored = sensor.sensorPlan().ignored, .world = shot.world},
+  const ShotMotions motions = motion ? ShotMotions(&*motion, 1) : ShotMotions();
+  const Pose pose = seenFrom({&shot, 1}, 0, motions);
+  scene_.place(pose, sensor.reach() + reachOf(motions), {.ignored = sensor.sensorPlan().ignored, .world = shot.world},
                run.placed);
   if (!scene_.listsHold(run.placed)) scene_.growLists(run.placed);
   CallerMemory records(item.records), header(item.header);
@@ -159,9 +160,8 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   run.placed.bind(arrays);
   sensor.loadRecords(index, group, item.records.bytes, *recording.classes, shot.frame);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
-  for (const Step& step :
-       sensor.prepare(index, {&shot, 1}, group, motion ? &*motion : nullptr, scene_.instances().count(),
-                      run.placed.groups(), StillImage::Use::none, arrays))
+  for (const Step& step : sensor.prepare(index, {&shot, 1}, group, motions, scene_.instances().count(),
+                                         run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;
   arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;

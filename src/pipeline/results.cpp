@@ -243,7 +243,7 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
 }
 
 void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
-              std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum) {
+              std::span<const Shot> shots, ShotMotions motions, const Places& to, Scan& sum) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   const uint64_t beams = plan.sensor.beamCount(), all = shots.size() * beams;
@@ -251,7 +251,7 @@ void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& dev
   const uint64_t count = device.tables.listed || device.tables.mapped ? frame.beams : frame.rows;
   std::atomic<uint64_t> hits = 0;
   const auto resolve = [&](uint64_t view, uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, {device.words + view * frame.beams}, device.tables, instances, motion,
+    hits += resolveWords(plan, {device.words + view * frame.beams}, device.tables, instances, motionOf(motions, view),
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), to.from(view * beams));
   };
   if (shots.size() == 1)

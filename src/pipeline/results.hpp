@@ -60,6 +60,6 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
 /// the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone. `motion` is that of the
 /// only shot, and null for scans without motion.
 void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
-              std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum);
+              std::span<const Shot> shots, ShotMotions motions, const Places& to, Scan& sum);
 
 }  // namespace gnosphere

@@ -91,9 +91,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
-    for (const EffectsArray& array : lastingArrays(plan, mostBeams())) {
+    for (const EffectsArray& array : lastingTables(plan)) {
       allocate(array.array, array.bytes);
-      if (!array.content.empty()) of(array.array)->write(0, array.content);
+      of(array.array)->write(0, array.content);
     }
   if (keepsRecords()) makeRecordArrays();
   Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
@@ -441,9 +441,9 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
   }
 }
 
-std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, size_t group,
-                                        const ShotMotion* motion, uint32_t instanceCount, const PlacedGroups& placed,
-                                        StillImage::Use still, BoundArrays& arrays) {
+std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, size_t group, ShotMotions motions,
+                                        uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
+                                        BoundArrays& arrays) {
   Frame& frame = frameAt(index);
   const auto views = static_cast<uint32_t>(shots.size());
   frame.capacities = capacities_;
@@ -470,6 +470,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.cullWorkgroups = sizes.cullGroups;
   content.triangleWorkgroups = sizes.triangleGroups;
   content.shellClusters = shellClustersOfViews(shellClusters_, views);
+  content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   if (views > 1) {
     content.views = views;
     content.slabShift = slabShiftOfViews();
@@ -488,13 +489,13 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.shellCount = shells_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
-  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motion));
+  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions));
 
   // The pattern's come last: a frame that has fired another pattern, group by group, still has the tables of that one.
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  const Motion moves = !motion ? Motion::none : motion->moves ? Motion::all : Motion::lasers;
+  const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
   std::vector<Step> result = steps(tables, content, placed, still, moves, group + 1 == pattern.groups.size());
   frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
     return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;

@@ -38,7 +38,7 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have. Views are shots with different poses in which nothing moves.
+  /// The most views that a submission may have. Views are shots with different poses in which no instance moves.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
@@ -50,9 +50,8 @@ class SensorArrays {
   /// The largest number of groups that any scan projects.
   size_t mostGroups() const;
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
-  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. Each of several shots is a
-  /// view.
-  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, const ShotMotion* motion,
+  /// arrays of the sensor and of the frame. Each of several shots is a view.
+  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, ShotMotions motions,
                             uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
                             BoundArrays& arrays);
   /// Throws Error(device) if the device has run nothing of the last scan of this frame.

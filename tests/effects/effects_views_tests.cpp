@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shots with effects that are submitted together, as views, give the same results as single scans.
 #include <algorithm>
+#include <tuple>
 
 #include "effects/showroom.hpp"
 
@@ -35,6 +36,10 @@ std::vector<Shot> shotsInWorlds(size_t count) {
   return shots;
 }
 
+size_t numberOf(const std::string& name) {
+  return static_cast<size_t>(std::find(effectNames().begin(), effectNames().end(), name) - effectNames().begin());
+}
+
 // Scans the shots together, and then one by one. Returns the number of submissions of the shots together.
 uint64_t checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOptions options) {
   static const Scene scene = showrooms();
@@ -60,6 +65,17 @@ uint64_t checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOp
   return ofAll;
 }
 
+// Lets the sensor move, in another way during each shot.
+void move(std::vector<Shot>& shots) {
+  for (size_t i = 0; i < shots.size(); ++i) {
+    Pose end = shots[i].pose;
+    end.position.x += 0.2 * static_cast<double>(i);
+    end.position.y -= 0.3;
+    end.orientation.z += 0.02 * static_cast<double>(i);
+    shots[i].motion.stamps = {{0, shots[i].pose}, {kPeriod, end}};
+  }
+}
+
 }  // namespace
 
 TEST_CASE("views with pairs of effects have the bytes of single scans") {
@@ -72,11 +88,35 @@ TEST_CASE("views with pairs of effects have the bytes of single scans") {
       {"divergence", "angle-noise"}, {"returns", "transmission"},    {"volumes", "radial-speed"}};
   for (const auto& [first, second] : pairs) {
     INFO(first << " and " << second);
-    const auto numberOf = [](const std::string& name) {
-      return size_t(std::find(effectNames().begin(), effectNames().end(), name) - effectNames().begin());
-    };
     const uint64_t submissions = checkTogether(smallSensor(), shots, optionsOf(numberOf(first), numberOf(second)));
     CHECK(submissions == 1);
+  }
+}
+
+TEST_CASE("views of a sensor that moves have the bytes of single scans") {
+  needVulkan();
+  std::vector<Shot> shots = shotsInWorlds(7);
+  move(shots);
+  Sensor list = gridSensor(0, 0, 0, 0);
+  list.patterns = {beamsOf(gridSensor(61, 13, -40, 35))};
+  list.rotationPeriod = kPeriod;
+  for (size_t i = 0; i < list.patterns[0].directions.size(); ++i)
+    list.patterns[0].times.push_back(kPeriod * static_cast<double>(i * 37 % 793) / 793);
+  Sensor grid = gridSensor(90, 16, -30, 30);
+  grid.rotationPeriod = kPeriod;
+  const std::vector<std::tuple<std::string, Sensor, std::string>> cases = {{"grid", grid, "intensity"},
+                                                                           {"head", smallSensor(), "returns"},
+                                                                           {"head", smallSensor(), "divergence"},
+                                                                           {"head", smallSensor(), "radial-speed"},
+                                                                           {"list", list, "cut-outs"}};
+  for (const auto& [name, sensor, effect] : cases) {
+    INFO(name << ", " << effect);
+    TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
+    CHECK(checkTogether(sensor, shots, options) == 1);
+    if (effect != "intensity") continue;
+    options.fields.clear();
+    options.effects.intensity.use = EffectUse::off;
+    CHECK(checkTogether(sensor, shots, options) == 1);
   }
 }
 

@@ -66,7 +66,7 @@ const Layouts kShared = {
            projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
            shiftMax, beside, momentsBefore, momentsAfter, stretch, footprint, slabShift, cullWorkgroups,
            triangleWorkgroups, shellClusters, shellHint, spreadAcross, spreadUp, ownRanges, hidesNear, phase,
-           shellCount, slabFirst, slabCount, beamColumnFirst, beamColumnCount, views),
+           shellCount, slabFirst, slabCount, beamColumnFirst, beamColumnCount, views, moments, scanBeams),
     STRUCT(Row, angles, channel, azimuths, first, lag, behind),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
