@@ -73,7 +73,7 @@ Frame& frame = *frameAt;
 #define shells (*shellsAt)
 #define parameters (*parametersAt)
 #define parametersOf(view_) parametersAt[view_]
-#define motion (*motionAt)
+#define motion (motionAt[frame.moments != 0 ? view : 0])
 GNO_DEVICE void loadMotion() {}
 GNO_DEVICE void loadMotionOf(uint) {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);

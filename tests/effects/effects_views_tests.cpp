@@ -40,7 +40,7 @@ size_t numberOf(const std::string& name) {
   return static_cast<size_t>(std::find(effectNames().begin(), effectNames().end(), name) - effectNames().begin());
 }
 
-// Scans the shots together, in one submission, and then one by one.
+// Scans the shots together, in one submission, then one by one, and then together by CUDA's kernels on the host.
 void checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOptions options) {
   static const Scene scene = showrooms();
   uint64_t submissions = 0;
@@ -61,6 +61,13 @@ void checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOption
     CHECK(together[i].counters.hits == alone.counters.hits);
     CHECK(together[i].counters.misses == alone.counters.misses);
     hits += alone.counters.hits;
+  }
+  if (dividesExactly(simulator.device())) {
+    Scan scan;
+    CudaOnHost(scene, {sensor}, options).backend().scanAll(shots, scan, [&](size_t i) {
+      INFO("CUDA, shot " << i);
+      CHECK(firstBytes(together[i], scan) == "none");
+    });
   }
   CHECK(hits > 100);
   CHECK((ofAll == 1 || lists));
