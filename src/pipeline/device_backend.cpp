@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/threads.hpp"
-#include "effects/arrays.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"

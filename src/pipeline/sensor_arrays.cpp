@@ -18,29 +18,6 @@ namespace {
 
 using gpu::Array;
 
-// Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
-constexpr uint64_t kMostEntries = limits::kEntries.most;
-constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
-// Rows of workgroups that every device can dispatch at once.
-constexpr uint64_t kMostGroupRows = 65535;
-
-// Triangles that a scan has projected, including those for which there was no room.
-uint64_t projectedCount(const gpu::Counters& counters) {
-  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
-}
-
-// Returns `needed` entries plus an eighth in reserve, as far as the limit allows.
-uint32_t grown(Array array, uint64_t needed, uint64_t limit, uint64_t most = kMostEntries) {
-  if (needed > most)
-    throw Error(ErrorCode::outOfMemory, "'" + std::string(gpu::nameOf(array)) + "' needs more than " +
-                                            std::to_string(most) + " entries, which no kernel can address");
-  return static_cast<uint32_t>(std::min(needed + needed / 8, std::max(needed, limit)));
-}
-
-uint32_t within(uint64_t count, uint64_t most) {
-  return static_cast<uint32_t>(std::min(count, most));
-}
-
 // The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
   auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
@@ -96,94 +73,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       of(array.array)->write(0, array.content);
     }
   if (keepsRecords()) makeRecordArrays();
-  Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
-  room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
-  room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
-  room.candidates = within(room.candidates, mostCandidates());
-  firstProjected_ = room.projected;
-  makeLists(room);
+  makeFirstLists(triangles);
   addFrame();
   mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
-}
-
-// Returns the arrays with entries per beam and view that stages pass on to each other.
-std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
-  const uint64_t beams = uint64_t{this->beams()} * views;
-  const bool lists = binning_ == gpu::kBinningLists;
-  std::vector<EffectsArray> arrays;
-  if (!plan_.bare()) arrays = beamArrays(plan_, mostBeams() * views);
-  const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
-  if (words && !leavesWords_) arrays.push_back({Array::words, beams * sizeof(Word), {}});
-  if (lists || plan_.panes() || plan_.footprint()) arrays.push_back({Array::listEnds, beams * 4, {}});
-  if (plan_.footprint() && !lists) {
-    arrays.push_back({Array::covers, beams * sizeof(gpu::Cover), {}});
-    arrays.push_back({Array::ownLinks, beams * gpu::kOwnLinks * 8, {}});
-  }
-  return arrays;
-}
-
-void SensorArrays::allocateByBeam(uint32_t views) {
-  for (const EffectsArray& array : arraysByBeam(views)) allocate(array.array, array.bytes);
-}
-
-uint32_t SensorArrays::findMostViews(uint64_t room) const {
-  if (binning_ == gpu::kBinningLists || keepsRecords() || patterns_.size() > 1 || mostGroups() > 1) return 1;
-  uint64_t ofView = 1, mostOfView = 1;  // bytes
-  for (const Output& output : outputs_) mostOfView = std::max(mostOfView, mostBeams() * output.bytesPerBeam);
-  for (const EffectsArray& array : arraysByBeam(1)) {
-    ofView += array.bytes;
-    mostOfView = std::max(mostOfView, array.bytes);
-  }
-  if (plan_.footprint()) ofView += listBytes(mostOfFootprints(beams()));
-  const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()),
-                                                machine_.traits().info.maxBufferBytes / mostOfView,
-                                                kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView,
-                                                kMostGroupRows / std::max(patterns_[0].tables.frame.rows, 1u)};
-  return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
-}
-
-// Grows the work arrays that lie view after view.
-void SensorArrays::growArrays(uint32_t views) {
-  if (views <= viewsWithRoom_) return;
-  viewsWithRoom_ = 0;  // should memory run out now, the next scan allocates the arrays again
-  allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
-  if (binning_ == gpu::kBinningSlabs) {
-    allocate(Array::staleEntries, 4 * most_.coarse * views);
-    allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4) * views);
-  }
-  allocateByBeam(views);
-  repeat(Array::startFarthest, views);
-  repeat(Array::startWords, views);
-  viewsWithRoom_ = views;
-}
-
-// Makes an array of the only pattern, with which each scan begins, one that all views begin with.
-void SensorArrays::repeat(Array array, uint32_t views) {
-  std::unique_ptr<DeviceMemory>& memory = patterns_[0].arrays[static_cast<size_t>(array)];
-  for (const EffectsArray& once : arraysOf(patterns_[0].tables)) {
-    if (once.array != array) continue;
-    std::vector<std::byte> content;
-    content.reserve(once.content.size() * views);
-    for (uint32_t view = 0; view < views; ++view)
-      content.insert(content.end(), once.content.begin(), once.content.end());
-    memory.reset();
-    memory = uploaded(machine_, array, std::span<const std::byte>(content));
-  }
-}
-
-void SensorArrays::makeRoomForViews(uint32_t views) {
-  growArrays(views);
-  if (views == 1) return;
-  Capacities room = capacities_;
-  const uint64_t ofView =
-      plan_.footprint() ? firstProjected_ : std::min(firstProjected_, firstProjectedOfView(beams()));
-  const uint64_t projected = std::min(ofView * views, mostProjected());
-  room.projected = std::max(room.projected, static_cast<uint32_t>(projected));
-  room.tiles = std::max(room.tiles, room.projected / 2);
-  if (plan_.footprint())
-    room.candidates =
-        std::max(room.candidates, within(leastWithFootprints(room.projected).candidates, mostCandidates()));
-  if (room.projected != capacities_.projected || room.tiles != capacities_.tiles) makeLists(room);
 }
 
 void SensorArrays::prepareKernels() {
@@ -319,56 +211,6 @@ void SensorArrays::makeRecordArrays() {
 void SensorArrays::allocate(Array array, uint64_t bytes) {
   of(array).reset();
   of(array) = machine_.allocate(gpu::nameOf(array), bytes, MemoryKind::device);
-}
-
-uint64_t SensorArrays::limit(uint64_t entryBytes) const {
-  return std::min(kMostEntries, machine_.traits().info.maxBufferBytes / entryBytes);
-}
-
-uint64_t SensorArrays::mostProjected() const {
-  uint64_t bytes = sizeof(gpu::vec4);
-  for (const EffectsArray& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);
-  return limit(bytes);
-}
-
-// In a chain, a candidate has its range and a link to the next.
-uint64_t SensorArrays::candidateBytes() const {
-  return binning_ == gpu::kBinningLists ? 4 : 12;
-}
-
-// Kernels number the words of a chain, not its entries.
-uint64_t SensorArrays::mostCandidates() const {
-  return limit(sizeof(uint32_t)) / (candidateBytes() / sizeof(uint32_t));
-}
-
-uint64_t SensorArrays::listBytes(const Capacities& room) const {
-  uint64_t ofProjected = 2 * sizeof(gpu::TaggedCorner) + sizeof(gpu::vec4) + sizeof(gpu::vec2);
-  for (const EffectsArray& array : projectedArrays(plan_, 1)) ofProjected += array.bytes;
-  return room.projected * ofProjected + (tilesBehind(room) + room.tiles) * kTileBytes +
-         room.candidates * candidateBytes();
-}
-
-// Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.
-uint64_t SensorArrays::tilesBehind(const Capacities& room) const {
-  return binning_ == gpu::kBinningSlabs ? room.projected : 0;
-}
-
-// Reallocates the lists whose capacity changes. If memory runs out, all capacities stay zero, and the next scan makes
-// the lists that it needs.
-void SensorArrays::makeLists(const Capacities& room) {
-  const Capacities had = std::exchange(capacities_, {});
-  if (room.projected != had.projected) {
-    const uint64_t count = room.projected;
-    allocate(Array::projectedA, count * sizeof(gpu::TaggedCorner));
-    allocate(Array::projectedB, count * sizeof(gpu::vec4));
-    allocate(Array::projectedC, count * sizeof(gpu::TaggedCorner));
-    allocate(Array::projectedColumns, count * sizeof(gpu::vec2));
-    for (const EffectsArray& array : projectedArrays(plan_, count)) allocate(array.array, array.bytes);
-  }
-  if (const uint64_t tiles = tilesBehind(room) + room.tiles; tiles != tilesBehind(had) + had.tiles)
-    allocate(Array::tiles, tiles * kTileBytes);
-  if (room.candidates != had.candidates) allocate(Array::candidates, room.candidates * candidateBytes());
-  capacities_ = room;
 }
 
 PlacedGroups SensorArrays::everything() const {
@@ -557,36 +399,6 @@ const gpu::Counters& SensorArrays::counters(Frame& frame) const {
   DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::counters)];
   memory.invalidate();
   return *static_cast<const gpu::Counters*>(memory.host());
-}
-
-bool SensorArrays::cutShort(size_t index) {
-  const gpu::Counters& needed = counters(frames_[index]);
-  const Capacities& had = frames_[index].capacities;
-  return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
-}
-
-// If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists. The
-// lists of footprints grow together, because another run takes long.
-void SensorArrays::growLists(size_t index) {
-  gpu::Counters needed = counters(frames_[index]);
-  const uint64_t projected = projectedCount(needed);
-  Capacities room = capacities_;
-  if (plan_.footprint() && binning_ != gpu::kBinningLists && projected > room.projected) {
-    const Capacities least = leastWithFootprints(projected);
-    needed.tiles = std::max(needed.tiles, within(least.tiles, limit(kTileBytes) / 2));
-    needed.candidates = std::max(needed.candidates, within(least.candidates, mostCandidates()));
-  }
-  if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
-  if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
-  if (needed.candidates > room.candidates)
-    room.candidates = grown(Array::candidates, needed.candidates, mostCandidates(),
-                            kMostEntries * sizeof(uint32_t) / candidateBytes());
-  // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
-  if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
-    room.projected = static_cast<uint32_t>(projected);
-    room.tiles = needed.tiles;
-  }
-  makeLists(room);
 }
 
 DeviceResults SensorArrays::results(size_t index) {

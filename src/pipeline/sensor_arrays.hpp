@@ -137,6 +137,7 @@ class SensorArrays {
   uint64_t mostCandidates() const;
   uint64_t tilesBehind(const Capacities& room) const;
   uint64_t listBytes(const Capacities& room) const;
+  void makeFirstLists(uint64_t triangles);
   void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes);
   void addFrame();
