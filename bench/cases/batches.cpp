@@ -12,6 +12,7 @@
 #include "gnosphere/batch.hpp"
 #include "gnosphere/error.hpp"
 #include "rivals/embree.hpp"
+#include "variants.hpp"
 
 namespace gnosphere::bench {
 namespace {
@@ -163,7 +164,7 @@ class BatchMeasurement {
     }
   }
 
-  /// The same head with noise and intensities, and a real head with its own effects.
+  /// The same head with noise and intensities, and a real head with its own effects, which stands and then moves.
   void townWithEffects() {
     const Scene scene = doubleSidedTown();
     const size_t views = std::min<size_t>(session_.options().frames, 1024);
@@ -179,6 +180,10 @@ class BatchMeasurement {
     for (const auto& [what, sensor, effects] : cases) {
       Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
       measureTown(what, ours, sensor, shots, nullptr);
+      if (sensor.rotationPeriod == 0) continue;
+      std::vector<Shot> moving = shots;
+      for (Shot& shot : moving) shot.motion = drivenFrom(shot.pose, sensor.rotationPeriod);
+      measureTown(formatted("%s, moving", what), ours, sensor, moving, nullptr);
     }
   }
 
