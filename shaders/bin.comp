@@ -42,7 +42,7 @@ void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
   // Without a branch, because a store of some lanes takes longer than one of all lanes.
   uint64_t word = packUint2x32(met ? uvec2(id, floatBitsToUint(range)) : uvec2(kNone));
-  words64.at[firstWord() + beam] = min(words64.at[firstWord() + beam], word);
+  words64.at[beamEntry(beam)] = min(words64.at[beamEntry(beam)], word);
 #endif
 }
 
@@ -102,7 +102,7 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 // True if a beam has a hit nearer than all of a triangle. Asking costs less than a try if lasers see the triangle from
 // different places.
 bool isBehindHit(Triangle triangle, uint index) {
-  return BINNING != kBinningLists && words.at[firstWord() + index].y < floatBitsToUint(triangle.rangeMin);
+  return BINNING != kBinningLists && words.at[beamEntry(index)].y < floatBitsToUint(triangle.rangeMin);
 }
 
 Box boxOf(uint slot, vec2 span, uint packedRows) {
@@ -134,7 +134,7 @@ void trySmall(uint i) {
   TaggedCorner c = loadedC(i);
   Triangle triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
   Box box = boxOf(i, projectedColumns.at[i], c.tag);
-  if (VIEWS) lookFrom(projectedViews.at[i]);
+  setViewOf(i);
   Prepared prepared = prepare(triangle);
   lookAtSurface(i);
   uint columnCount = boxColumnCount(box);
@@ -397,7 +397,7 @@ void trySlabs() {
       if (slab != kNone && pass.table != kTableNone) writeTable(slab - view * perView, rowFirst, rowLast);
       t = takeSlab(slabs, slab);
       if (slab >= slabs) return;
-      if (VIEWS) lookFrom(slab / perView);
+      lookFrom(slab / perView);
       rowFirst = frame.rows;
       rowLast = 0;
       continue;
@@ -436,7 +436,7 @@ void tryProjected(uint firstSmall, uint firstTile) {
   for (uint share = nextShare(kNone, together); WAITS || share < all; share = nextShare(share, together)) {
     if (share < tileCount) {
       Tile tile = tileAt(firstTile + share);
-      if (VIEWS) lookFrom(projectedViews.at[tile.slot]);
+      setViewOf(tile.slot);
       if (isInPass(tile.slot)) tryTile(tile);
     } else {
       bool none = share >= all;  // a last round offers the triangles that still wait

@@ -25,7 +25,7 @@ Meeting held;
 // The lanes may hold meetings of other views than that of the tile.
 void offerHeld() {
   uint ofTile = view;
-  if (VIEWS) lookFrom(projectedViews.at[held.projected]);
+  setViewOf(held.projected);
   uint index = LISTED ? held.column : held.row * frame.columns + held.column;
   Beam beam;
   if (LISTED) {
@@ -69,7 +69,7 @@ void trySmallTogether(uint i, bool there, bool flush) {
     TaggedCorner c = loadedC(i);
     triangle = triangleOf(loadedA(i), loadedB(i), c.corner);
     box = boxOf(i, projectedColumns.at[i], c.tag);
-    if (VIEWS) lookFrom(projectedViews.at[i]);
+    setViewOf(i);
   }
   Prepared prepared = preparedForAll(triangle);
   uint columnCount = boxColumnCount(box);

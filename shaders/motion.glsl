@@ -29,8 +29,8 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
 
 // Returns the sensor at a place in its table, which may lie between two entries.
 ColumnMotion columnMotionAt(float place) {
-  uint before = firstMoment() + uint(whole(floor(place)));
-  return motionBetween(loadedMotion(before), loadedMotion(before + 1), place - float(before - firstMoment()));
+  uint before = uint(whole(floor(place))), entry = firstMoment() + before;
+  return motionBetween(loadedMotion(entry), loadedMotion(entry + 1), place - float(before));
 }
 
 // Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire

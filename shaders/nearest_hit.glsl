@@ -7,13 +7,13 @@ Words64 words64 = Words64(words);
 #endif
 
 float farthestOf(uint index) {
-  return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[firstWord() + index].y, 0x7f800000u)), frame.rangeMax);
+  return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[beamEntry(index)].y, 0x7f800000u)), frame.rangeMax);
 }
 
 // Any invocation may call this. Ranges are positive, so their bits order like numbers.
 void offerNearest(uint beam, float range, uint id) {
 #ifdef INT64_ATOMICS
-  atomicMin(words64.at[firstWord() + beam], packUint2x32(uvec2(id, floatBitsToUint(range))));
+  atomicMin(words64.at[beamEntry(beam)], packUint2x32(uvec2(id, floatBitsToUint(range))));
 #endif
 }
 

@@ -16,7 +16,7 @@ uint farthestIn(uvec2 entry) {
     for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row) {
       uint cell = row * frame.columns + first;
       for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + last + 1]; index < end && result != kNone; ++index)
-        result = max(result, words.at[firstWord() + index].y);
+        result = max(result, words.at[beamEntry(index)].y);
     }
     return result;
   }

@@ -21,7 +21,8 @@ uint instanceOf(uint id) {
     uvec2 range = ownerRanges.at[id / kOwnerBlock];
     return lastNotAbove(range.x, range.y, id);
   }
-  // The instances of all worlds and those of the view's own world have numbers that lie between each other.
+  // A view has two runs of instances, those of all worlds and those of its own, whose triangle numbers are interleaved. The
+  // owner is the last instance of both runs whose first triangle is not above `id`.
   uint found = kNone, foundFirst = 0;
   for (uint k = 0; k < 2; ++k) {
     uvec2 run = ownerRanges.at[2 * view + k];

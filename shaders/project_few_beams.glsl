@@ -152,7 +152,7 @@ bool tryOnAll(LoadedCluster loaded, FewBeams few) {
     uint k = min(first + gl_SubgroupInvocationID, few.count - 1), down = smallWhole(floor((float(k) + 0.5) / float(few.columnCount)));
     uint row = few.rowFirst + down, column = few.columnFirst + k - down * few.columnCount;
     column = min(column, column - frame.columns);  // after the last column comes the first again
-    uint index = row * frame.columns + column, known = words.at[firstWord() + index].y;
+    uint index = row * frame.columns + column, known = words.at[beamEntry(index)].y;
     Beam own = beamOf(loadedColumn((AZIMUTH_OFFSETS ? loadedRow(row).azimuths : 0) + column), loadedRow(row).angles.x,
                       loadedRow(row).angles.y);
     bool hidden = (CULLING & kCullOccluded) != 0 && known < floatBitsToUint(few.nearest);

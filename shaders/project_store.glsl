@@ -32,8 +32,8 @@ void storeTiles(uint slot, Box box) {
 // index of the triangle. Panes have lists of their own.
 void storeSlabs(uint slot, Box box, uint material) {
   uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
-  uint lists = VIEWS ? view * slabs : 0;
-  if (PANES && isPaneMaterial(material)) lists += VIEWS ? frame.views * slabs : slabs;
+  uint lists = view * slabs;
+  if (PANES && isPaneMaterial(material)) lists += frame.views * slabs;
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   bool room = true;  // tiles without room are counted, so that the next scan has enough
   bool first = true;

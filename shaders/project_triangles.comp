@@ -412,8 +412,8 @@ void main() {
   uint waiting = 0;
   for (bool more = true; more;) {
     more = nextCluster(next, batch, ofBatch, loaded, few);
+    if (more) setView(loaded.number);
     if (more && few.count > 0 && loaded.triangleCount > 0) {
-      if (VIEWS) setView(loaded.number);
       if (tryOnAll(loaded, few)) {
         triangleCount += loaded.triangleCount;
         if (lane == 0) triedCount += loaded.triangleCount;
@@ -424,7 +424,6 @@ void main() {
     uint left = 0;  // one bit for each triangle that needs bounds
     if (more && loaded.triangleCount > 0) {
       triangleCount += loaded.triangleCount;
-      if (VIEWS && MOTION) setView(loaded.number);
       vertices = verticesOf(loaded);
       for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
         uint k = first + lane;

@@ -51,7 +51,7 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
     float range;
-    uint known = words.at[firstWord() + place.index].y;  // loaded before the test, which then need not wait for it
+    uint known = words.at[beamEntry(place.index)].y;  // loaded before the test, which then need not wait for it
     Triangle seen = triangle;
     if (MOTION && BINNING == kBinningSlabs && !atRest(triangle.moves)) {
       if (BEAM_FRAMES) {
@@ -101,7 +101,7 @@ void tryBoxes(bool there, Projected own, Box box) {
       Triangle triangle = triangleOf(a, subgroupShuffle(own.b, owner), subgroupShuffle(own.c.corner, owner));
       uint index = subgroupShuffle(start, owner) + number;
       view = subgroupShuffle(ownView, owner);
-      uint known = words.at[firstWord() + index].y;
+      uint known = words.at[beamEntry(index)].y;
       Beam beam = listedBeam(index);
       float range;
       Turned turned = turnedFrom(triangle, index, index, beam.azimuth);

@@ -16,6 +16,11 @@ void setView(uint instance) {
   if (VIEWS) lookFrom(instanceViews.at[instance]);
 }
 
+// Sets the view to that of a projected triangle.
+void setViewOf(uint projected) {
+  if (VIEWS) lookFrom(projectedViews.at[projected]);
+}
+
 // The first entry of the view in `columnMotions`.
 uint firstMoment() { return VIEWS ? view * frame.moments : 0; }
 

@@ -99,8 +99,8 @@ std::vector<Option<S>> makeSimulatorTable() {
            "tuning.sub_rays",
            {{"auto", "Lanes on a graphics card, one on a CPU."},
             {"lanes",
-             "The lanes of a subgroup share the sub-rays of a beam, up to two each; as `one` if there are more, and by "
-             "CUDA."},
+             "The lanes of a subgroup share the sub-rays of a beam. If a lane would have more than two, and with CUDA, "
+             "the choice is `one`."},
             {"one", "One invocation has all sub-rays of a beam."}},
            "How the footprints that lie on several triangles are computed. Every choice gives the same cloud."),
        time},

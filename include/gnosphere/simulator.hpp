@@ -104,7 +104,8 @@ struct Culling {
 /// How the footprints that lie on several triangles are computed. Every choice gives the same cloud.
 enum class SubRays {
   automatic,  ///< lanes on a graphics card, one on a CPU
-  /// The lanes of a subgroup share the sub-rays of a beam, up to two each; as `one` if there are more, and by CUDA.
+  /// The lanes of a subgroup share the sub-rays of a beam. If a lane would have more than two, and with CUDA, the
+  /// choice is `one`.
   lanes,
   one,  ///< one invocation has all sub-rays of a beam
 };

@@ -21,7 +21,8 @@ struct EffectsArray {
 
 /// Tables that live as long as the sensor.
 std::vector<EffectsArray> lastingTables(const SensorPlan& plan);
-/// Arrays that the stages pass on to each other, with entries for each beam. `beams` counts those of all views.
+/// Arrays that the stages pass on to each other, with entries for each beam. `beams` is the number of beams of all
+/// views together.
 std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);

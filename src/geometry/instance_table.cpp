@@ -340,7 +340,8 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
   const World* const common = find(0);
   const auto see = [&](uint32_t view, const glm::dvec3& sensor, const World* world) {
     const auto first = static_cast<uint32_t>(entries.size());
-    for (const uint32_t instance : world ? std::span<const uint32_t>(world->instances) : std::span<const uint32_t>()) {
+    const std::span<const uint32_t> instances = world ? world->instances : std::span<const uint32_t>();
+    for (const uint32_t instance : instances) {
       if ((instance < ignored.size() && ignored[instance]) || !isSeen(instance, sensor, reach)) continue;
       const MeshSummary& mesh = meshOf(placements_[instance]);
       if (mesh.groups == 0) continue;  // no beam hits it, and the next instance may have the same number

@@ -8,7 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "base/limits.hpp"
 #include "pipeline/beam_cells.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "scan/layout.hpp"

@@ -120,7 +120,7 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   if (plan_.footprint())
     room.candidates =
         std::max(room.candidates, within(leastWithFootprints(room.projected).candidates, mostCandidates()));
-  if (room.projected != capacities_.projected || room.tiles != capacities_.tiles) makeLists(room);
+  makeLists(room);
 }
 
 uint64_t SensorArrays::mostProjected() const {

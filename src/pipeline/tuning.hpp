@@ -25,7 +25,8 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 /// can hide those of farther shells.
 uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
                     uint64_t triangles);
-/// Returns how many clusters the first shell should hold; kShellGrowth tells of the others.
+/// Returns how many clusters the first shell should hold. Each further shell should hold kShellGrowth times as many as
+/// the shell before it.
 uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles);
 /// The same for a submission of several views, from the number for one.
 uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
@@ -56,7 +57,8 @@ struct Capacities {
 };
 /// Returns the initial capacities; lists grow when a scan needs more.
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles);
-/// Returns what the lists need at most, in the scenes that were measured, if beams have footprints.
+/// Returns the largest capacities that the lists of a scan with footprints needed in the scenes that were measured, for
+/// a sensor with so many beams.
 Capacities mostOfFootprints(uint64_t beams);
 /// Returns what the lists probably need if footprints meet so many projected triangles that there was no room for all.
 Capacities leastWithFootprints(uint64_t projected);

@@ -312,6 +312,16 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
     CHECK(std::ranges::equal(batch.instances(), expected.instances()));
     CHECK(batch.counters.hits == expected.counters.hits);
   };
+  // A view takes 2 MB with footprints, of which the lists have most, and a few kB without.
+  uint64_t submissions = 0;
+  TestOptions bounded = vulkanOptions();
+  bounded.tuning.maxBatchBytes = 8 << 20;
+  bounded.trace = [&](const std::string& line) { submissions += line.find("project_groups") != line.npos; };
+  Simulator simulator(scene, request, bounded);
+  simulator.scanBatch(shots);
+  submissions = 0;
+  simulator.scanBatch(shots);
+  CHECK((footprints ? submissions >= 8 : submissions == 1));
   for (const uint64_t budget : {1, 5'000, 20'000}) {
     TestOptions options = vulkanOptions();
     options.tuning.maxBatchBytes = budget;
