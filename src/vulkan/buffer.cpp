@@ -33,6 +33,13 @@ Wishes wishesFor(const Device& device, MemoryKind kind) {
 
 }  // namespace
 
+void refuseLarger(const Device& device, const char* name, uint64_t bytes, uint64_t most) {
+  if (bytes > most)
+    throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes) +
+                                            "; the device '" + device.capabilities().info.name + "' allows " +
+                                            mebibytes(most));
+}
+
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind)
     : Buffer(device, name, bytes, wishesFor(device, kind)) {}
 
@@ -44,10 +51,7 @@ Buffer Buffer::staging(const Device& device, uint64_t bytes, bool read) {
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wanted, bool onHost)
     : device_(&device), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
-  if (bytes_ > device.maxBufferBytes())
-    throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes_) +
-                                            "; the device '" + device.capabilities().info.name + "' allows " +
-                                            mebibytes(device.maxBufferBytes()));
+  refuseLarger(device, name, bytes_, device.maxBufferBytes());
   VkBufferCreateInfo create = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   create.size = bytes_;
   create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
@@ -101,7 +105,7 @@ void Buffer::need(VkResult result) const {
                            device_->capabilities().info.name + "' ";
   if (result == VK_ERROR_TOO_MANY_OBJECTS)
     throw Error(ErrorCode::outOfMemory, text + "allows " + std::to_string(device_->capabilities().mostAllocations) +
-                                            " allocations, of which this simulator has " +
+                                            " allocations, of which the simulators on it have " +
                                             std::to_string(device_->blocks().count()) + ", and others the rest");
   throw Error(ErrorCode::outOfMemory, text + "has " + mebibytes(device_->heapBytes()) + " in all");
 }
@@ -132,6 +136,8 @@ Transfer::Transfer(const Device& device) : device_(&device) {
   create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   create.queueFamilyIndex = device.capabilities().queueFamily;
   pool_ = device.make(device.vk().vkCreateCommandPool, device.vk().vkDestroyCommandPool, create);
+  const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  fence_ = device.make(device.vk().vkCreateFence, device.vk().vkDestroyFence, fence);
 }
 
 void Transfer::write(Buffer& buffer, uint64_t place, std::span<const std::byte> data) {
@@ -192,8 +198,10 @@ void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands;
-  VK(vk.vkQueueSubmit(device_->queue(), 1, &submit, VK_NULL_HANDLE));
-  VK(vk.vkQueueWaitIdle(device_->queue()));
+  const VkFence fence = fence_.get();
+  check(device_->submit(submit, fence), "vkQueueSubmit");
+  VK(vk.vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX));
+  VK(vk.vkResetFences(device_->handle(), 1, &fence));
   vk.vkFreeCommandBuffers(device_->handle(), pool_.get(), 1, &commands);
 }
 

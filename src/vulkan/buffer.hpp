@@ -15,6 +15,9 @@ namespace gnosphere::vulkan {
 /// recording keeps one of them.
 inline constexpr uint64_t kMostStagingBytes = 16 << 20;
 
+/// Throws Error(outOfMemory) if one buffer of this size is larger than `most` bytes.
+void refuseLarger(const Device& device, const char* name, uint64_t bytes, uint64_t most);
+
 class Buffer {
  public:
   Buffer() = default;
@@ -108,6 +111,7 @@ class Transfer {
 
   const Device* device_;
   DeviceHandle<VkCommandPool> pool_;
+  DeviceHandle<VkFence> fence_;
   Buffer written_, read_;  // made at their first use
 };
 

@@ -81,10 +81,9 @@ void Commands::submit() {
     VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &buffers_[i];
-    const VkResult result =
-        vk_.vkQueueSubmit(device_.queue(), 1, &submit, i + 1 == used_ ? fence_.get() : VkFence(VK_NULL_HANDLE));
+    const VkResult result = device_.submit(submit, i + 1 == used_ ? fence_.get() : VkFence(VK_NULL_HANDLE));
     // No fence tells when those before it end.
-    if (result != VK_SUCCESS && i > 0) vk_.vkQueueWaitIdle(device_.queue());
+    if (result != VK_SUCCESS && i > 0) device_.waitForQueue();
     if (result == VK_ERROR_DEVICE_LOST) refuseLost();
     check(result, "vkQueueSubmit");
   }

@@ -61,8 +61,7 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& c
   return devices[chooseDevice(infos, choice)];
 }
 
-Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes, bool statistics)
-    : adopted_(choice.adopted) {
+Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : adopted_(choice.adopted) {
   if (adopted_) {
     instanceFunctions_ = functionsOf(adopted_->getInstanceProcAddr, adopted_->instance);
     physical_ = adopted_->physicalDevice;
@@ -81,14 +80,18 @@ Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBy
         statistics && offers(instanceFunctions_, physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     makeOwn();
   }
-  largestBuffer_ = capabilities_.info.maxBufferBytes;
-  limitBuffers(maxBufferBytes);
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_, capabilities_.mostAllocations);
 }
 
-void Device::limitBuffers(uint64_t maxBufferBytes) {
-  capabilities_.info.maxBufferBytes = maxBufferBytes > 0 ? std::min(maxBufferBytes, largestBuffer_) : largestBuffer_;
+VkResult Device::submit(const VkSubmitInfo& info, VkFence fence) const {
+  const std::lock_guard lock(queueMutex_);
+  return vk_.vkQueueSubmit(queue_, 1, &info, fence);
+}
+
+void Device::waitForQueue() const {
+  const std::lock_guard lock(queueMutex_);
+  vk_.vkQueueWaitIdle(queue_);
 }
 
 void Device::makeOwn() {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Vulkan device with a compute queue.
+// One Vulkan device with a compute queue, which several threads may use at once.
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,7 @@ class Device {
  public:
   /// Creates a device, or takes the caller's if `choice` holds an adopted one. With `statistics` its pipelines tell
   /// what the compiler has made of them, if the driver can.
-  Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes, bool statistics = false);
+  Device(const DeviceChoice& choice, bool validation, bool statistics = false);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -43,10 +44,11 @@ class Device {
     return {object, destroy, handle()};
   }
   VkPhysicalDevice physical() const { return physical_; }
-  VkQueue queue() const { return queue_; }
+  /// Submits to the queue of our own device; `fence` may be null.
+  VkResult submit(const VkSubmitInfo& info, VkFence fence) const;
+  /// Waits for everything that was submitted.
+  void waitForQueue() const;
   const Capabilities& capabilities() const { return capabilities_; }
-  /// Sets the size that no buffer may exceed; with 0 that is what the device allows.
-  void limitBuffers(uint64_t maxBufferBytes);
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
   /// Whether pipelines are made with the statistics of the driver's compiler, such as registers and code size.
   bool statistics() const { return statistics_; }
@@ -77,8 +79,6 @@ class Device {
   void makeOwn();
 
   bool statistics_ = false;
-  uint64_t largestBuffer_ = 0;  // that the device allows
-
   std::shared_ptr<const AdoptedDevice> adopted_;
   std::unique_ptr<ApiInstance> instance_;  // null with an adopted device
   InstanceFunctions instanceFunctions_;
@@ -88,6 +88,7 @@ class Device {
   Handle<VkDevice> device_;
   DeviceFunctions vk_;
   VkQueue queue_ = VK_NULL_HANDLE;
+  mutable std::mutex queueMutex_;  // one thread at a time may use a queue
   std::unique_ptr<MemoryBlocks> blocks_;
 };
 

@@ -203,10 +203,22 @@ void Kernels::make(Missing& one) const {
   one.compiled.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+const Kernels::Compiled* Kernels::find(const Variant& variant) const {
+  const std::shared_lock lock(mutex_);
+  const auto found = pipelines_.find(variant);
+  return found == pipelines_.end() ? nullptr : found->second;
+}
+
+size_t Kernels::count() const {
+  const std::shared_lock lock(mutex_);
+  return compiled_.size();
+}
+
 void Kernels::prepare(std::span<const Variant> variants) {
+  const std::lock_guard alone(preparing_);
   std::vector<Missing> missing;
   for (const Variant& variant : std::set<Variant>(variants.begin(), variants.end()))
-    if (!pipelines_.contains(variant)) missing.push_back({variant});
+    if (!find(variant)) missing.push_back({variant});
   std::reverse(missing.begin(), missing.end());  // the kernels of effects take longest, so they begin first
   inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) {
     missing[i].code = codeOf(device_.capabilities(), missing[i].variant, specialise_);
@@ -217,23 +229,26 @@ void Kernels::prepare(std::span<const Variant> variants) {
   for (Missing& one : missing)
     if (!compiled_.contains(one.digest) && digests.insert(one.digest).second) different.push_back(&one);
   inRuns(different.size(), 1, threadCount(), [&](uint64_t i, uint64_t) { make(*different[i]); });
+  const std::lock_guard lock(mutex_);
   for (Missing* one : different) compiled_[one->digest] = std::move(one->compiled);
   for (const Missing& one : missing) pipelines_[one.variant] = &compiled_.at(one.digest);
 }
 
 VkPipeline Kernels::of(const Variant& variant) {
-  const auto found = pipelines_.find(variant);
-  if (found != pipelines_.end()) return found->second->pipeline.get();
-  prepare({&variant, 1});
-  return pipelines_.at(variant)->pipeline.get();
+  const Compiled* compiled = find(variant);
+  if (!compiled) {
+    prepare({&variant, 1});
+    compiled = find(variant);
+  }
+  return compiled->pipeline.get();
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {
-  const auto found = pipelines_.find(variant);
-  if (found == pipelines_.end()) return;
-  pipeline.compileMs = found->second->ms;
+  const Compiled* const compiled = find(variant);
+  if (!compiled) return;
+  pipeline.compileMs = compiled->ms;
   pipeline.subgroupSize = lanesOf(device_.capabilities().subgroups, variant);
-  if (device_.statistics()) addStatistics(device_, found->second->pipeline.get(), pipeline);
+  if (device_.statistics()) addStatistics(device_, compiled->pipeline.get(), pipeline);
 }
 
 }  // namespace gnosphere::vulkan

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <span>
 #include <string>
 
@@ -35,8 +37,8 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
 using KernelDigest = std::string;
 KernelDigest digestOf(const Variant& variant, const KernelCode& code);
 
-/// The compiled kernels of a simulator; each is compiled once. Kernels that are the same module once their options are
-/// in place share a pipeline.
+/// The compiled kernels of a device; each is compiled once. Kernels that are the same module once their options are in
+/// place share a pipeline. Several threads may use it at once.
 class Kernels {
  public:
   Kernels(const Device& device, const PipelineCache& cache, Specialise specialise = codeOf);
@@ -48,7 +50,7 @@ class Kernels {
   /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
   VkPipeline of(const Variant& variant);
   /// Returns the number of pipelines.
-  size_t count() const { return compiled_.size(); }
+  size_t count() const;
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
   /// compiler says.
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const;
@@ -60,11 +62,15 @@ class Kernels {
   };
   struct Missing;
   void make(Missing& one) const;
+  /// Returns the pipeline of a kernel; null if it is not compiled.
+  const Compiled* find(const Variant& variant) const;
 
   const Device& device_;
   const PipelineCache& cache_;
   Specialise specialise_;
   DeviceHandle<VkPipelineLayout> layout_;
+  std::mutex preparing_;             ///< held while kernels are compiled, which does not stop those who use others
+  mutable std::shared_mutex mutex_;  ///< guards the members below
   std::map<KernelDigest, Compiled> compiled_;
   std::map<Variant, const Compiled*> pipelines_;  ///< places in compiled_
 };

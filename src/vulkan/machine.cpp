@@ -111,10 +111,13 @@ class VulkanMachine final : public Machine {
     const Capabilities& capabilities = device_.capabilities();
     timesStages_ = !capabilities.cpu || options.tuning.stageTimes || trace_;
     traits_ = traitsOf(capabilities);
+    if (const uint64_t most = options.tuning.maxBufferBytes; most > 0)
+      traits_.info.maxBufferBytes = std::min(traits_.info.maxBufferBytes, most);
   }
 
   const Traits& traits() const override { return traits_; }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) override {
+    refuseLarger(device_, name, bytes, traits_.info.maxBufferBytes);
     if (recordsOnly()) return std::make_unique<RecordedMemory>(device_, recordings_, name, bytes, kind);
     return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }

@@ -31,6 +31,7 @@ VkResult MemoryBlocks::take(const VkMemoryRequirements& requirements, uint32_t t
   const VkDeviceSize size = roundedUp(requirements.size, kAlignment);
   const VkDeviceSize alignment = std::max(requirements.alignment, kAlignment);
   const bool shared = size <= kLargestShared;
+  const std::lock_guard lock(mutex_);
   if (shared)
     for (const auto& block : blocks_)
       if (block->type == type && takeFrom(*block, size, alignment, piece)) return VK_SUCCESS;
@@ -42,6 +43,7 @@ VkResult MemoryBlocks::take(const VkMemoryRequirements& requirements, uint32_t t
 }
 
 void MemoryBlocks::giveBack(const Piece& piece) noexcept {
+  const std::lock_guard lock(mutex_);
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
                                   [&](const auto& block) { return block->memory.get() == piece.memory; });
   if (found == blocks_.end()) return;

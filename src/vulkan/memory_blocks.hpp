@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "vulkan/functions.hpp"
@@ -12,6 +13,7 @@
 
 namespace gnosphere::vulkan {
 
+/// Several threads may use it at once.
 class MemoryBlocks {
  public:
   /// A part of a block. Its size is a multiple of kAlignment, and so is its offset.
@@ -35,7 +37,10 @@ class MemoryBlocks {
   /// A block is freed with its last piece.
   void giveBack(const Piece& piece) noexcept;
   /// Allocations of the device that are in use.
-  size_t count() const { return blocks_.size(); }
+  size_t count() const {
+    const std::lock_guard lock(mutex_);
+    return blocks_.size();
+  }
 
  private:
   using Runs = std::map<VkDeviceSize, VkDeviceSize>;  // size by offset
@@ -55,6 +60,7 @@ class MemoryBlocks {
   VkDevice device_;
   const DeviceFunctions& vk_;
   uint32_t most_;
+  mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Block>> blocks_;
 };
 

@@ -96,6 +96,7 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
 }
 
 void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
+  const std::lock_guard lock(mutex_);
   if (file_.empty()) return;
   size_t size = 0;
   VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, nullptr));

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <mutex>
 
 #include "vulkan/device.hpp"
 
@@ -17,7 +18,7 @@ std::filesystem::path cacheFolder(const std::string& setting);
 std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties);
 
 /// Uses one file per device and driver version. A damaged file, a file of another device, and a folder that cannot be
-/// read or written are no errors: the pipelines are then compiled again.
+/// read or written are no errors: the pipelines are then compiled again. Several threads may use it at once.
 class PipelineCache {
  public:
   /// The text `setting` is SimulatorOptions::cache.
@@ -29,6 +30,7 @@ class PipelineCache {
 
  private:
   const Device& device_;
+  std::mutex mutex_;
   std::filesystem::path file_;  // empty if pipelines are not kept
   std::string stored_;          // the driver's data in the file
   DeviceHandle<VkPipelineCache> cache_;

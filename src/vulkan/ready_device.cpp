@@ -7,13 +7,19 @@
 #include <array>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace gnosphere::vulkan {
 namespace {
 
-// A device with more kernels than this is not kept, so that a process that scans in ever new ways does not grow.
+// A device with more kernels than this gets no more simulators, so that a process that scans in ever new ways does not
+// grow.
 constexpr size_t kMostKernels = 256;
+
+// The number of devices without a simulator that a process keeps.
+constexpr ptrdiff_t kMostIdle = 2;
 
 // The settings that a device is made with.
 struct Settings {
@@ -32,63 +38,73 @@ struct Settings {
 
 struct OwnDevice : ReadyDevice {
   explicit OwnDevice(const SimulatorOptions& options) : ReadyDevice(options), settings(options) {}
+  // A process that was forked has no threads of the driver, so devices of its parent are of no use there.
+  bool isParents() const { return process != getpid(); }
+  bool takesMore() const { return !failed && !isParents() && kernels.count() <= kMostKernels; }
+  bool isIdle() const { return users == 0 && !isParents(); }
+
   Settings settings;
   pid_t process = getpid();
+  // Both are guarded by Devices::mutex.
+  size_t users = 0;
+  std::thread::id thread;  // on which its simulators were made
 };
 
-// The devices that no simulator uses, the one used last first. The end of the process destroys none of them, because
-// drivers may have unloaded parts of themselves before.
-struct Idle {
+// The devices of this process but for those of the caller, the one that was given back or made last first. The end of
+// the process destroys none of them, because drivers may have unloaded parts of themselves before.
+struct Devices {
   std::mutex mutex;
-  std::array<OwnDevice*, 2> devices = {};
+  std::vector<std::unique_ptr<OwnDevice>> devices;
 };
-Idle& idle() {
-  static Idle& one = *new Idle;
+Devices& all() {
+  static Devices& one = *new Devices;
   return one;
-}
-
-// A process that was forked has no threads of the driver, so what its parent has kept is of no use, nor can it be
-// destroyed.
-void forgetParents(Idle& all) {
-  for (OwnDevice*& device : all.devices)
-    if (device && device->process != getpid()) device = nullptr;
 }
 
 }  // namespace
 
 LentDevice lendDevice(const SimulatorOptions& options) {
-  if (options.device.adopted) return LentDevice(new OwnDevice(options));
+  if (options.device.adopted) return LentDevice(new ReadyDevice(options));
   const Settings settings(options);
-  {
-    const std::lock_guard lock(idle().mutex);
-    forgetParents(idle());
-    for (OwnDevice*& device : idle().devices)
-      if (device && device->settings == settings) {
-        device->device.limitBuffers(options.tuning.maxBufferBytes);
-        return LentDevice(std::exchange(device, nullptr));
-      }
-  }
-  return LentDevice(new OwnDevice(options));
+  const std::lock_guard lock(all().mutex);
+  auto& devices = all().devices;
+  const auto find = [&](const auto& suits) {
+    return std::find_if(devices.begin(), devices.end(),
+                        [&](const auto& one) { return one->settings == settings && one->takesMore() && suits(*one); });
+  };
+  const std::thread::id thread = std::this_thread::get_id();
+  auto device = find([&](const OwnDevice& one) { return one.users > 0 && one.thread == thread; });
+  if (device == devices.end()) device = find([](const OwnDevice& one) { return one.isIdle(); });
+  if (device == devices.end()) device = devices.insert(devices.begin(), std::make_unique<OwnDevice>(options));
+  (*device)->thread = thread;
+  ++(*device)->users;
+  return LentDevice(device->get());
 }
 
-void GiveBack::operator()(ReadyDevice* device) const noexcept {
-  auto* given = static_cast<OwnDevice*>(device);
-  if (!given->failed && !given->device.adopted() && given->kernels.count() <= kMostKernels) {
-    const std::lock_guard lock(idle().mutex);
-    forgetParents(idle());
-    // Each device moves one place on, up to the first free place. Without a free place the last device is destroyed.
-    for (OwnDevice*& place : idle().devices) {
-      std::swap(place, given);
-      if (!given) return;
-    }
+void GiveBack::operator()(ReadyDevice* given) const noexcept {
+  if (given->device.adopted()) {
+    delete given;
+    return;
   }
-  delete given;
+  std::unique_ptr<OwnDevice> last;  // destroyed without the lock
+  const std::lock_guard lock(all().mutex);
+  auto& devices = all().devices;
+  const auto place = std::find_if(devices.begin(), devices.end(), [&](const auto& one) { return one.get() == given; });
+  if ((*place)->isParents() || --(*place)->users > 0) return;
+  std::rotate(devices.begin(), place, place + 1);
+  const auto isIdle = [](const auto& one) { return one->isIdle(); };
+  auto surplus = devices.begin();
+  if ((*surplus)->takesMore()) {
+    if (std::count_if(devices.begin(), devices.end(), isIdle) <= kMostIdle) return;
+    surplus = std::find_if(devices.rbegin(), devices.rend(), isIdle).base() - 1;
+  }
+  last = std::move(*surplus);
+  devices.erase(surplus);
 }
 
 void destroyIdleDevices() noexcept {
-  const std::lock_guard lock(idle().mutex);
-  forgetParents(idle());
-  for (OwnDevice*& device : idle().devices) delete std::exchange(device, nullptr);
+  const std::lock_guard lock(all().mutex);
+  std::erase_if(all().devices, [](const auto& one) { return one->isIdle(); });
 }
 
 }  // namespace gnosphere::vulkan

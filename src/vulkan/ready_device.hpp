@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices of our own, which simulators use one after the other.
+// The devices of simulators, which simulators of one thread share.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "gnosphere/simulator.hpp"
@@ -9,27 +10,26 @@
 
 namespace gnosphere::vulkan {
 
-/// A device and the kernels that are compiled for it. One simulator uses it at a time.
+/// A device and the kernels that are compiled for it. Several simulators may use it at once.
 struct ReadyDevice {
   explicit ReadyDevice(const SimulatorOptions& options)
-      : device(options.device, options.validation, options.tuning.maxBufferBytes),
-        cache(device, options.cache),
-        kernels(device, cache) {}
+      : device(options.device, options.validation), cache(device, options.cache), kernels(device, cache) {}
 
   Device device;
   PipelineCache cache;
   Kernels kernels;
-  bool failed = false;  ///< true if a scan has failed on it, so no other simulator may have it
+  std::atomic<bool> failed = false;  ///< true if a scan has failed on it, so no more simulators may have it
 };
 
-/// Keeps the device for the next simulator, or destroys it.
+/// Ends one use of the device. After the last use the device is kept for the next simulator, or destroyed.
 struct GiveBack {
   void operator()(ReadyDevice* device) const noexcept;
 };
 using LentDevice = std::unique_ptr<ReadyDevice, GiveBack>;
 
-/// Returns a device that a simulator with the same choice has given back in this process, with all kernels compiled so
-/// far, or a new one.
+/// Returns a device of the same choice with all kernels compiled so far: one of simulators that this thread has made,
+/// or one that no simulator uses any more, or else a new one. Simulators of several threads have devices of their own,
+/// because CPU drivers work on one submission to a device at a time. A device of the caller is not shared.
 LentDevice lendDevice(const SimulatorOptions& options);
 
 /// Destroys the devices that no simulator uses, so that the next one begins as in a new process.

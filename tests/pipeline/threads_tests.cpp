@@ -118,4 +118,38 @@ TEST_CASE("simulators in several threads give the same results as in one thread"
   requireSame(reference, expected[0]);
 }
 
+TEST_CASE("simulators that share a device scan and compile in several threads at the same time") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(8, 300, 30, 10));
+  const Sensor small = gridSensor(60, 16, -20, 20), large = gridSensor(120, 8, -30, 30);
+  std::vector<Simulator> simulators;
+  for (int i = 0; i < 3; ++i) simulators.push_back(makeSimulator(scene, small, vulkanOptions()));
+  const auto scans = [&](Simulator& simulator) {
+    std::vector<Scan> results;
+    for (int turn = 0; turn < 4; ++turn) results.push_back(simulator.scan({}));
+    SensorRequest request{large, Effects::none()};
+    request.effects.intensity.use = EffectUse::on;  // so that both threads want kernels that are not compiled
+    results.push_back(simulator.scan({}, simulator.addSensor(request)));
+    return results;
+  };
+  std::vector<Scan> results[2];
+  std::string problems[2];
+  std::vector<std::thread> threads;
+  for (size_t i = 0; i < 2; ++i)
+    threads.emplace_back([&, i] {
+      try {
+        results[i] = scans(simulators[i]);
+      } catch (const std::exception& error) {
+        problems[i] = error.what();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  const std::vector<Scan> expected = scans(simulators[2]);
+  for (size_t i = 0; i < 2; ++i) {
+    CHECK(problems[i] == "");
+    REQUIRE(results[i].size() == expected.size());
+    for (size_t k = 0; k < expected.size(); ++k) CHECK(sameBytes(results[i][k], expected[k]));
+  }
+}
+
 }  // namespace gnosphere::test

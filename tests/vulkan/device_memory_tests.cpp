@@ -36,7 +36,7 @@ VKAPI_ATTR VkResult VKAPI_CALL allocateFromHeaps(VkDevice device, const VkMemory
 
 TEST_CASE("small buffers share allocations, and give them back") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   heaps = {device.vk()};
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
   vulkan::Transfer transfer(device);
@@ -72,7 +72,7 @@ TEST_CASE("small buffers share allocations, and give them back") {
 
 TEST_CASE("a device without room for a block gives what is needed, and too many allocations have their own words") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   heaps = {device.vk()};
   heaps.left = 100'000;
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
@@ -88,12 +88,12 @@ TEST_CASE("a device without room for a block gives what is needed, and too many 
   };
   CHECK_THAT(fails(), ContainsSubstring("cannot allocate 0.2 MiB for 'numbers'; the device '"));
   heaps.allowed = 0;
-  CHECK_THAT(fails(), ContainsSubstring("allocations, of which this simulator has 0, and others the rest"));
+  CHECK_THAT(fails(), ContainsSubstring("allocations, of which the simulators on it have 0, and others the rest"));
 }
 
 TEST_CASE("no more memory is allocated than the device says it allows, and small arrays still share what there is") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   VkPhysicalDeviceProperties properties;
   device.instanceFunctions().vkGetPhysicalDeviceProperties(device.physical(), &properties);
   CHECK(device.capabilities().mostAllocations == properties.limits.maxMemoryAllocationCount);
@@ -117,7 +117,7 @@ TEST_CASE("no more memory is allocated than the device says it allows, and small
 
 TEST_CASE("memory types are tried in the order of the wishes, each once") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   const VkMemoryPropertyFlags wanted[] = {kVisible | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kVisible, 0};
   const std::vector<uint32_t> types = device.memoryTypes(~0u, wanted);
@@ -183,7 +183,7 @@ size_t allocationsOf(Type type) {
 
 TEST_CASE("a card whose visible memory is full gives the host's, and staging never takes the card's") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   becomeCard(device, 8 << 20);
   std::deque<vulkan::Buffer> buffers;
   for (int i = 0; i < 4; ++i) buffers.emplace_back(device, "upload", 5 << 20, MemoryKind::upload);
@@ -200,7 +200,7 @@ TEST_CASE("a card whose visible memory is full gives the host's, and staging nev
 
 TEST_CASE("arrays of a card begin at multiples of 16 bytes, whatever its buffers need") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   becomeCard(device, 8 << 20);
   std::deque<vulkan::Buffer> buffers;
   for (uint32_t i = 0; i < 100; ++i) {
@@ -211,7 +211,7 @@ TEST_CASE("arrays of a card begin at multiples of 16 bytes, whatever its buffers
 
 TEST_CASE("an array of a card grows there, and data go to and fro by memory that is allocated once") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   becomeCard(device, 8 << 20);
   vulkan::Transfer transfer(device);
   constexpr size_t kBytes = 40 << 20;

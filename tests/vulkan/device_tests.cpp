@@ -127,7 +127,7 @@ void makeEverything(const vulkan::Device& device) {
 
 TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
   needVulkan();
-  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), vulkanOptions().validation, 0);
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), vulkanOptions().validation);
   const auto messages = device->messages();
   countCalls(functionsOf(*device));
   makeEverything(*device);
@@ -154,7 +154,7 @@ TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
 
 TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   static VkResult result;
   static uint64_t patience;
   calls = {device.vk()};
@@ -164,7 +164,7 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
     commands.start();
     commands.finished("project");
     commands.submit();
-    device.vk().vkQueueWaitIdle(device.queue());
+    device.waitForQueue();
     result = of;
     functionsOf(device).vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all,
                                              uint64_t timeout) {
@@ -191,7 +191,7 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
 
 TEST_CASE("a recording with cuts is several submissions, of which the last one has the fence") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   static std::vector<bool> fences;
   static size_t failing;
   calls = {device.vk()};
@@ -221,7 +221,7 @@ TEST_CASE("a recording with cuts is several submissions, of which the last one h
 
 TEST_CASE("a recording that was given up is dropped by the next one") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   vulkan::Commands commands(device);
   commands.begin(2);
   commands.begin(40);  // more timestamps than there was room for
@@ -237,7 +237,7 @@ TEST_CASE("a recording that was given up is dropped by the next one") {
 
 TEST_CASE("a dispatch of more workgroups than the device allows is divided") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   const_cast<vulkan::Capabilities&>(device.capabilities()).mostGroups = 100;
   static std::vector<std::array<uint32_t, 3>> dispatches;
   dispatches.clear();
@@ -275,7 +275,7 @@ TEST_CASE("the queue is one for compute alone where there is one") {
 TEST_CASE("the validation layer's last message goes to the caller, not to stderr") {
   needVulkan();
   if (!vulkanOptions().validation) SKIP("the validation layer is off");
-  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), true, 0);
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), true);
   const auto messages = device->messages();
   const VkFenceCreateInfo info = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   VkFence lost;
@@ -295,7 +295,7 @@ TEST_CASE("the validation layer's last message goes to the caller, not to stderr
 
 TEST_CASE("memory that cannot be mapped is reported as out of memory") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   const auto fails = [&](PFN_vkMapMemory map) {
     functionsOf(device).vkMapMemory = map;
     try {
@@ -325,7 +325,7 @@ TEST_CASE("memory that cannot be mapped is reported as out of memory") {
 
 TEST_CASE("pipelines require full subgroups if their kernels use them, without a message of the validation layer") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   static std::vector<VkPipelineShaderStageCreateFlags> flags;
   flags.clear();
   calls = {device.vk()};
@@ -344,7 +344,7 @@ TEST_CASE("pipelines require full subgroups if their kernels use them, without a
 
 TEST_CASE("a module that cannot be specialised goes to the driver with its constants") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   static std::vector<uint32_t> constants;
   calls = {device.vk()};
   functionsOf(device).vkCreateComputePipelines = [](VkDevice handle, VkPipelineCache cache, uint32_t count,
@@ -377,7 +377,7 @@ TEST_CASE("a module that cannot be specialised goes to the driver with its const
 
 TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   auto& capabilities = const_cast<vulkan::Capabilities&>(device.capabilities());
   static std::vector<uint32_t> modes;
   calls = {device.vk()};
@@ -438,7 +438,7 @@ TEST_CASE("subgroups are full for every size that the device has, or the device 
 
 TEST_CASE("kernels of many registers get fewer lanes, where the device is better with them") {
   needVulkan();
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   const_cast<vulkan::Capabilities&>(device.capabilities()).subgroups = {16, true, 8};
   static uint32_t lanes;
   functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,

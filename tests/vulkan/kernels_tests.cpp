@@ -17,7 +17,7 @@ namespace {
 TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches the caller") {
   needVulkan();
   if (threadCount() == 1) SKIP("there is one thread");
-  vulkan::Device device({}, false, 0);
+  vulkan::Device device({}, false);
   static std::atomic<int> made, atOnce;  // compilations, and how many had begun before the first one ended
   static VkResult result;
   // Each waits until another one is there, or gives up.
@@ -47,7 +47,7 @@ TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches
 
 TEST_CASE("kernels whose options lead to the same code share a pipeline, and no others do") {
   needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation);
   const vulkan::PipelineCache cache(device, "off");
   vulkan::Kernels kernels(device, cache);
   Variant plain, motion, listed, culling, careless;

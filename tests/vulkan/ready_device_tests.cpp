@@ -5,7 +5,9 @@
 
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <memory>
 #include <set>
+#include <thread>
 
 #include "support.hpp"
 #include "vulkan/device_functions.hpp"
@@ -20,35 +22,46 @@ PFN_vkWaitForFences waitForFences = nullptr;  // the driver's
 
 }  // namespace
 
-TEST_CASE("a simulator takes over the device of the one before, if that was made with the same settings") {
+TEST_CASE(
+    "simulators of one thread share a device, and take over that of the one before, if its settings are the same") {
   needVulkan();
   vulkan::destroyIdleDevices();
   // The messages that a device shares tell which device it is, as long as the test holds them.
   const auto lent = [](const SimulatorOptions& options, bool failed = false) {
     const vulkan::LentDevice device = vulkan::lendDevice(options);
-    device->failed = failed;
+    if (failed) device->failed = true;
     return device->device.messages();
   };
   SimulatorOptions options = vulkanOptions(), named = options, kept = options, limited = options;
   named.device.name = "0";
   limited.tuning.maxBufferBytes = 1 << 20;
   kept.cache = "/nonexistent";
-  const auto first = lent(options);
+  auto first = lent(options);
   CHECK(lent(options) == first);
   CHECK(lent(named) != first);
   CHECK(lent(options) == first);
+  CHECK(lent(limited) == first);
   {
     const vulkan::LentDevice used = vulkan::lendDevice(options);
     CHECK(used->device.messages() == first);
+    CHECK(lent(options) == first);
+    CHECK(lent(named) != first);
+    CHECK(lent(kept) != first);
+    CHECK(lent(options) == first);
+    std::shared_ptr<vulkan::Messages> ofOtherThread;
+    std::thread([&] { ofOtherThread = lent(options); }).join();
+    CHECK(ofOtherThread != first);
+    CHECK(lent(options, true) == first);
     CHECK(lent(options) != first);
+    CHECK(used->device.messages() == first);
   }
-  CHECK(vulkan::lendDevice(limited)->device.maxBufferBytes() == 1 << 20);
-  CHECK(vulkan::lendDevice(options)->device.maxBufferBytes() > 1 << 20);
-  CHECK(lent(limited) == first);
+  // The two that were given back last are kept.
+  first = lent(options);
+  const auto second = lent(named);
   CHECK(lent(options) == first);
   CHECK(lent(kept) != first);
-  CHECK(lent(options, true) == first);
-  CHECK(lent(options) != first);
+  CHECK(lent(options) == first);
+  CHECK(lent(named) != second);
   vulkan::destroyIdleDevices();
 }
 
