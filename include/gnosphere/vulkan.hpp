@@ -72,7 +72,8 @@ struct AdoptedDevice {
 };
 
 /// Returns the choice of the caller's device, for SimulatorOptions::device. A simulator on it records its scans, see
-/// Recorder; it never submits anything, never waits, and its scan functions throw Error(invalidArgument). Throws
+/// Recorder; it never submits anything, never waits, and its scan functions throw Error(invalidArgument). Simulators
+/// that are made with copies of one choice share their compiled kernels while one of them lives. Throws
 /// Error(invalidArgument) that names what is missing.
 GNOSPHERE_API DeviceChoice adopt(const AdoptedDevice& device);
 

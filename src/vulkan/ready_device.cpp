@@ -27,20 +27,24 @@ struct Settings {
   std::array<uint8_t, 16> uuid;
   bool validation;
   std::filesystem::path folder;
+  std::shared_ptr<const AdoptedDevice> adopted;
 
   explicit Settings(const SimulatorOptions& options)
       : name(options.device.name),
         uuid(options.device.uuid),
         validation(options.validation),
-        folder(cacheFolder(options.cache)) {}
+        folder(cacheFolder(options.cache)),
+        adopted(options.device.adopted) {}
   bool operator==(const Settings&) const = default;
 };
 
-struct OwnDevice : ReadyDevice {
-  explicit OwnDevice(const SimulatorOptions& options) : ReadyDevice(options), settings(options) {}
+struct SharedDevice : ReadyDevice {
+  explicit SharedDevice(const SimulatorOptions& options) : ReadyDevice(options), settings(options) {}
   // A process that was forked has no threads of the driver, so devices of its parent are of no use there.
   bool isParents() const { return process != getpid(); }
   bool takesMore() const { return !failed && !isParents() && kernels.count() <= kMostKernels; }
+  // The caller's device must outlive its simulators only, so it is not kept.
+  bool canBeKept() const { return takesMore() && !settings.adopted; }
   bool isIdle() const { return users == 0 && !isParents(); }
 
   Settings settings;
@@ -50,11 +54,11 @@ struct OwnDevice : ReadyDevice {
   std::thread::id thread;  // on which its simulators were made
 };
 
-// The devices of this process but for those of the caller, the one that was given back or made last first. The end of
-// the process destroys none of them, because drivers may have unloaded parts of themselves before.
+// The devices of this process, the one that was given back or made last first. The end of the process destroys none of
+// them, because drivers may have unloaded parts of themselves before.
 struct Devices {
   std::mutex mutex;
-  std::vector<std::unique_ptr<OwnDevice>> devices;
+  std::vector<std::unique_ptr<SharedDevice>> devices;
 };
 Devices& all() {
   static Devices& one = *new Devices;
@@ -64,7 +68,6 @@ Devices& all() {
 }  // namespace
 
 LentDevice lendDevice(const SimulatorOptions& options) {
-  if (options.device.adopted) return LentDevice(new ReadyDevice(options));
   const Settings settings(options);
   const std::lock_guard lock(all().mutex);
   auto& devices = all().devices;
@@ -73,20 +76,17 @@ LentDevice lendDevice(const SimulatorOptions& options) {
                         [&](const auto& one) { return one->settings == settings && one->takesMore() && suits(*one); });
   };
   const std::thread::id thread = std::this_thread::get_id();
-  auto device = find([&](const OwnDevice& one) { return one.users > 0 && one.thread == thread; });
-  if (device == devices.end()) device = find([](const OwnDevice& one) { return one.isIdle(); });
-  if (device == devices.end()) device = devices.insert(devices.begin(), std::make_unique<OwnDevice>(options));
+  auto device =
+      find([&](const SharedDevice& one) { return one.users > 0 && (one.thread == thread || settings.adopted); });
+  if (device == devices.end()) device = find([](const SharedDevice& one) { return one.isIdle(); });
+  if (device == devices.end()) device = devices.insert(devices.begin(), std::make_unique<SharedDevice>(options));
   (*device)->thread = thread;
   ++(*device)->users;
   return LentDevice(device->get());
 }
 
 void GiveBack::operator()(ReadyDevice* given) const noexcept {
-  if (given->device.adopted()) {
-    delete given;
-    return;
-  }
-  std::unique_ptr<OwnDevice> last;  // destroyed without the lock
+  std::unique_ptr<SharedDevice> last;  // destroyed without the lock
   const std::lock_guard lock(all().mutex);
   auto& devices = all().devices;
   const auto place = std::find_if(devices.begin(), devices.end(), [&](const auto& one) { return one.get() == given; });
@@ -94,7 +94,7 @@ void GiveBack::operator()(ReadyDevice* given) const noexcept {
   std::rotate(devices.begin(), place, place + 1);
   const auto isIdle = [](const auto& one) { return one->isIdle(); };
   auto surplus = devices.begin();
-  if ((*surplus)->takesMore()) {
+  if ((*surplus)->canBeKept()) {
     if (std::count_if(devices.begin(), devices.end(), isIdle) <= kMostIdle) return;
     surplus = std::find_if(devices.rbegin(), devices.rend(), isIdle).base() - 1;
   }

@@ -23,7 +23,7 @@ class BothScans {
     TestOptions own = options;
     own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
     SimulatorOptions adopted = options;
-    adopted.device = vulkan::adopt(app.adopted());
+    adopted.device = app.choice();
     adopted.validation = false;
     expected_.emplace(scene, std::vector<SensorRequest>(), own);
     recorded_.emplace(scene, std::vector<SensorRequest>(), adopted);

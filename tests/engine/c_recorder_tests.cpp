@@ -154,7 +154,8 @@ struct RecorderInC {
 
 TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in rows and in columns") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Sensor first = gridSensor(60, 8, -20, 20), second = gridSensor(30, 4, -9, 9);
 
   const std::vector<gno_field> fields = {GNO_FIELD_X, GNO_FIELD_Y, GNO_FIELD_Z, GNO_FIELD_TIME, GNO_FIELD_INSTANCE};
@@ -219,7 +220,8 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
 
 TEST_CASE("C: recorded scans take the vertices of a mesh and the transform of an instance from buffers") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   gno_layout layout = gno_layout_init();
   const gno_field fields[] = {GNO_FIELD_RANGE, GNO_FIELD_BEAM};
   REQUIRE(gno_layout_of(fields, 2, &layout) == GNO_OK);
@@ -294,7 +296,8 @@ TEST_CASE("C: recorded scans take the vertices of a mesh and the transform of an
 
 TEST_CASE("C: misuse of adopted devices and recorders is an error that says so") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   AdoptedInC adopted(app);
   gno_scene scene = squareInC();
   gno_layout layout = gno_layout_init();

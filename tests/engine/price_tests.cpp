@@ -9,7 +9,8 @@ namespace gnosphere::test {
 
 TEST_CASE("the price of recorded scans", "[.price]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene town = makeTown({1'000'000, 1, {}});
   const std::vector<Pose> drive = makeDrive();
   const RecordLayout layout = layoutOf({Field::x, Field::y, Field::z, Field::range, Field::triangle, Field::instance});

@@ -40,7 +40,7 @@ class Recorded {
       : layout_(layout), frames_{VulkanApp::Frame(app), VulkanApp::Frame(app)} {
     request.layout = layout;
     SimulatorOptions adopted = options;
-    adopted.device = vulkan::adopt(app.adopted());
+    adopted.device = app.choice();
     adopted.validation = false;
     simulator_.emplace(scene, request, adopted);
     recorder_.emplace(*simulator_, 2);

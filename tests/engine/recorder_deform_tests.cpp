@@ -12,7 +12,8 @@ namespace gnosphere::test {
 TEST_CASE("recorded scans have the bytes of scan(), with meshes deformed in every frame", "[second-driver]") {
   needVulkan();
   const bool during = GENERATE(false, true);  // between the scans, or also while they are made
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Random random(21);
   const Scene scene = limbs(random, 4);
   SensorRequest request = {gridSensor(180, 12, -30, 30, 60), Effects::none()};

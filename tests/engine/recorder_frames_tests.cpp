@@ -3,11 +3,13 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <thread>
 
 #include "deformable.hpp"
 #include "effects/scan_support.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -145,7 +147,8 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
 
 TEST_CASE("a list that is too small is reported, grows before the next scan, and no buffer is overrun") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   // Nearly all triangles are wider than a slab, which the first capacity of the tiles does not expect.
   const SensorRequest request = {listSensor("rosette", rosette(3000, 1.5)), Effects::none()};
   Scene scene = boxes();
@@ -172,7 +175,8 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
 
 TEST_CASE("a list that is too small for the first of several heads is reported, too") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Sensor rig = listSensor("rig", headsAt({{-2, 0, 0}}, rosette(3000, 1.5)));
   rig.patterns[0].directions.push_back({0, 0, 1});
   rig.patterns[0].origins.push_back({2, 0, 0});
@@ -207,7 +211,8 @@ TEST_CASE("a list that is too small for the first of several heads is reported, 
 
 TEST_CASE("columns and rows share one buffer") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Sensor sensor = gridSensor(90, 8, -18, 9);
   const auto count = static_cast<size_t>(sensor.beamCount());
   RecordLayout layout;
@@ -236,7 +241,8 @@ TEST_CASE("columns and rows share one buffer") {
 
 TEST_CASE("meshes, instances and sensors come and go while frames are in flight", "[combinations]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const int rounds = everyCombination() ? 2000 : 12;
   const Sensor sensor = gridSensor(90, 8, -18, 9);
   Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
@@ -287,7 +293,8 @@ TEST_CASE("meshes, instances and sensors come and go while frames are in flight"
 
 TEST_CASE("a mesh changes and another one comes before one recording") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Sensor sensor = gridSensor(90, 8, -18, 9);
   Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
   recorded.scan({});
@@ -345,7 +352,28 @@ TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {
     CHECK(alive > 20);
     CHECK(recorded.scan({}).size() == 720 * pointLayout().stride);
   }
+  app.setAdopted(device);  // ends what the application holds of the library
   CHECK(alive == 0);
+}
+
+TEST_CASE("simulators whose choices of an adopted device are copies share kernels as long as one of them lives") {
+  needVulkan();
+  const CommonApp common;
+  SimulatorOptions options = plainOptions(), other = options;
+  options.device = vulkan::adopt(common.app.adopted());
+  other.device = vulkan::adopt(common.app.adopted());
+  Variant variant;
+  variant.kernel = Kernel::prefix_sum;
+  {
+    const vulkan::LentDevice first = vulkan::lendDevice(options), second = vulkan::lendDevice(options);
+    first->kernels.of(variant);
+    CHECK(second->kernels.count() == 1);
+    vulkan::LentDevice ofThread;
+    std::thread([&] { ofThread = vulkan::lendDevice(options); }).join();
+    CHECK(ofThread->kernels.count() == 1);
+    CHECK(vulkan::lendDevice(other)->kernels.count() == 0);
+  }
+  CHECK(vulkan::lendDevice(options)->kernels.count() == 0);
 }
 
 TEST_CASE("misuse of adopted devices and recorders gets a sentence") {

@@ -143,7 +143,8 @@ TEST_CASE("a list of more beams than a dispatch has workgroups for loses none") 
 
 TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every accuracy", "[second-driver]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = classifiedRoom();
   for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
     TestOptions options = vulkanOptions();
@@ -162,7 +163,8 @@ TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every a
 
 TEST_CASE("on the device, too, a point has the class of its surface's material, and else that of its instance") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   RecordLayout layout = layoutOf({Field::x, Field::y, Field::z, Field::classId});
   layout.compact = true;
   Recorded recorded(app, classifiedFences(), {fenceSensor(), Effects::none()}, vulkanOptions(), layout);
@@ -180,7 +182,8 @@ TEST_CASE("on the device, too, a point has the class of its surface's material, 
 
 TEST_CASE("recorded scans have the bytes of scan(), for heads far apart in one list", "[second-driver]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const BeamList head = rosette(600, 1.2);
   Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {-1.5, 1.5, 0.5}, {1, -0.9, -0.3}}, head));
   REQUIRE(originGroups(rig, 0).size() == 3);
@@ -195,7 +198,8 @@ TEST_CASE("recorded scans have the bytes of scan(), for heads far apart in one l
 
 TEST_CASE("recorded scans have the bytes of scan(), for heads far apart with all effects and in motion") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {-1.5, 1.5, 0.5}}, rosette(400, 1.2)));
   requireSameRows(app, classifiedRoom(), {rig, loud()}, vulkanOptions(), oddLayout(kAllFields, true),
                   {shotOf(false), shotOf(true)});
@@ -203,14 +207,16 @@ TEST_CASE("recorded scans have the bytes of scan(), for heads far apart with all
 
 TEST_CASE("recorded scans have the bytes of scan(), with all effects and in motion") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   requireSameRows(app, classifiedRoom(), {smallSensor(), loud()}, vulkanOptions(), oddLayout(kAllFields, true),
                   {shotOf(false), shotOf(true)});
 }
 
 TEST_CASE("recorded scans have the bytes of scan(), with the effects of lines and in motion", "[second-driver]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   SensorRequest request = {smallSensor(), loud()};
   request.effects.divergence.use = EffectUse::off;
   requireSameRows(app, classifiedRoom(), request, vulkanOptions(), oddLayout(kAllFields, true),

@@ -131,7 +131,7 @@ TEST_CASE("another device reads recorded results by a file descriptor, as each t
   request.layout = layout;
   SimulatorOptions options;
   options.cache = "off";
-  options.device = vulkan::adopt(app.adopted());
+  options.device = app.choice();
   Simulator simulator(boxes(), request, options);
   vulkan::Recorder recorder(simulator, 2);
 

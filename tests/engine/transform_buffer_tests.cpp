@@ -101,7 +101,8 @@ const std::vector<Sensor> kSensors = {gridSensor(180, 17, -20, 20), listSensor("
 
 TEST_CASE("scans of transforms in the caller's buffers have the bytes of setTransform()", "[second-driver]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   struct Case {
     Accuracy accuracy;
     vulkan::TransformFormat format;
@@ -136,7 +137,8 @@ TEST_CASE("scans of transforms in the caller's buffers have the bytes of setTran
 
 TEST_CASE("a command that writes transforms needs no barrier of the caller, and the sensor may move") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Sensor sensor = gridSensor(90, 8, -18, 12);
   sensor.rotationPeriod = 0.1;
   BothScans scans(app, room(), {sensor}, vulkanOptions());
@@ -153,7 +155,8 @@ TEST_CASE("a command that writes transforms needs no barrier of the caller, and 
 
 TEST_CASE("the host takes instances back, and they come and go beside transforms in buffers") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Scene scene = room();
   Random random(5);
   scene.meshes.push_back(limb(random, 7, 4, 1, {}));
@@ -194,7 +197,8 @@ TEST_CASE("the host takes instances back, and they come and go beside transforms
 
 TEST_CASE("instances whose transforms are not finite are left out and counted") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   BothScans scans(app, room(), {kSensors[0]}, vulkanOptions());
   Transforms buffer(app, vulkan::TransformFormat::columns4x4, 64);
   buffer.set(placed(0));
@@ -214,7 +218,8 @@ TEST_CASE("instances whose transforms are not finite are left out and counted") 
 
 TEST_CASE("bad transform buffers get a sentence, and so does motion of their instances") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Scene scene = room();
   scene.meshes[kBall].morphTargets = {scene.meshes[kBall].positions};
   BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());

@@ -86,7 +86,8 @@ const std::vector<Sensor> kSensors = {gridSensor(180, 17, -20, 20), listSensor("
 
 TEST_CASE("scans of vertices in the caller's buffers have the bytes of setPositions()", "[second-driver]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   // Beams that lie in the flag's plane meet it when it is a line.
   const std::vector<float> line = {4, -1, 0.125f, 4, -1, 0.125f, 4, 1, 0.125f};
@@ -131,7 +132,8 @@ TEST_CASE("scans of vertices in the caller's buffers have the bytes of setPositi
 
 TEST_CASE("integers of 16 bits are positions by a scale and an offset") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   const Mesh& mesh = scene.meshes[kBall];
   BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
@@ -172,7 +174,8 @@ TEST_CASE("integers of 16 bits are positions by a scale and an offset") {
 
 TEST_CASE("vertices that a command writes need no barrier of the caller") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   const Mesh& mesh = scene.meshes[kCloth];
   BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
@@ -188,7 +191,8 @@ TEST_CASE("vertices that a command writes need no barrier of the caller") {
 
 TEST_CASE("meshes come and go beside vertices in the caller's buffers, and fields ask for surfaces") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   const Mesh& mesh = scene.meshes[kCloth];
   BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
@@ -234,7 +238,8 @@ TEST_CASE("meshes come and go beside vertices in the caller's buffers, and field
 
 TEST_CASE("a scan in motion of vertices in the caller's buffers has the bytes of setPositions()") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   Sensor sensor = gridSensor(90, 8, -18, 12);
   sensor.rotationPeriod = 0.1;
@@ -251,7 +256,8 @@ TEST_CASE("a scan in motion of vertices in the caller's buffers has the bytes of
 
 TEST_CASE("a recorded scan says how many triangles it left out") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   const Scene scene = room();
   const Mesh& mesh = scene.meshes[kBall];
   BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
@@ -274,7 +280,8 @@ TEST_CASE("a recorded scan says how many triangles it left out") {
 
 TEST_CASE("bad vertex buffers get a sentence") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   Scene scene = room();
   Mesh skin = scene.meshes[kBall];
   skin.morphTargets = {skin.positions};

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "gnosphere/vulkan.hpp"
@@ -38,7 +39,8 @@ class VulkanApp {
     REQUIRE(vk_.vkCreateCommandPool(device_, &pool, nullptr, &pool_) == VK_SUCCESS);
   }
   ~VulkanApp() {
-    vk_.vkQueueWaitIdle(queue_);
+    keeper_.reset();
+    waitForQueue();
     vk_.vkDestroyCommandPool(device_, pool_, nullptr);
     vk_.vkDestroyDevice(device_, nullptr);
     if (messenger_) {
@@ -166,10 +168,24 @@ class VulkanApp {
   };
 
   const vulkan::AdoptedDevice& adopted() const { return adopted_; }
-  void setAdopted(const vulkan::AdoptedDevice& device) { adopted_ = device; }
+  void setAdopted(const vulkan::AdoptedDevice& device) {
+    keeper_.reset();
+    adopted_ = device;
+  }
+  /// The choice of this device. Simulators made with it share their kernels for as long as the application is there.
+  const DeviceChoice& choice() {
+    if (!keeper_) {
+      SimulatorOptions options = vulkanOptions();
+      options.device = choice_ = vulkan::adopt(adopted_);
+      options.validation = false;
+      keeper_.emplace(Scene(), std::vector<SensorRequest>(), options);
+    }
+    return choice_;
+  }
   const std::string& deviceName() const { return name_; }
   const vulkan::DeviceFunctions& vk() const { return vk_; }
   VkQueue queue() const { return queue_; }
+  void waitForQueue() const { vk_.vkQueueWaitIdle(queue_); }
   bool has(const std::string& extension) const { return std::ranges::count(extensions_, extension) > 0; }
   /// A function of the device that is not in vk().
   template <typename Function>
@@ -303,8 +319,32 @@ class VulkanApp {
   VkQueue queue_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   vulkan::AdoptedDevice adopted_;
+  DeviceChoice choice_;
+  std::optional<Simulator> keeper_;  // of the kernels
   std::vector<std::string> wanted_, extensions_;
   std::string name_;
+};
+
+/// The application of a test that needs no device of its own. The tests of a program have one device, on which their
+/// simulators find the kernels of those before.
+class CommonApp {
+ public:
+  CommonApp() : app(common()) {}
+  ~CommonApp() {
+    app.waitForQueue();
+    CHECK(std::exchange(app.messages, {}) == std::vector<std::string>());
+  }
+  CommonApp(const CommonApp&) = delete;
+  CommonApp& operator=(const CommonApp&) = delete;
+
+  VulkanApp& app;
+
+ private:
+  // The end of the process does not destroy it, because drivers may have unloaded parts of themselves before.
+  static VulkanApp& common() {
+    static VulkanApp& one = *new VulkanApp;
+    return one;
+  }
 };
 
 }  // namespace gnosphere::test

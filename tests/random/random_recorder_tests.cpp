@@ -41,7 +41,7 @@ void requireRecorded(VulkanApp& app, uint32_t number) {
   own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
   Simulator expected(request.scene, onHost, own);
   SimulatorOptions adopted = request.options;
-  adopted.device = vulkan::adopt(app.adopted());
+  adopted.device = app.choice();
   adopted.validation = false;
   Simulator recorded(request.scene, recordedSensors, adopted);
   vulkan::Recorder recorder(recorded, 2);
@@ -92,7 +92,8 @@ void requireRecorded(VulkanApp& app, uint32_t number) {
 TEST_CASE("recorded scans have the bytes of scans on a device of our own for requests drawn at random",
           "[combinations]") {
   needVulkan();
-  VulkanApp app;
+  const CommonApp common;
+  VulkanApp& app = common.app;
   for (const uint32_t number : numbersToTry(1)) requireRecorded(app, number);
 }
 
