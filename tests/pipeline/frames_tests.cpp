@@ -119,7 +119,7 @@ TEST_CASE("scans in many submissions have the bytes of scans in one") {
   scene.materials[1].transmission = 0.6f;
   scene.meshes.push_back(plate(4, 20, 1));
   scene.instances.push_back({"pane", 1, {}});
-  std::vector<Sensor> sensors = {gridSensor(1000, 33, -60, 60), gridSensor(700, 20, -30, 10)};
+  std::vector<Sensor> sensors = {gridSensor(500, 33, -60, 60), gridSensor(350, 20, -30, 10)};
   sensors.push_back(sensors[1]);
   sensors[2].patterns = {beamsOf(sensors[1])};
   sensors[2].columns = 0;
@@ -146,7 +146,7 @@ TEST_CASE("scans in many submissions have the bytes of scans in one") {
     std::vector<Scan> expected;
     Simulator(scene, requests, options).scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
     CHECK(cuts == 0);
-    options.tuning.maxSubmissionWork = 5000;
+    options.tuning.maxSubmissionWork = 2500;
     Simulator(scene, requests, options).scanAll(shots, [&](size_t i, const Scan& scan) {
       INFO("shot " << i << ", binning " << int(binning));
       CHECK(firstBytes(expected[i], scan) == "none");
