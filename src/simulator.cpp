@@ -346,11 +346,12 @@ class Simulator::Impl {
 
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
   /// yet.
-  Plan plan(size_t sensor) const {
+  Plan plan(size_t sensor, size_t views) const {
     sensors_.check(sensor);
     std::shared_ptr<const SensorPlan> next = plans_[sensor];
     if (stale_) next = SensorPlanner(planner_).plan(scene_, requests_[sensor], sensor, true);
-    Plan plan = sameArrays(*plans_[sensor], *next) ? backend_->plan(sensor) : backend_->planOf(next);
+    const bool made = views <= 1 && sameArrays(*plans_[sensor], *next);
+    Plan plan = made ? backend_->plan(sensor) : backend_->planOf(next, views);
     plan.effects = next->decisions;
     return plan;
   }
@@ -595,8 +596,8 @@ void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<con
   impl_->setTransforms(instances, values);
 }
 
-Plan Simulator::plan(size_t sensor) const {
-  return impl_->plan(sensor);
+Plan Simulator::plan(size_t sensor, size_t views) const {
+  return impl_->plan(sensor, views);
 }
 const DeviceInfo& Simulator::device() const {
   return impl_->backend().device();

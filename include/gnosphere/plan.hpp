@@ -10,7 +10,8 @@
 
 namespace gnosphere {
 
-/// Describes what a scan of one sensor computes, and why. An effect, field or buffer that is not listed costs nothing.
+/// Describes what a scan of one sensor computes, or several scans together, and why. An effect, field or buffer that is
+/// not listed costs nothing.
 struct Plan {
   struct Decision {
     std::string effect;  ///< one of effectNames()
@@ -35,7 +36,7 @@ struct Plan {
   };
   struct Stage {
     std::string name;                 ///< project, bin, resolve, effects
-    uint32_t dispatches = 0;          ///< largest number of dispatches in one scan
+    uint32_t dispatches = 0;          ///< largest number of dispatches in one submission
     std::vector<Pipeline> pipelines;  ///< empty if the host computes the stage
   };
   struct Buffer {
@@ -43,7 +44,7 @@ struct Plan {
     uint64_t bytes = 0;
   };
 
-  /// Commands that the device executes for one scan: the largest number of each.
+  /// Commands that the device executes for one submission: the largest number of each.
   struct Commands {
     uint32_t dispatches = 0, fills = 0, copies = 0, barriers = 0;
     uint32_t all() const { return dispatches + fills + copies + barriers; }
@@ -56,6 +57,9 @@ struct Plan {
   Commands commands;            ///< all 0 if the host makes the scans
   std::string binning;          ///< nearest, lists or slabs
   uint32_t returns = 1;         ///< returns per beam
+  /// Scans that one submission makes together, each a view of its own: as many as were asked for, or fewer if not so
+  /// many fit; 1 for sensors whose scans are made one by one.
+  uint32_t views = 1;
 
   GNOSPHERE_API uint64_t bytes() const;                     ///< sum over `buffers`
   GNOSPHERE_API uint32_t dispatches() const;                ///< sum over `stages`

@@ -351,8 +351,9 @@ class GNOSPHERE_API Simulator {
   void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);
   void setTransforms(std::span<const uint32_t> instances, std::span<const float> values);
 
-  /// Describes what the next scan of the sensor computes, and why; changes nothing.
-  Plan plan(size_t sensor = 0) const;
+  /// Describes what the next scan of the sensor computes, and why; with `views`, what so many scans do that are made
+  /// together in one submission, as those of batches are. The simulator stays as it is.
+  Plan plan(size_t sensor = 0, size_t views = 1) const;
   const DeviceInfo& device() const;
   MemoryUse memory() const;
   size_t clusterCount() const;  ///< number of clusters of all meshes; 0 on the reference

@@ -49,6 +49,7 @@ void bindPlan(nb::module_& m) {
   readTuple(plan, "buffers", &Plan::buffers, "Buffers of this sensor on the device.");
   plan.def_ro("binning", &Plan::binning, "nearest, lists or slabs")
       .def_ro("returns", &Plan::returns, "Returns per beam.")
+      .def_ro("views", &Plan::views, "Scans that one submission makes together: as many as were asked for, or as fit.")
       .def_ro("commands", &Plan::commands, "All 0 if the host makes the scans.")
       .def("bytes", &Plan::bytes, "Sum over `buffers`.")
       .def("dispatches", &Plan::dispatches, "Sum over `stages`.")

@@ -294,8 +294,13 @@ void bindChanges(nb::class_<Self>& simulator) {
 void bindAnswers(nb::class_<Self>& simulator) {
   simulator
       .def(
-          "plan", [](Self& self, size_t sensor) { return self.use([&](Simulator& of) { return of.plan(sensor); }); },
-          "sensor"_a = 0, "Describes what a scan of the sensor computes, and why.")
+          "plan",
+          [](Self& self, size_t sensor, size_t views) {
+            return self.use([&](Simulator& of) { return of.plan(sensor, views); });
+          },
+          "sensor"_a = 0, "views"_a = 1,
+          "Describes what a scan of the sensor computes, and why; with `views`, what so many scans do that are made "
+          "together in one submission, as those of scan_batch are. Plan.views says how many fit.")
       .def(
           "device", [](Self& self) { return self.use([](Simulator& of) { return DeviceInfo(of.device()); }); },
           "The device that it runs on.")

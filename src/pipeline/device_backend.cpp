@@ -136,9 +136,10 @@ class DeviceBackend final : public Backend {
   }
 
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
-  Plan planOf(std::shared_ptr<const SensorPlan> plan) const override {
-    DryMachine machine(*machine_);
-    return SensorArrays(machine, *plan, options_, scene_.instances().mostTriangles(), scene_.deformed()).plan();
+  Plan planOf(std::shared_ptr<const SensorPlan> plan, size_t views) const override {
+    DryMachine machine(*machine_, options_.compileOnly);
+    SensorArrays arrays(machine, *plan, options_, scene_.instances().mostTriangles(), scene_.deformed());
+    return arrays.planOf(views);
   }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }

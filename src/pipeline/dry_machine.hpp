@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Machine that runs nothing and holds no memory of a device: it tells what a sensor's arrays and steps would be.
+// A Machine that runs nothing and holds no memory of a device: it tells what a sensor's arrays and steps would be on
+// another machine.
 #pragma once
 
 #include <memory>
@@ -11,12 +12,18 @@ namespace gnosphere {
 
 class DryMachine final : public Machine {
  public:
-  explicit DryMachine(const Machine& machine) : machine_(machine) {}
+  /// With `compiles` the other machine compiles the kernels, for what their compiler says of them.
+  DryMachine(Machine& machine, bool compiles) : machine_(machine), compiles_(compiles) {}
   const Traits& traits() const override { return machine_.traits(); }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind) override {
     return std::make_unique<HostMemory>(name, bytes);
   }
-  void prepare(std::span<const Variant>) override {}
+  void prepare(std::span<const Variant> variants) override {
+    if (compiles_) machine_.prepare(variants);
+  }
+  void describe(const Variant& variant, Plan::Pipeline& pipeline) const override {
+    machine_.describe(variant, pipeline);
+  }
   size_t framesInFlight() const override { return machine_.framesInFlight(); }
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {}
   void wait(size_t) override {}
@@ -24,7 +31,8 @@ class DryMachine final : public Machine {
   bool recordsOnly() const override { return machine_.recordsOnly(); }
 
  private:
-  const Machine& machine_;
+  Machine& machine_;
+  bool compiles_;
 };
 
 }  // namespace gnosphere

@@ -52,6 +52,7 @@ std::string toJson(const Plan& plan) {
   }
   json["fields"] = plan.fields;
   json["returns"] = plan.returns;
+  json["views"] = plan.views;
   json["binning"] = plan.binning;
   json["stages"] = Json::array();
   for (const Plan::Stage& stage : plan.stages) {

@@ -273,6 +273,16 @@ void SensorArrays::addFrame() {
   frames_.push_back(std::move(frame));
 }
 
+gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const {
+  gpu::Frame frame = tables.frame;
+  if (views == 1) return frame;
+  frame.views = views;
+  frame.slabShift = slabShiftOfViews();
+  frame.slabFirst = 0;
+  frame.slabCount = slabsOf(frame);
+  return frame;
+}
+
 void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
   for (const EffectsArray& array : arrays) {
     std::unique_ptr<DeviceMemory>& memory = frame.arrays[static_cast<size_t>(array.array)];
@@ -302,7 +312,8 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
-  gpu::Frame content = tables.frame;
+  if (views > 1) makeRoomForViews(frame, views);
+  gpu::Frame content = frameOf(tables, views);
   content.instanceCount = instanceCount;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
@@ -312,20 +323,6 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.triangleWorkgroups = sizes.triangleGroups;
   content.shellClusters = shellClustersOfViews(shellClusters_, views);
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
-  if (views > 1) {
-    content.views = views;
-    content.slabShift = slabShiftOfViews();
-    content.slabFirst = 0;
-    content.slabCount = slabsOf(content);
-    const auto room = [&](Array array, uint64_t bytes) {
-      makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
-    };
-    for (const Output& output : outputs_) room(output.array, mostBeams() * output.bytesPerBeam * views);
-    if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
-    if (capacities_.projected > 0)
-      makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
-               of(Array::projectedViews));
-  }
   content.shellHint = shellHint_;
   content.shellCount = shells_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
@@ -449,14 +446,33 @@ void SensorArrays::addTo(MemoryUse& use) const {
     for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
 }
 
-Plan SensorArrays::plan() const {
+Plan SensorArrays::planOf(size_t wanted) {
+  const auto views = static_cast<uint32_t>(std::clamp<size_t>(wanted, 1, mostViews_));
+  Frame& frame = frameAt(0);
+  if (views > 1) {
+    makeRoomForViews(views);
+    makeRoomForViews(frame, views);
+    std::vector<Variant> variants;
+    for (const Step& step : largestScan(views))
+      if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
+    machine_.prepare(variants);
+  }
+  return planWith(frame, views);
+}
+
+// Returns the steps of a submission of views in which everything moves that may move.
+std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
+  const BeamTables& tables = patterns_[0].tables;
+  return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), true);
+}
+
+Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   Plan plan;
+  plan.views = views;
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  const BeamTables& tables = patterns_[0].tables;
-  const std::vector<Step> scan =
-      steps(tables, tables.frame, everything(), StillImage::Use::none, motions().back(), true);
+  const std::vector<Step> scan = largestScan(views);
   plan.commands = commandsOf(scan);
   plan.stages =
       stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
@@ -466,7 +482,7 @@ Plan SensorArrays::plan() const {
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (arrays_[i]) plan.buffers.push_back({gpu::kArrayNames[i], arrays_[i]->bytes()});
   for (size_t i = 0; i < arrays_.size(); ++i)
-    if (const auto& memory = frames_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
+    if (const auto& memory = frame.arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   return plan;
 }
 

@@ -77,8 +77,11 @@ class SensorArrays {
   /// nothing is known.
   void setShellHint(float distance) { shellHint_ = distance; }
   void addTo(MemoryUse& use) const;
-  /// Returns the plan with its decisions, stages and buffers.
-  Plan plan() const;
+  /// Returns the plan of a scan with its decisions, stages and buffers.
+  Plan plan() const { return planWith(frames_[0], 1); }
+  /// Makes room for a submission of so many views, or as many as it may have, compiles its kernels and returns its
+  /// plan.
+  Plan planOf(size_t views);
 
  private:
   /// The arrays that each frame in flight has of its own; all frames share the work arrays.
@@ -131,6 +134,10 @@ class SensorArrays {
   void allocateByBeam(uint32_t views);
   void growArrays(uint32_t views);
   void repeat(gpu::Array array, uint32_t views);
+  void makeRoomForViews(Frame& frame, uint32_t views);
+  gpu::Frame frameOf(const BeamTables& tables, uint32_t views) const;
+  std::vector<Step> largestScan(uint32_t views) const;
+  Plan planWith(const Frame& frame, uint32_t views) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;

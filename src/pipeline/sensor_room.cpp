@@ -123,6 +123,18 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   makeLists(room);
 }
 
+// Makes room for the results of views in a frame.
+void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
+  const auto room = [&](Array array, uint64_t bytes) {
+    makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
+  };
+  for (const Output& output : outputs_) room(output.array, mostBeams() * output.bytesPerBeam * views);
+  if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
+  if (capacities_.projected > 0)
+    makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
+             of(Array::projectedViews));
+}
+
 uint64_t SensorArrays::mostProjected() const {
   uint64_t bytes = sizeof(gpu::vec4);
   for (const EffectsArray& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);

@@ -34,7 +34,7 @@ class ReferenceBackend : public Backend {
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
   Plan plan(size_t sensor) const override;
-  Plan planOf(std::shared_ptr<const SensorPlan> of) const override;
+  Plan planOf(std::shared_ptr<const SensorPlan> of, size_t views) const override;
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
@@ -68,7 +68,7 @@ Plan ReferenceBackend::plan(size_t sensor) const {
   return plan;
 }
 
-Plan ReferenceBackend::planOf(std::shared_ptr<const SensorPlan> of) const {
+Plan ReferenceBackend::planOf(std::shared_ptr<const SensorPlan> of, size_t /*views*/) const {
   Plan plan;
   plan.effects = of->decisions;
   plan.returns = of->returns;

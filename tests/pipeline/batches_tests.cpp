@@ -334,6 +334,54 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
   }
 }
 
+TEST_CASE("the plan of a batch has the steps of one scan, whatever the number of views, and those that run") {
+  needVulkan();
+  const Scene scene = worlds(6, 9);
+  const bool footprints = GENERATE(false, true);
+  TestOptions options = vulkanOptions();
+  std::vector<std::string> names;
+  options.trace = [&](const std::string& line) {
+    if (line.find(" workgroups") != line.npos) names.push_back(line);
+  };
+  SensorRequest request(gridSensor(90, 16, -30, 30), Effects::none());
+  if (footprints) {
+    request.sensor.divergenceHorizontal = request.sensor.divergenceVertical = 3e-3;
+    request.effects.divergence = {EffectUse::on, 7};
+    request.effects.intensity.use = EffectUse::on;
+  }
+  Simulator simulator(scene, request, options);
+  const Plan one = simulator.plan();
+  CHECK(one.views == 1);
+  const auto bytesOf = [](const Plan& plan, const std::string& name) {
+    for (const Plan::Buffer& buffer : plan.buffers)
+      if (buffer.name == name) return buffer.bytes;
+    return uint64_t{0};
+  };
+  for (const uint32_t views : {2u, 25u}) {
+    const Plan many = simulator.plan(0, views);
+    REQUIRE(many.views == views);
+    CHECK(many.dispatches() == one.dispatches());
+    CHECK(many.commands.dispatches == one.commands.dispatches);
+    CHECK(many.commands.copies == one.commands.copies);
+    CHECK(many.commands.fills <= one.commands.fills + 1);  // the causes of each view
+    for (const char* array : {"words", "covers"}) {
+      CHECK(bytesOf(many, array) >= views * bytesOf(one, array));
+      CHECK(4 * bytesOf(many, array) <= 5 * views * bytesOf(one, array));  // a quarter in advance
+    }
+    CHECK(many.bytes() > one.bytes());
+    const std::vector<Shot> shots = shotsOf(6, views);
+    simulator.scanBatch(shots);  // the lists grow
+    names.clear();
+    simulator.scanBatch(shots);
+    CHECK(names.size() == many.dispatches());
+  }
+  const Plan most = simulator.plan(0, 1'000'000);
+  CHECK(most.views > 25);
+  CHECK(most.views < 1'000'000);
+  options.tuning.binning = Binning::lists;
+  CHECK(Simulator(scene, request, options).plan(0, 25).views == 1);
+}
+
 TEST_CASE("a batch that cannot be made says why, before anything runs") {
   needVulkan();
   const Scene scene = worlds(2, 2);

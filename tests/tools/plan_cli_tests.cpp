@@ -64,6 +64,22 @@ TEST_CASE("plan --pipelines compiles and prints what the driver says of each pip
   CHECK(place.run("plan floor.obj --pipelines --device reference").status != 0);
 }
 
+TEST_CASE("plan --views tells how many scans one submission makes, with as many steps as one scan") {
+  const Workplace place;
+  const auto one = place.runJson("plan floor.obj --sensor VLP-16 --effects clean --json");
+  const auto many = place.runJson("plan floor.obj --sensor VLP-16 --effects clean --json --views 4");
+  CHECK(one.at("views") == 1);
+  CHECK(many.at("views") == 4);
+  CHECK(many.at("dispatches") == one.at("dispatches"));
+  CHECK(many.at("bytes") > one.at("bytes"));
+  const Result result = place.run("plan floor.obj --sensor VLP-16 --effects clean --views 1000000");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring(" of 1,000,000 in one submission\n"));
+  const Result lists = place.run("plan floor.obj --binning lists --views 4");
+  CHECK_THAT(lists.out, ContainsSubstring("1: scans of this sensor are made one by one\n"));
+  CHECK(place.run("plan floor.obj --views 0").status == 2);
+}
+
 TEST_CASE("scan --trace prints each step with its size") {
   const Workplace place;
   const Result result = place.run("scan floor.obj --effects clean --trace -o cloud.pcd");

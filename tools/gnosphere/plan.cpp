@@ -13,6 +13,7 @@ namespace {
 
 struct PlanOptions : ScanningOptions, EffectOptions {
   std::string fields, records;
+  size_t views = 1;
   bool json = false, pipelines = false;
 };
 
@@ -89,6 +90,12 @@ void printBuffers(const Plan& plan) {
   printTable(rows);
 }
 
+/// Returns text such as "64 of 1,024 in one submission".
+std::string viewsText(size_t wanted, uint32_t views) {
+  if (views == 1) return "1: scans of this sensor are made one by one";
+  return grouped(views) + (views < wanted ? " of " + grouped(wanted) : "") + " in one submission";
+}
+
 void print(const PlanOptions& options, const DeviceInfo& device, const Scene& scene, const Sensor& sensor,
            const Plan& plan) {
   say("scene", options.scene + ": " + grouped(scene.placedTriangleCount()) + " triangles, " +
@@ -96,6 +103,7 @@ void print(const PlanOptions& options, const DeviceInfo& device, const Scene& sc
   say("device", device.name);
   say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams, " + grouped(plan.returns) +
                     (plan.returns == 1 ? " return each" : " returns each"));
+  if (options.views > 1) say("views", viewsText(options.views, plan.views));
   if (!plan.binning.empty()) say("binning", plan.binning);
   printEffects(plan);
   printStages(plan);
@@ -114,7 +122,7 @@ int runPlan(const PlanOptions& options) {
   const Scene scene = loadScene(options);
   warnAboutMaterials(options, scene, settings.materials);
   const Simulator simulator(scene, request, settings);
-  const Plan plan = simulator.plan();
+  const Plan plan = simulator.plan(0, options.views);
   if (options.json)
     std::printf("%s", toJson(plan).c_str());
   else
@@ -137,6 +145,11 @@ Action addPlan(CLI::App& app) {
   app.add_option("--records", options->records,
                  "Fields of records that stay on the device, as in docs/engine.md; only with --pipelines")
       ->needs(pipelines);
+  app.add_option(
+         "--views", options->views,
+         "Scans that are made together, as in a batch: the plan of one submission of so many, or as many as fit")
+      ->check(CLI::Range(size_t{1}, size_t{1'000'000}))
+      ->capture_default_str();
   app.add_flag("--json", options->json, "Print JSON");
   app.footer("Example: gnosphere plan town.glb --effect fog.visibility=200");
   return [options] { return runPlan(*options); };
