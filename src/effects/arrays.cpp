@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/arrays.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/limits.hpp"
@@ -28,15 +29,22 @@ bool firesApart(const SensorPlan& plan) {
   return plan.listed || (plan.rows && plan.rows->staggered());
 }
 
-// Returns the parts of several motions one after the other.
-template <typename T, typename Of>
-EffectsArray joined(gpu::Array array, ShotMotions motions, const Of& of) {
-  std::vector<T> all;
-  for (const ShotMotion& motion : motions) {
-    const std::span<const T> part = of(motion);
-    all.insert(all.end(), part.begin(), part.end());
+// Returns how the instance of each entry moves; nothing if no instance moves.
+std::vector<gpu::InstanceMotion> motionsOf(ShotMotions motions, const InstanceEntries& entries) {
+  std::vector<gpu::InstanceMotion> all;
+  if (std::ranges::all_of(motions, [](const ShotMotion& motion) { return motion.instances.empty(); })) return all;
+  if (entries.inViews.empty()) {
+    all.resize(entries.count);
+    for (const auto& [instance, moving] : motions[0].instances) all[instance] = moving;
+    return all;
   }
-  return table(array, all);
+  all.resize(entries.inViews.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    const MovingInstances& instances = motions[entries.inViews[i].view].instances;
+    const auto found = instances.find(entries.inViews[i].instance);
+    if (found != instances.end()) all[i] = found->second;
+  }
+  return all;
 }
 
 }  // namespace
@@ -82,7 +90,8 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   return arrays;
 }
 
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions) {
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
+                                     const InstanceEntries& entries) {
   std::vector<EffectsArray> arrays;
   if (plan.signals()) {
     std::vector<gpu::EffectParameters> all;
@@ -103,12 +112,18 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Sho
     arrays.push_back(table(gpu::Array::volumes, all));
   }
   if (motions.empty()) return arrays;
-  arrays.push_back(joined<gpu::ColumnMotion>(
-      gpu::Array::columnMotions, motions, [](const ShotMotion& motion) { return std::span(motion.tables.columns); }));
-  arrays.push_back(joined<gpu::MotionBounds>(
-      gpu::Array::motion, motions, [](const ShotMotion& motion) { return std::span(&motion.tables.bounds, 1); }));
-  const ShotMotion& first = motions[0];  // instances do not move during several shots
-  arrays.push_back(table(gpu::Array::instanceMotions, first.instances));
+  const std::vector<gpu::InstanceMotion> instances = motionsOf(motions, entries);
+  std::vector<gpu::ColumnMotion> columns;
+  std::vector<gpu::MotionBounds> bounds;
+  for (const ShotMotion& motion : motions) {
+    columns.insert(columns.end(), motion.tables.columns.begin(), motion.tables.columns.end());
+    bounds.push_back(motion.tables.bounds);
+    bounds.back().instances = !instances.empty();  // the same for all views, since a subgroup may work on several
+  }
+  arrays.push_back(table(gpu::Array::columnMotions, columns));
+  arrays.push_back(table(gpu::Array::motion, bounds));
+  arrays.push_back(table(gpu::Array::instanceMotions, instances));
+  const ShotMotion& first = motions[0];  // meshes are not deformed during several shots
   if (!first.end.jointRows.empty()) arrays.push_back(table(gpu::Array::endJointRows, first.end.jointRows));
   if (!first.end.morphWeights.empty()) arrays.push_back(table(gpu::Array::endMorphWeights, first.end.morphWeights));
   return arrays;

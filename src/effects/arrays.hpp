@@ -26,7 +26,14 @@ std::vector<EffectsArray> lastingTables(const SensorPlan& plan);
 std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
+/// The entries of a scan's instances: one for each instance or, of several views, those that the views place.
+struct InstanceEntries {
+  uint32_t count = 0;
+  std::span<const InstanceTable::InView> inViews = {};
+};
+
 /// Arrays that are written anew for each scan; each of several shots is a view.
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions);
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
+                                     const InstanceEntries& entries);
 
 }  // namespace gnosphere

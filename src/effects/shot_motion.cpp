@@ -7,33 +7,45 @@
 
 namespace gnosphere {
 
+namespace {
+
+bool instancesMove(const SensorPlan& plan, const Shot& shot) {
+  return (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion);
+}
+
+bool sensorMoves(const SensorPlan& plan, const Shot& shot) {
+  return !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
+}
+
+}  // namespace
+
+bool moves(const SensorPlan& plan, const Shot& shot) {
+  return sensorMoves(plan, shot) || instancesMove(plan, shot);
+}
+
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
                                    const InstanceTable& instances, const Deformables& deformables) {
-  const bool instancesMove =
-      (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion);
-  const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
-  if (!sensorMoves && !instancesMove && !plan.origins) return {};
+  if (!gnosphere::moves(plan, shot) && !plan.origins) return {};
   ShotMotion motion;
   motion.centre = lasers.centre;
-  motion.moves = sensorMoves || instancesMove;
+  motion.moves = gnosphere::moves(plan, shot);
   const ScanTimes times =
       plan.rows ? scanTimesOf(*plan.rows, plan.sensor) : scanTimesOf(plan.sensor, plan.listed, shot.frame);
   motion.tables = makeMotionTables(times, lasers, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
-  if (instancesMove) {
-    motion.instances.resize(instances.count());
+  if (instancesMove(plan, shot)) {
     const double duration = durationOf(plan.sensor, shot.frame);
     std::map<size_t, double> changes;
     for (const MeshMotion& mesh : shot.meshMotions)
       changes[mesh.mesh] = deformables.writeEnd(mesh.mesh, mesh.end, motion.end);
     motion.farthest =
-        instances.writeMotions(motion.tables.middle, shot.instanceMotions, changes, duration, motion.instances.data());
+        instances.findMotions(motion.tables.middle, shot.instanceMotions, changes, duration, motion.instances);
     // Beams may fire before the start and after the end of the motion.
     const float longer = motion.tables.bounds.seconds / static_cast<float>(duration);
     if ((plan.listed || plan.rows) && longer > 1) {
       motion.farthest *= longer;
-      for (gpu::InstanceMotion& instance : motion.instances) {
-        instance.bound.x *= longer;
-        instance.bound.y *= longer;
+      for (auto& [instance, moving] : motion.instances) {
+        moving.bound.x *= longer;
+        moving.bound.y *= longer;
       }
     }
     motion.tables.bounds.instances = 1;

@@ -15,12 +15,15 @@ namespace gnosphere {
 /// The motion of one shot.
 struct ShotMotion {
   MotionTables tables;
-  Vec3 centre;         ///< of the lasers, from which the scene is projected, in the sensor's frame
-  bool moves = false;  ///< whether anything moves; otherwise there are only lasers away from the sensor's origin
-  std::vector<gpu::InstanceMotion> instances;  ///< one per instance; empty if no instance moves
-  Deformables::End end;                        ///< of the meshes that are deformed meanwhile; empty if none is
-  double farthest = 0;                         ///< largest distance in metres that a point of them moves
+  Vec3 centre;                ///< of the lasers, from which the scene is projected, in the sensor's frame
+  bool moves = false;         ///< whether anything moves; otherwise there are only lasers away from the sensor's origin
+  MovingInstances instances;  ///< empty if no instance moves
+  Deformables::End end;       ///< of the meshes that are deformed meanwhile; empty if none is
+  double farthest = 0;        ///< largest distance in metres that a point of them moves
 };
+
+/// Returns whether the sensor or an instance moves during the shot, as far as scans of the plan simulate that.
+bool moves(const SensorPlan& plan, const Shot& shot);
 
 /// The motion that the lasers see which fire from around `lasers.centre`. Empty if neither the sensor nor an instance
 /// moves during this shot, and all lasers are at the sensor's origin.

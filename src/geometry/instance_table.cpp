@@ -430,10 +430,8 @@ void InstanceTable::writeTransformSources(const Pose& pose, gpu::TransformSource
 }
 
 // With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.
-double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions,
-                                   const std::map<size_t, double>& changes, double period,
-                                   gpu::InstanceMotion* to) const {
-  std::fill(to, to + count(), gpu::InstanceMotion{});
+double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMotion> motions,
+                                  const std::map<size_t, double>& changes, double period, MovingInstances& to) const {
   const glm::dmat3 toSensor = rotationToSensor(pose);
   const glm::dvec3 sensor = positionOf(pose);
   double farthest = 0;
@@ -456,7 +454,7 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
       most = std::max(most, glm::length(turning * x + shift) * period);
     }
     const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
-    to[motion.instance] = {
+    to[static_cast<uint32_t>(motion.instance)] = {
         row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
     // Instances that may be anywhere are placed in any case.
     if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);

@@ -59,6 +59,9 @@ struct PlacedGroups {
   Run still, moving;  ///< the pairs of the still instances come first
 };
 
+/// How instances move during a scan, by instance; others stand still.
+using MovingInstances = std::map<uint32_t, gpu::InstanceMotion>;
+
 /// Triangles are numbered instance by instance, so that a triangle's number leads to its instance. A removed instance
 /// stays in the table with an empty mesh.
 class InstanceTable {
@@ -140,12 +143,12 @@ class InstanceTable {
     uint32_t first = 0, triangles = 0, instance = 0;
   };
   Owner ownerOf(uint32_t number) const;
-  /// Writes for every instance how it moves in the sensor's frame during `period` seconds to the transform that
-  /// `motions` gives; instances that it does not name stand still, unless their mesh is deformed meanwhile: `changes`
-  /// has, by mesh, the largest distance that this moves a vertex in the mesh frame. Returns the largest distance that
-  /// any point moves, in metres.
-  double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions,
-                      const std::map<size_t, double>& changes, double period, gpu::InstanceMotion* to) const;
+  /// Finds how instances move in the sensor's frame during `period` seconds to the transforms that `motions` gives, of
+  /// which the last one of an instance counts; instances that it does not name stand still, unless their mesh is
+  /// deformed meanwhile: `changes` has, by mesh, the largest distance that this moves a vertex in the mesh frame.
+  /// Returns the largest distance that any point moves, in metres.
+  double findMotions(const Pose& pose, std::span<const InstanceMotion> motions, const std::map<size_t, double>& changes,
+                     double period, MovingInstances& to) const;
   /// Writes the mesh index of every instance; a removed instance gets the index after the last mesh.
   void writeMeshes(uint32_t* meshes) const;
 

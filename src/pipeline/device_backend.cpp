@@ -250,19 +250,19 @@ class DeviceBackend final : public Backend {
   size_t viewsFrom(std::span<const Shot> shots, size_t most) const {
     most = std::min<size_t>({most, shots.size(), sensors_[shots[0].sensor]->arrays.mostViews()});
     const uint64_t room = mostListBytes(options_, machine_->traits());
-    const auto bytesOf = [&](size_t view) { return scene_.bytesOfView(shots[view].world); };
+    const SensorPlan& plan = *sensors_[shots[0].sensor]->plan;
+    const bool moving = moves(plan, shots[0]);
+    const auto bytesOf = [&](size_t view) { return scene_.bytesOfView(shots[view].world, moving); };
     const auto standsStill = [&](const Shot& shot, const Shot& before) {
-      return shot.world == before.world && std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
+      return !moving && shot.world == before.world && std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
     };
-    const bool mayMove = sensors_[shots[0].sensor]->plan->moves();
-    const auto instancesMove = [&](const Shot& shot) {
-      return mayMove && !(shot.instanceMotions.empty() && shot.meshMotions.empty());
-    };
+    const auto deforms = [&](const Shot& shot) { return !shot.meshMotions.empty() && plan.has(gpu::kObjectMotion); };
+    // A subgroup may work on several views, so the sensor moves in all of them or in none.
     const auto alike = [&](const Shot& shot) {
-      return shot.sensor == shots[0].sensor && !instancesMove(shot) &&
-             (!mayMove || shot.motion.stamps.empty() == shots[0].motion.stamps.empty());
+      return shot.sensor == shots[0].sensor && !deforms(shot) && moves(plan, shot) == moving &&
+             (!moving || shot.motion.stamps.empty() == shots[0].motion.stamps.empty());
     };
-    if (instancesMove(shots[0])) return 1;
+    if (deforms(shots[0])) return 1;
     size_t views = 1;
     uint64_t bytes = most > 1 ? bytesOf(0) : 0;
     while (views < most && alike(shots[views]) && !standsStill(shots[views], shots[views - 1])) {
@@ -336,8 +336,10 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     slot.placed.bind(arrays);
+    InstanceEntries instances = {scene_.instances().count()};
+    if (views > 1) instances.inViews = slot.placed.inViews();
     const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), part.shots, part.group, slot.motions,
-                                                   scene_.instances().count(), slot.placed.groups(), use, arrays);
+                                                   instances, slot.placed.groups(), use, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
   }

@@ -160,7 +160,7 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   run.placed.bind(arrays);
   sensor.loadRecords(index, group, item.records.bytes, *recording.classes, shot.frame);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
-  for (const Step& step : sensor.prepare(index, {&shot, 1}, group, motions, scene_.instances().count(),
+  for (const Step& step : sensor.prepare(index, {&shot, 1}, group, motions, {scene_.instances().count()},
                                          run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;

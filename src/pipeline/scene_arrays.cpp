@@ -146,13 +146,14 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
   if (deformed()) placeDeformations(to);
 }
 
-uint64_t SceneArrays::bytesOfView(uint32_t world) const {
+uint64_t SceneArrays::bytesOfView(uint32_t world, bool moves) const {
   const WorldContent content = instances_.contentOf(world);
   PlacedGroups groups;
   groups.still.groups = static_cast<uint32_t>(content.groups);
   groups.still.clusters = static_cast<uint32_t>(content.clusters);
-  return content.instances * (sizeof(gpu::Instance) + sizeof(uint32_t)) + content.groups * 2 * sizeof(uint32_t) +
-         groupBytes(groups) + clusterBytes(groups);
+  const uint64_t ofInstance = sizeof(gpu::Instance) + sizeof(uint32_t) + (moves ? sizeof(gpu::InstanceMotion) : 0);
+  return content.instances * ofInstance + content.groups * 2 * sizeof(uint32_t) + groupBytes(groups) +
+         clusterBytes(groups);
 }
 
 void SceneArrays::placeDeformations(PlacedArrays& to) {

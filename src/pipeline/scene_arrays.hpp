@@ -58,8 +58,9 @@ class SceneArrays final : public SceneMemory {
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
   /// The same for a submission of several views, which see all instances of their worlds within reach of their poses.
   void place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, PlacedArrays& to);
-  /// The most bytes that a view of the world takes in lists of instances, groups and clusters.
-  uint64_t bytesOfView(uint32_t world) const;
+  /// The most bytes that a view of the world takes in lists of instances, groups and clusters, and of the instances'
+  /// motions if something moves.
+  uint64_t bytesOfView(uint32_t world, bool moves) const;
   /// Returns whether the lists of visible groups and clusters, which all scans share, have room for everything placed.
   bool listsHold(const PlacedArrays& placed) const;
   /// Grows these lists; no scan may be running.

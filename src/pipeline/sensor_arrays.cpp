@@ -293,8 +293,8 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
 }
 
 std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, size_t group, ShotMotions motions,
-                                        uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
-                                        BoundArrays& arrays) {
+                                        const InstanceEntries& instances, const PlacedGroups& placed,
+                                        StillImage::Use still, BoundArrays& arrays) {
   Frame& frame = frameAt(index);
   const auto views = static_cast<uint32_t>(shots.size());
   frame.capacities = capacities_;
@@ -314,7 +314,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
 
   if (views > 1) makeRoomForViews(frame, views);
   gpu::Frame content = frameOf(tables, views);
-  content.instanceCount = instanceCount;
+  content.instanceCount = instances.count;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
@@ -327,7 +327,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.shellCount = shells_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
-  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions));
+  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions, instances));
 
   // The pattern's come last: a frame that has fired another pattern, group by group, still has the tables of that one.
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})

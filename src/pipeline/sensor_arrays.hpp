@@ -52,7 +52,7 @@ class SensorArrays {
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
   /// arrays of the sensor and of the frame. Each of several shots is a view.
   std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, ShotMotions motions,
-                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
+                            const InstanceEntries& instances, const PlacedGroups& placed, StillImage::Use still,
                             BoundArrays& arrays);
   /// Throws Error(device) if the device has run nothing of the last scan of this frame.
   void checkAlive(size_t frame);
