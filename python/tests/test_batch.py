@@ -52,6 +52,17 @@ def test_views_are_single_scans(simulator):
     assert batch.column(Field.y).tobytes() == np.ascontiguousarray(batch.points[..., 1]).tobytes()
 
 
+def test_the_plan_of_a_batch(simulator):
+    one, many = simulator.plan(), simulator.plan(sensor=1, views=5)
+    assert one.views == 1
+    if not one.stages or one.binning == "lists":
+        assert many.views == 1
+        return
+    assert many.views == 5
+    assert many.dispatches() == simulator.plan(1).dispatches()
+    assert many.bytes() > simulator.plan(1).bytes()
+
+
 def test_memory_is_used_again(simulator):
     poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (4, 1))
     poses[:, 0] = np.arange(4)
