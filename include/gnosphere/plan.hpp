@@ -57,8 +57,8 @@ struct Plan {
   Commands commands;            ///< all 0 if the host makes the scans
   std::string binning;          ///< nearest, lists or slabs
   uint32_t returns = 1;         ///< returns per beam
-  /// Scans that one submission makes together, each a view of its own: as many as were asked for, or fewer if not so
-  /// many fit; 1 for sensors whose scans are made one by one.
+  /// Number of scans that one submission makes together, each as a view of its own: as many as were asked for, or
+  /// fewer if not so many fit, or 1 if scans of the sensor are made one by one.
   uint32_t views = 1;
 
   GNOSPHERE_API uint64_t bytes() const;                     ///< sum over `buffers`

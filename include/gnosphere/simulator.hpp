@@ -277,7 +277,7 @@ struct Shot {
 ///
 /// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. One thread at a time
 /// may use a simulator; several simulators may be used by several threads at once. Simulators that one thread makes
-/// share a queue of the device and compiled kernels.
+/// on one device share its queue and the kernels that are compiled for it.
 class GNOSPHERE_API Simulator {
  public:
   /// Uploads the scene and compiles the stages. Throws Error(invalidArgument) for an invalid argument, Error(device)

@@ -71,7 +71,8 @@ AngularSpread spreadOf(const SensorPlan& plan) {
 
 // Lasers that fire between two columns are moved along a straight line between the poses of these. Over this time a
 // head that turns by 2 rad/s misses the true path of a point 100 m away by less than 5e-6 m, which is less than the
-// spacing of ranges there (7.6e-6 m), but the error grows with the square. The moments of a list are closer together.
+// spacing of ranges there (7.6e-6 m), but the error grows with the square. For a list of beams the poses are tabulated
+// at shorter intervals.
 bool firesTooSlowly(const SensorPlan& plan) {
   constexpr double kMostStep = 300e-6;
   return plan.moves() && hasTimeOffsets(plan.sensor) && plan.sensor.rotationPeriod > kMostStep * plan.sensor.columns;

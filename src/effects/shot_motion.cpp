@@ -25,10 +25,11 @@ bool moves(const SensorPlan& plan, const Shot& shot) {
 
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
                                    const InstanceTable& instances, const Deformables& deformables) {
-  if (!gnosphere::moves(plan, shot) && !plan.origins) return {};
+  const bool moving = moves(plan, shot);
+  if (!moving && !plan.origins) return {};
   ShotMotion motion;
   motion.centre = lasers.centre;
-  motion.moves = gnosphere::moves(plan, shot);
+  motion.moves = moving;
   const ScanTimes times =
       plan.rows ? scanTimesOf(*plan.rows, plan.sensor) : scanTimesOf(plan.sensor, plan.listed, shot.frame);
   motion.tables = makeMotionTables(times, lasers, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
@@ -43,12 +44,11 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
     const float longer = motion.tables.bounds.seconds / static_cast<float>(duration);
     if ((plan.listed || plan.rows) && longer > 1) {
       motion.farthest *= longer;
-      for (auto& [instance, moving] : motion.instances) {
-        moving.bound.x *= longer;
-        moving.bound.y *= longer;
+      for (auto& [instance, of] : motion.instances) {
+        of.bound.x *= longer;
+        of.bound.y *= longer;
       }
     }
-    motion.tables.bounds.instances = 1;
   }
   return motion;
 }

@@ -143,10 +143,10 @@ class InstanceTable {
     uint32_t first = 0, triangles = 0, instance = 0;
   };
   Owner ownerOf(uint32_t number) const;
-  /// Finds how instances move in the sensor's frame during `period` seconds to the transforms that `motions` gives, of
-  /// which the last one of an instance counts; instances that it does not name stand still, unless their mesh is
-  /// deformed meanwhile: `changes` has, by mesh, the largest distance that this moves a vertex in the mesh frame.
-  /// Returns the largest distance that any point moves, in metres.
+  /// Finds how instances move in the sensor's frame during `period` seconds, to the transforms that `motions` gives. An
+  /// instance that `motions` does not name stands still, unless its mesh is deformed during that time. For each
+  /// deformed mesh, `changes` has the largest distance that the deformation moves a vertex in the mesh frame. Returns
+  /// the largest distance that any point moves, in metres.
   double findMotions(const Pose& pose, std::span<const InstanceMotion> motions, const std::map<size_t, double>& changes,
                      double period, MovingInstances& to) const;
   /// Writes the mesh index of every instance; a removed instance gets the index after the last mesh.

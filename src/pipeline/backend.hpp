@@ -45,8 +45,8 @@ class Backend {
   /// caller is asked for this.
   virtual void setTransforms(const CallerTransforms& /*buffer*/) {}
   virtual Plan plan(size_t sensor) const = 0;
-  /// The plan that setSensor() would make of this, for a submission of so many views or as many as fit; nothing is
-  /// allocated on the device, and nothing changes.
+  /// Returns the plan that setSensor() would make of this, for a submission of so many views or as many as fit. The
+  /// method allocates nothing on the device, and the backend stays as it is.
   virtual Plan planOf(std::shared_ptr<const SensorPlan> plan, size_t views) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;

@@ -131,7 +131,8 @@ void Buffer::flush() const {
   VK(device_->vk().vkFlushMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
-Transfer::Transfer(const Device& device) : device_(&device) {
+Transfer::Transfer(const Device& device, uint64_t mostBytes)
+    : device_(&device), mostBytes_(std::min(mostBytes, kMostStagingBytes)) {
   VkCommandPoolCreateInfo create = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   create.queueFamilyIndex = device.capabilities().queueFamily;
@@ -174,8 +175,7 @@ void Transfer::read(const Buffer& buffer, uint64_t place, std::span<std::byte> d
 
 Buffer& Transfer::staging(bool read) {
   Buffer& buffer = read ? read_ : written_;
-  if (!buffer.handle())
-    buffer = Buffer::staging(*device_, std::min(kMostStagingBytes, device_->maxBufferBytes()), read);
+  if (!buffer.handle()) buffer = Buffer::staging(*device_, mostBytes_, read);
   return buffer;
 }
 

@@ -91,10 +91,10 @@ class Buffer {
 };
 
 /// Copies between the host and device buffers while the device does not use them, through a staging buffer with one
-/// submission per 16 MiB.
+/// submission per 16 MiB, or per `mostBytes` if that is less.
 class Transfer {
  public:
-  explicit Transfer(const Device& device);
+  Transfer(const Device& device, uint64_t mostBytes);
 
   /// Allocates what write() to this buffer needs.
   void prepareWrite(const Buffer& buffer) {
@@ -110,6 +110,7 @@ class Transfer {
   void copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
 
   const Device* device_;
+  uint64_t mostBytes_;
   DeviceHandle<VkCommandPool> pool_;
   DeviceHandle<VkFence> fence_;
   Buffer written_, read_;  // made at their first use

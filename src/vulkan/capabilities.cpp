@@ -207,9 +207,11 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   return result;
 }
 
-Traits traitsOf(const Capabilities& capabilities) {
+Traits traitsOf(const Capabilities& capabilities, const Tuning& tuning) {
   Traits traits = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64};
   traits.spreadsRays = true;
+  if (tuning.maxBufferBytes > 0)
+    traits.info.maxBufferBytes = std::min(traits.info.maxBufferBytes, tuning.maxBufferBytes);
   return traits;
 }
 

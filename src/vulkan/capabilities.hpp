@@ -70,8 +70,8 @@ struct Capabilities {
 };
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical);
 
-/// Returns what the pipeline asks of the device.
-Traits traitsOf(const Capabilities& capabilities);
+/// Returns what the pipeline asks of the device, within Tuning::maxBufferBytes.
+Traits traitsOf(const Capabilities& capabilities, const Tuning& tuning);
 
 /// Returns the extensions and features that a device with these capabilities is created with.
 Requirements requirementsFor(const Capabilities& capabilities);

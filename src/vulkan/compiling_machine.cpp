@@ -13,7 +13,7 @@ class CompilingMachine final : public Machine {
  public:
   explicit CompilingMachine(const SimulatorOptions& options)
       : device_(options.device, options.validation, true), cache_(device_, "off"), kernels_(device_, cache_) {
-    traits_ = traitsOf(device_.capabilities());
+    traits_ = traitsOf(device_.capabilities(), options.tuning);
     // A driver that only compiles may have no memory at all.
     if (traits_.info.maxBufferBytes == 0) traits_.info.maxBufferBytes = uint64_t{4} << 30;
   }

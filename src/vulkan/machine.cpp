@@ -107,13 +107,11 @@ void writeAddresses(const BoundArrays& arrays, void* to) {
 class VulkanMachine final : public Machine {
  public:
   explicit VulkanMachine(const SimulatorOptions& options)
-      : lent_(lendDevice(options)), warn_(options.warn), trace_(options.trace), transfer_(device_) {
-    const Capabilities& capabilities = device_.capabilities();
-    timesStages_ = !capabilities.cpu || options.tuning.stageTimes || trace_;
-    traits_ = traitsOf(capabilities);
-    if (const uint64_t most = options.tuning.maxBufferBytes; most > 0)
-      traits_.info.maxBufferBytes = std::min(traits_.info.maxBufferBytes, most);
-  }
+      : lent_(lendDevice(options)),
+        warn_(options.warn),
+        trace_(options.trace),
+        traits_(traitsOf(device_.capabilities(), options.tuning)),
+        timesStages_(!traits_.cpu || options.tuning.stageTimes || trace_) {}
 
   const Traits& traits() const override { return traits_; }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) override {
@@ -190,10 +188,10 @@ class VulkanMachine final : public Machine {
   Device& device_ = lent_->device;
   Kernels& kernels_ = lent_->kernels;
   std::function<void(const std::string&)> warn_, trace_;
-  bool timesStages_;
-  Transfer transfer_;
-  Recordings recordings_{device_};
   Traits traits_;
+  bool timesStages_;
+  Transfer transfer_{device_, traits_.info.maxBufferBytes};
+  Recordings recordings_{device_, traits_.info.maxBufferBytes};
   std::deque<Frame> frames_;
   CommandBuffer recorded_;  // the caller's, while a recording is under way
 };

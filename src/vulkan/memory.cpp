@@ -103,8 +103,7 @@ void Recordings::abandon(size_t number) noexcept {
 }
 
 // A run of a recording may begin at any byte of a chunk: copies have no alignment.
-void Recordings::Frame::reserve(const Device& device, uint64_t bytes) {
-  const uint64_t most = std::min(kMostStagingBytes, device.maxBufferBytes());
+void Recordings::Frame::reserve(const Device& device, uint64_t bytes, uint64_t most) {
   if (bytes > 0 && bytes <= most) {
     staging.resize(std::min<size_t>(staging.size(), 1));
     if (staging.empty() || staging[0].bytes() < bytes) {
@@ -128,7 +127,7 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   uint64_t bytes = 0;
   for (const auto& [memory, runs] : writes_)
     for (const auto& [place, end] : runs) bytes += end - place;
-  frame.reserve(device_, bytes);
+  frame.reserve(device_, bytes, mostBytes_);
   frame.recording = ++recording_;
   commands.fullBarrier();
   if (bytes == 0) {

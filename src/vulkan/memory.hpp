@@ -3,6 +3,7 @@
 // on the caller's, where earlier frames may still be running.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <vector>
@@ -75,7 +76,9 @@ class RecordedMemory final : public VulkanMemory {
 /// buffers when no frame uses them any more.
 class Recordings {
  public:
-  explicit Recordings(const Device& device) : device_(device) {}
+  /// No buffer that carries the host's data to the device has more than `mostBytes`.
+  Recordings(const Device& device, uint64_t mostBytes)
+      : device_(device), mostBytes_(std::min(mostBytes, kMostStagingBytes)) {}
 
   /// Begins the recording of a frame in flight whose commands have completed.
   void begin(CommandBuffer& commands, size_t frame);
@@ -104,13 +107,14 @@ class Recordings {
     uint64_t recording = 0;  // its last one; 0: none, or one that was abandoned
     std::vector<Buffer> staging;
     Writes taken;  // what this recording copies
-    /// Makes room for so many bytes in all staging buffers together.
-    void reserve(const Device& device, uint64_t bytes);
+    /// Makes room for so many bytes in all staging buffers together, of which none has more than `most`.
+    void reserve(const Device& device, uint64_t bytes, uint64_t most);
   };
 
   static void join(Runs& runs, Runs::node_type node) noexcept;
 
   const Device& device_;
+  uint64_t mostBytes_;      // of a staging buffer
   uint64_t recording_ = 0;  // number of the last recording
   std::deque<Frame> frames_;
   Writes writes_;  // what the next recording copies

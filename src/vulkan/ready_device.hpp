@@ -27,10 +27,11 @@ struct GiveBack {
 };
 using LentDevice = std::unique_ptr<ReadyDevice, GiveBack>;
 
-/// Returns a device of the same choice with all kernels compiled so far: one of simulators that this thread has made,
-/// or one that no simulator uses any more, or else a new one. Simulators of several threads have devices of their own,
-/// because CPU drivers work on one submission to a device at a time. A device of the caller is shared by simulators
-/// whose choices are copies of one.
+/// Returns a device that was made with the same settings and keeps the kernels compiled so far: the device of other
+/// simulators that this thread has made, or else a device that no simulator uses any more, or else a new one.
+/// Simulators of several threads have devices of their own, because CPU drivers work on one submission to a device at a
+/// time. Simulators on a device of the caller share its kernels, whatever their threads, if they are made with copies
+/// of one DeviceChoice.
 LentDevice lendDevice(const SimulatorOptions& options);
 
 /// Destroys the devices that no simulator uses, so that the next one begins as in a new process.

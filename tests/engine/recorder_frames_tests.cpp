@@ -9,6 +9,7 @@
 #include "effects/scan_support.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
+#include "vulkan/device_functions.hpp"
 #include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
@@ -374,6 +375,35 @@ TEST_CASE("simulators whose choices of an adopted device are copies share kernel
     CHECK(vulkan::lendDevice(other)->kernels.count() == 0);
   }
   CHECK(vulkan::lendDevice(options)->kernels.count() == 0);
+}
+
+TEST_CASE("a limit of buffers holds for those that carry the host's data, and only for its simulator") {
+  needVulkan();
+  const CommonApp common;
+  TestOptions limited = vulkanOptions();
+  limited.tuning.maxBufferBytes = 2 << 20;
+  SimulatorOptions options = plainOptions();
+  options.device = common.app.choice();
+  const vulkan::LentDevice device = vulkan::lendDevice(options);
+  vulkan::DeviceFunctions& vk = functionsOf(device->device);
+  static PFN_vkCreateBuffer createBuffer;
+  static VkDeviceSize largest;
+  createBuffer = vk.vkCreateBuffer;
+  vk.vkCreateBuffer = [](VkDevice on, const VkBufferCreateInfo* info, const VkAllocationCallbacks* with, VkBuffer* to) {
+    largest = std::max(largest, info->size);
+    return createBuffer(on, info, with, to);
+  };
+  const auto scanWith = [&](const SimulatorOptions& with) {
+    largest = 0;
+    Recorded recorded(common.app, sceneOf(soup(5, 40'000, 40, 0.5)), {gridSensor(90, 8, -18, 9), Effects::none()}, with,
+                      pointLayout());
+    return recorded.scan({});
+  };
+  const std::vector<std::byte> expected = scanWith(options);
+  CHECK(largest > limited.tuning.maxBufferBytes);
+  CHECK(scanWith(limited) == expected);
+  CHECK(largest <= limited.tuning.maxBufferBytes);
+  vk.vkCreateBuffer = createBuffer;
 }
 
 TEST_CASE("misuse of adopted devices and recorders gets a sentence") {

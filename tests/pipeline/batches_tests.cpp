@@ -312,7 +312,7 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
     CHECK(std::ranges::equal(batch.instances(), expected.instances()));
     CHECK(batch.counters.hits == expected.counters.hits);
   };
-  // A view takes 2 MB with footprints, of which the lists have most, and a few kB without.
+  // In this scene a view takes 2 MB of memory with footprints, most of it in lists, and a few kB without footprints.
   uint64_t submissions = 0;
   TestOptions bounded = vulkanOptions();
   bounded.tuning.maxBatchBytes = 8 << 20;

@@ -39,7 +39,7 @@ TEST_CASE("small buffers share allocations, and give them back") {
   vulkan::Device device({}, vulkanOptions().validation);
   heaps = {device.vk()};
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
-  vulkan::Transfer transfer(device);
+  vulkan::Transfer transfer(device, device.maxBufferBytes());
   {
     std::vector<vulkan::Buffer> buffers;
     for (uint32_t i = 0; i < 300; ++i) {
@@ -65,7 +65,7 @@ TEST_CASE("small buffers share allocations, and give them back") {
     }
     CHECK(heaps.allocations <= 4);
   }
-  transfer = vulkan::Transfer(device);
+  transfer = vulkan::Transfer(device, device.maxBufferBytes());
   CHECK(device.blocks().count() == 0);
   CHECK_NOTHROW(device.throwOnMessages());
 }
@@ -213,7 +213,7 @@ TEST_CASE("an array of a card grows there, and data go to and fro by memory that
   needVulkan();
   vulkan::Device device({}, false);
   becomeCard(device, 8 << 20);
-  vulkan::Transfer transfer(device);
+  vulkan::Transfer transfer(device, device.maxBufferBytes());
   constexpr size_t kBytes = 40 << 20;
   std::vector<std::byte> data(kBytes), back(kBytes);
   for (size_t i = 0; i < kBytes; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 24);

@@ -114,7 +114,7 @@ void makeEverything(const vulkan::Device& device) {
     kernels.of(variant);
   }
   const vulkan::Commands commands(device);
-  vulkan::Transfer transfer(device);
+  vulkan::Transfer transfer(device, device.maxBufferBytes());
   const std::vector<uint32_t> numbers = {1, 2, 3};
   std::vector<vulkan::Buffer> buffers;
   buffers.emplace_back(device, "numbers", 12, MemoryKind::device);
