@@ -55,9 +55,9 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
   if (MAPPED && beamNumbers.at[beam] == kNone) return;
   if (PASS == kPassCount) {
-    atomicAdd(listEnds.at[beam], 1);
+    atomicAdd(listEnds.at[beamEntry(beam)], 1);
   } else {
-    uint slot = atomicAdd(listEnds.at[beam], 1);
+    uint slot = atomicAdd(listEnds.at[beamEntry(beam)], 1);
     if (slot < frame.candidateCapacity) candidates.at[slot] = projected;
   }
 }

@@ -45,12 +45,13 @@ bool looksAtMaterials() { return (EFFECTS & kIntensity) != 0 && parameters.inten
 // The list of a beam is a run of candidates with kBinningLists, otherwise a chain of hits; see bin.comp.
 uint listFirst() {
   if (BINNING != kBinningLists) return listEnds.at[beamEntry(beamIndex)];
-  return beamIndex == 0 ? 0 : min(listEnds.at[max(beamIndex, 1) - 1], frame.candidateCapacity);
+  uint entry = beamEntry(beamIndex);
+  return entry == 0 ? 0 : min(listEnds.at[max(entry, 1) - 1], frame.candidateCapacity);
 }
 
 uint listEnd() {
   if (BINNING != kBinningLists) return kNone;
-  return min(listEnds.at[beamIndex], frame.candidateCapacity);
+  return min(listEnds.at[beamEntry(beamIndex)], frame.candidateCapacity);
 }
 
 uint nextOf(uint k) {

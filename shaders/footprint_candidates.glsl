@@ -13,8 +13,9 @@ uint listFirst, listEnd, afterWord, ownEnd, chainFirst, wordCandidate;
 void openList(uint index) {
   if (BINNING == kBinningLists) {
     // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
-    listEnd = min(listEnds.at[index], frame.candidateCapacity);
-    listFirst = afterWord = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
+    uint entry = beamEntry(index);
+    listEnd = min(listEnds.at[entry], frame.candidateCapacity);
+    listFirst = afterWord = entry == 0 ? 0 : min(listEnds.at[max(entry, 1) - 1], listEnd);
     return;
   }
   uint links = covers.at[beamEntry(index)].links, own = kOwnPlace | kOwnLinks * beamEntry(index);

@@ -14,13 +14,15 @@ layout(local_size_x = 64) in;
 
 #include "workgroup_sums.glsl"
 
-uint blockCount() { return (frame.beams + kPrefixBlock - 1) / kPrefixBlock; }
+// Of all views, whose lists follow each other.
+uint beamCount() { return VIEWS ? frame.views * frame.beams : frame.beams; }
+uint blockCount() { return (beamCount() + kPrefixBlock - 1) / kPrefixBlock; }
 
 uint countsOfLane(uint block) {
   uint sum = 0;
   for (uint k = 0; k < kPerLane; ++k) {
     uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-    if (beam < frame.beams) sum = plus(sum, listEnds.at[beam]);
+    if (beam < beamCount()) sum = plus(sum, listEnds.at[beam]);
   }
   return sum;
 }
@@ -55,7 +57,7 @@ void applyBlocks() {
     uint start = blockSums.at[block] + sumBefore(countsOfLane(block), total);
     for (uint k = 0; k < kPerLane; ++k) {
       uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-      if (beam >= frame.beams) break;
+      if (beam >= beamCount()) break;
       uint count = listEnds.at[beam];
       listEnds.at[beam] = start;
       start += count;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel of the stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's
+// The kernel of the stage resolve. One row of workgroups per channel of each view: writes point, range and owner of every beam's
 // nearest hit. Without lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and
 // skips those that are farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it
 // also becomes the beam's word, and the beams that meet a pane before it are listed. If stage effects computes the
@@ -73,43 +73,45 @@ bool meetsPane(uint index, Beam beam, uint start, uint end, uvec2 word) {
 
 // Returns the word of a beam that has a list.
 uvec2 wordOfList(uint index, Beam beam) {
-  uint start = index == 0 ? 0 : listEnds.at[index - 1];
-  uint end = min(listEnds.at[index], frame.candidateCapacity);
+  uint entry = beamEntry(index), start = entry == 0 ? 0 : listEnds.at[entry - 1];
+  uint end = min(listEnds.at[entry], frame.candidateCapacity);
   uvec2 word = nearestOfList(index, beam, start, end);
-  if (PANES || PASS == kPassWords) words.at[index] = word;
+  if (PANES || PASS == kPassWords) words.at[entry] = word;
   if (PANES && meetsPane(index, beam, start, end, word))
-    hardBeams.at[atomicAdd(counters.hardBeams, 1)] = index;
+    hardBeams.at[atomicAdd(counters.hardBeams, 1)] = entry;
   return word;
 }
 
-void store(uint index, uint beam, Beam axis, uvec2 word) {
+// `at` is the entry of the beam's first return.
+void store(uint index, uint at, Beam axis, uvec2 word) {
   bool hit = word.y != kNone;
   float range = hit ? uintBitsToFloat(word.y) : uintBitsToFloat(0x7fc00000u);
   uvec2 owner = uvec2(kNone);
   if (hit) owner = ownerOf(word.x);
   vec3 point = axis.direction * range;
   if (MOTION) point = reported(columnOf(index), rowOf(index), axis.azimuth, axis.direction, range);
-  points.at[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
-  owners.at[beam * RETURNS] = owner;
+  points.at[at] = hit ? vec4(point, range) : vec4(range);
+  owners.at[at] = owner;
   for (uint j = 1; j < RETURNS; ++j) {
-    points.at[beam * RETURNS + j] = vec4(uintBitsToFloat(0x7fc00000u));
-    owners.at[beam * RETURNS + j] = uvec2(kNone);
+    points.at[at + j] = vec4(uintBitsToFloat(0x7fc00000u));
+    owners.at[at + j] = uvec2(kNone);
   }
 }
 
 void main() {
   loadMotion();
-  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint groupRow = rowInView(gl_WorkGroupID.y);
+  BeamRow row = loadRow(groupRow);
   uint hits = 0;
   uvec2 run = runOfBeams();
   for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
-    uint column = beamColumn(k), index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
+    uint column = beamColumn(k), index = indexOf(groupRow, column), number = numberIn(row, index, column);
     if (MAPPED && number == kNone) continue;
     Beam beam = beamIn(row, column);
-    uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
+    uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[beamEntry(index)];
     if (PASS == kPassWords) continue;
     if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
-    store(index, number, beam, word);
+    store(index, resultOf(number) * RETURNS, beam, word);
     hits += word.y != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

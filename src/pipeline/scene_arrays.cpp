@@ -133,13 +133,10 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
   to.instances_->flush();
   to.views_->flush();
   to.placed_->flush();
-  const bool surfaces = of(Array::triangleSlots) != nullptr;
-  if (surfaces) {
-    room(Array::ownerRanges, to.inViews_.runs.size() * 2 * sizeof(uint32_t), to.ownerRanges_);
-    instances_.writeOwnerRanges(to.inViews_, static_cast<uint32_t*>(to.ownerRanges_->host()));
-    to.ownerRanges_->flush();
-  }
-  if (!surfaces && !deformed()) return;
+  room(Array::ownerRanges, to.inViews_.runs.size() * 2 * sizeof(uint32_t), to.ownerRanges_);
+  instances_.writeOwnerRanges(to.inViews_, static_cast<uint32_t*>(to.ownerRanges_->host()));
+  to.ownerRanges_->flush();
+  if (!of(Array::triangleSlots) && !deformed()) return;
   room(Array::instanceMeshes, count * sizeof(uint32_t), to.meshes_);
   instances_.writeMeshes(to.inViews_, static_cast<uint32_t*>(to.meshes_->host()));
   to.meshes_->flush();

@@ -58,13 +58,12 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       for (const EffectsArray& array : arraysOf(pattern.tables))
         pattern.arrays[static_cast<size_t>(array.array)] =
             uploaded(machine_, array.array, std::span<const std::byte>(array.content));
-  const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
   allocateByBeam(1);
-  if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
+  if (lists) allocate(Array::blockSums, blockSumBytes(1));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
     for (const EffectsArray& array : lastingTables(plan)) {

@@ -130,6 +130,7 @@ class SensorArrays {
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
                           StillImage::Use still, Motion motion, bool lastGroup) const;
   uint32_t findMostViews(uint64_t room) const;
+  uint64_t blockSumBytes(uint32_t views) const;
   std::vector<EffectsArray> arraysByBeam(uint32_t views) const;
   void allocateByBeam(uint32_t views);
   void growArrays(uint32_t views);
@@ -169,7 +170,8 @@ class SensorArrays {
   RecordTables records_;  // of the layout; empty if the host reads the results
   uint64_t mostWork_;     // of a submission; 0: scans are not divided
   Capacities capacities_;
-  uint32_t firstProjected_ = 0;  // projected triangles for which a scan of one view has room at first
+  // Projected triangles and candidates for which a scan of one view has room at first.
+  uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
   std::vector<Frame> frames_;  // each one after the first is made at its first use
 };

@@ -63,8 +63,12 @@ void SensorArrays::allocateByBeam(uint32_t views) {
   for (const EffectsArray& array : arraysByBeam(views)) allocate(array.array, array.bytes);
 }
 
+uint64_t SensorArrays::blockSumBytes(uint32_t views) const {
+  return (uint64_t{beams()} * views / gpu::kPrefixBlock + 1) * sizeof(uint32_t);
+}
+
 uint32_t SensorArrays::findMostViews(uint64_t room) const {
-  if (binning_ == gpu::kBinningLists || keepsRecords() || patterns_.size() > 1 || mostGroups() > 1) return 1;
+  if (keepsRecords() || patterns_.size() > 1 || mostGroups() > 1) return 1;
   uint64_t ofView = 1, mostOfView = 1;  // bytes
   for (const Output& output : outputs_) mostOfView = std::max(mostOfView, mostBeams() * output.bytesPerBeam);
   for (const EffectsArray& array : arraysByBeam(1)) {
@@ -88,6 +92,7 @@ void SensorArrays::growArrays(uint32_t views) {
     allocate(Array::staleEntries, 4 * most_.coarse * views);
     allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4) * views);
   }
+  if (binning_ == gpu::kBinningLists) allocate(Array::blockSums, blockSumBytes(views));
   allocateByBeam(views);
   repeat(Array::startFarthest, views);
   repeat(Array::startWords, views);
@@ -117,7 +122,9 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   const uint64_t projected = std::min(ofView * views, mostProjected());
   room.projected = std::max(room.projected, static_cast<uint32_t>(projected));
   room.tiles = std::max(room.tiles, room.projected / 2);
-  if (plan_.footprint())
+  if (binning_ == gpu::kBinningLists)
+    room.candidates = std::max(room.candidates, within(uint64_t{firstCandidates_} * views, mostCandidates()));
+  else if (plan_.footprint())
     room.candidates =
         std::max(room.candidates, within(leastWithFootprints(room.projected).candidates, mostCandidates()));
   makeLists(room);
@@ -169,6 +176,7 @@ void SensorArrays::makeFirstLists(uint64_t triangles) {
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
   room.candidates = within(room.candidates, mostCandidates());
   firstProjected_ = room.projected;
+  firstCandidates_ = room.candidates;
   makeLists(room);
 }
 

@@ -124,7 +124,7 @@ class Steps {
   void bin(gpu::Pass shell, uint32_t table) {
     const DispatchSizes& sizes = input_.sizes;
     const uint64_t boxes = kBeamsPerBox * uint64_t{input_.frame.projectedCapacity};
-    const uint32_t blocks = std::min(sizes.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
+    const uint32_t blocks = std::min(sizes.groups, input_.frame.beams * input_.views / gpu::kPrefixBlock + 1);
     shell.table = tableInBin() ? table : gpu::kTableNone;
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
       dispatchInShell("bin", kernel, groups, shell, offsetof(gpu::Shell, binWork), number);

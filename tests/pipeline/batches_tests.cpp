@@ -312,7 +312,8 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
     CHECK(std::ranges::equal(batch.instances(), expected.instances()));
     CHECK(batch.counters.hits == expected.counters.hits);
   };
-  // In this scene a view takes 2 MB of memory with footprints, most of it in lists, and a few kB without footprints.
+  // In this scene a view takes 2 MB of memory with footprints, most of it in lists (1.2 MB on devices without 64-bit
+  // atomics), and a few kB without footprints.
   uint64_t submissions = 0;
   TestOptions bounded = vulkanOptions();
   bounded.tuning.maxBatchBytes = 8 << 20;
@@ -321,7 +322,7 @@ TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
   simulator.scanBatch(shots);
   submissions = 0;
   simulator.scanBatch(shots);
-  CHECK((footprints ? submissions >= 8 : submissions == 1));
+  CHECK((footprints ? submissions >= 5 : submissions == 1));
   for (const uint64_t budget : {1, 5'000, 20'000}) {
     TestOptions options = vulkanOptions();
     options.tuning.maxBatchBytes = budget;
@@ -379,7 +380,7 @@ TEST_CASE("the plan of a batch has the steps of one scan, whatever the number of
   CHECK(most.views > 25);
   CHECK(most.views < 1'000'000);
   options.tuning.binning = Binning::lists;
-  CHECK(Simulator(scene, request, options).plan(0, 25).views == 1);
+  CHECK(Simulator(scene, request, options).plan(0, 25).views == 25);
 }
 
 TEST_CASE("a batch that cannot be made says why, before anything runs") {
