@@ -69,6 +69,8 @@ struct Frame {
   uint views;                               // of the submission
   uint moments;                             // entries of columnMotions per view; 0 if all views share them
   uint scanBeams;                           // beams of the sensor, by whose numbers results are stored
+  uint table;                               // of a list: the table of its beams; several views have `viewTables`
+  uint lookupCells;                         // of a list: entries of `rowLookup` per table
 };
 
 // One channel; rows are sorted by elevation. A row of cells has no angles.
@@ -136,7 +138,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 152 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

@@ -11,8 +11,8 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "common/beam.h"
-#include "beams.glsl"
 #include "views.glsl"
+#include "beams.glsl"
 #include "motion.glsl"
 #include "runs.glsl"
 

@@ -41,7 +41,7 @@ BeamRow loadRow(uint row) {
 }
 
 Beam listedBeam(uint index) {
-  vec4 angles = beamAngles.at[index];
+  vec4 angles = beamAngles.at[tableEntry(index)];
   return beamOf(angles.xy, angles.z, angles.w);
 }
 
@@ -52,15 +52,16 @@ Beam beamIn(BeamRow row, uint column) {
 
 Beam beamWith(uint index) { return beamIn(loadRow(rowOf(index)), columnOf(index)); }
 
-// Returns the number of a beam in the scan; kNone for a place without a beam.
+// Returns the number of a beam in the scan; kNone for a place without a beam, and behind the last beam of a
+// table that has fewer than others.
 uint numberIn(BeamRow row, uint index, uint column) {
-  return NUMBERED ? beamNumbers.at[index] : row.channel * frame.columns + column;
+  return NUMBERED ? beamNumbers.at[tableEntry(index)] : row.channel * frame.columns + column;
 }
 uint numberOf(uint index) { return numberIn(loadRow(rowOf(index)), index, columnOf(index)); }
 
 // Returns the least and the largest range of a beam.
 vec2 rangesOf(uint index) {
-  if (NUMBERED && frame.ownRanges != 0) return beamRanges.at[index];
+  if (NUMBERED && frame.ownRanges != 0) return beamRanges.at[tableEntry(index)];
   return vec2(frame.rangeMin, frame.rangeMax);
 }
 

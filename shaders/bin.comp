@@ -360,7 +360,7 @@ void writeWholeTable() {
   uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   uint all = VIEWS ? count * frame.views : count;
   for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < all; i += stride) {
-    view = VIEWS ? i / count : 0;
+    lookFrom(i / count);
     uint entry = i - view * count;
     computeEntry(uvec2(entry % perRow, entry / perRow));
   }

@@ -3,7 +3,8 @@
 
 // Tries the listed beams of a cell, where nothing moves.
 void tryCell(Tile tile, Prepared prepared, uint cell) {
-  for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
+  uint entry = cellEntry(cell);
+  for (uint index = cellStarts.at[entry], end = cellStarts.at[entry + 1]; index < end; ++index) {
     Beam beam = listedBeam(index);
     Triangle seen = tile.triangle;
     if (ORIGINS) seen = seenFrom(tile.triangle, index, beam.azimuth);
@@ -17,8 +18,9 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
 void tryCellTogether(Tile tile, Prepared prepared, bool here, uint cell) {
   uint index = 0, end = 0;
   if (here) {
-    index = cellStarts.at[cell];
-    end = cellStarts.at[cell + 1];
+    uint entry = cellEntry(cell);
+    index = cellStarts.at[entry];
+    end = cellStarts.at[entry + 1];
   }
   while (anyLane(index < end)) {
     bool meets = false;
@@ -69,9 +71,10 @@ uvec2 runOfBlock(Blocks blocks, Box box, uint number, out uint cells) {
   uint x = columns.x / kTimedColumns + k - (behindSeam ? blocks.across.x : 0), y = blocks.firstRow + down;
   cells = withinBlock(uvec2(box.rowFirst, box.rowLast), y, kTimedRows) |
           withinBlock(columns, x, kTimedColumns) << 16;
-  uint first = (y * ((frame.columns - 1) / kTimedColumns + 1) + x) * kTimeSlices;
+  uint perRow = (frame.columns - 1) / kTimedColumns + 1, rows = (frame.rows - 1) / kTimedRows + 1;
+  uint first = firstOfTable(rows * perRow * kTimeSlices + 1) + (y * perRow + x) * kTimeSlices;
   uint start = timedStarts.at[first + box.times.x];
-  return uvec2(start, timedStarts.at[first + box.times.y + 1] - start);
+  return uvec2(tableEntry(start), timedStarts.at[first + box.times.y + 1] - start);
 }
 
 // True if a cell of a block, as timedBeams states it, is one of these.

@@ -13,10 +13,10 @@
 #include "bindings.glsl"
 #include "common/effects/vector.h"
 #include "common/beam.h"
+#include "views.glsl"
 #include "beams.glsl"
 #include "runs.glsl"
 #include "common/effects/doppler.h"
-#include "views.glsl"
 #include "motion.glsl"
 #include "beam_place.glsl"
 #include "owner.glsl"
@@ -199,7 +199,7 @@ void addCounts() {
 void loadHit(bool own) {
   hitWord = own ? words.at[beamEntry(wordIndex)] : uvec2(kNone);
   float range = uintBitsToFloat(hitWord.y);
-  bool there = hitWord.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, range);
+  bool there = hitWord.y != kNone && !(NUMBERED && beamIndex == kNone) && !hidesItself(wordIndex, range);
   hitRange = there ? range : notANumber();
   bool looks = (FIELDS & kSurfaceFields) != 0;
   if (SIGNALS) looks = looks || LOOKS_AT_MATERIALS;
@@ -219,7 +219,7 @@ void answer(BeamRow row, bool own) {
   beamDirection = lightDirection = axis.direction;
   if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[beamEntry(wordIndex)]);
   if (!MANY_ECHOES) loadHit(own);
-  if (!own || (MAPPED && beamIndex == kNone)) return;
+  if (!own || (NUMBERED && beamIndex == kNone)) return;
   if (NUMBERED && SIGNALS) {
     vec2 window = rangesOf(wordIndex);
     planned.rangeMin = window.x;

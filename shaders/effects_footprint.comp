@@ -463,7 +463,7 @@ void aim(uint index) {
 void finish(uint entry) {
   uint index = enterView(entry);
   uint number = numberOf(index);
-  if (!MAPPED || number != kNone) {
+  if (number != kNone) {
     Beam axis = beamWith(index);
     vec2 window = rangesOf(index);
     rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;

@@ -11,9 +11,9 @@
 #include "bindings.glsl"
 #include "common/effects/noise.h"
 #include "common/beam.h"
+#include "views.glsl"
 #include "beams.glsl"
 #include "runs.glsl"
-#include "views.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -24,7 +24,7 @@ void main() {
   for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
     uint column = beamColumn(k), index = indexOf(ownRow, column);
     vec2 error = angleError(parametersOf(view), numberIn(row, index, column));
-    float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
+    float cosElevation = LISTED ? beamAngles.at[tableEntry(index)].z : row.angles.x;
     precise float left = error.x * cosElevation;
     strays.at[beamEntry(index)] = vec2(left, error.y);
   }

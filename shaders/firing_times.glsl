@@ -6,9 +6,9 @@
 uint slicesWithin(uint first, uint end, uint column, uint count) {
   uint perRow = (frame.columns - 1) / kSliceColumns + 1, y = first / kSliceRows, yEnd = (end - 1) / kSliceRows + 1;
   if ((count / kSliceColumns + 2) * (yEnd - y) > kMostSliceMasks) return 0xffffffffu;
-  uint slices = 0;
+  uint slices = 0, table = firstOfTable(perRow * ((frame.rows - 1) / kSliceRows + 1));
   for (uint k = 0; k < count;) {
-    for (uint row = y; row < yEnd; ++row) slices |= sliceMasks.at[row * perRow + column / kSliceColumns];
+    for (uint row = y; row < yEnd; ++row) slices |= sliceMasks.at[table + row * perRow + column / kSliceColumns];
     uint run = min(kSliceColumns - column % kSliceColumns, frame.columns - column);
     k += run;
     column = column + run == frame.columns ? 0 : column + run;

@@ -36,7 +36,7 @@ ColumnMotion columnMotionAt(float place) {
 // Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire
 // between two entries of the table, which are so close that a straight line joins them.
 ColumnMotion columnMotionOf(uint row, uint column) {
-  if (LISTED) return columnMotionAt(beamOrigins.at[column].w);
+  if (LISTED) return columnMotionAt(beamOrigins.at[tableEntry(column)].w);
   if (STAGGERED) return columnMotionAt(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));
   return loadedMotion(firstMoment() + column);
 }
@@ -48,7 +48,7 @@ ColumnMotion columnMotionOfPlace(float place) {
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.
-vec3 laserOf(uint row) { return LISTED ? beamOrigins.at[row].xyz : rowOrigins.at[row].xyz; }
+vec3 laserOf(uint row) { return LISTED ? beamOrigins.at[tableEntry(row)].xyz : rowOrigins.at[row].xyz; }
 
 // Returns the position of a row's laser when it fires.
 vec3 originOf(uint row, vec2 azimuth) {

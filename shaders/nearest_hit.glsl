@@ -33,7 +33,7 @@ bool firesWithin(Box box, uint row, uint column) {
   if (!TIMED || isWholeScan(box.times)) return true;
   if (LISTED) {
     // Slices are compared as places in the table of poses, because some compilers convert to integers lane by lane.
-    float place = beamOrigins.at[column].w;
+    float place = beamOrigins.at[tableEntry(column)].w;
     return place >= float(box.times.x * kSliceIntervals) &&
            (place < float((box.times.y + 1) * kSliceIntervals) || box.times.y == kTimeSlices - 1);
   }
@@ -44,7 +44,7 @@ bool firesWithin(Box box, uint row, uint column) {
 // Finds the run of cells from the walk's cell on that lie in one row and do not wrap, and moves on behind it.
 void enterCells(Box box, uint columnCount, inout Walk walk) {
   uint column = wrapColumn(firstColumn(box) + int(walk.k)), run = min(columnCount - walk.k, frame.columns - column);
-  uint cell = walk.row * frame.columns + column;
+  uint cell = cellEntry(walk.row * frame.columns + column);
   walk.index = cellStarts.at[cell];
   walk.end = cellStarts.at[cell + run];
   walk.k += run;

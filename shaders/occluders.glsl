@@ -14,7 +14,7 @@ uint farthestIn(uvec2 entry) {
   uint last = min(kFineColumns, frame.columns - first) - 1;
   if (LISTED) {
     for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row) {
-      uint cell = row * frame.columns + first;
+      uint cell = cellEntry(row * frame.columns + first);
       for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + last + 1]; index < end && result != kNone; ++index)
         result = max(result, words.at[beamEntry(index)].y);
     }

@@ -82,7 +82,7 @@ void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   coverKeys(low, high, shellMax, keyMin, keyMax);
   uint first, end;
   // The range is widened by one lookup cell, because the boxes of clusters are rounded to whole cells.
-  rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
+  rowsBetween(keyMin - 2.0 / float(lookupCells()), keyMax + 2.0 / float(lookupCells()), first, end);
   later = max(later, uvec2(frame.rows - first, end));
 }
 

@@ -32,7 +32,7 @@ uint rowsOf(vec3 low, vec3 high) {
   float keyMin, keyMax;
   coverKeys(low, high, 0.0, keyMin, keyMax);
   uint first, end;
-  rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
+  rowsBetween(keyMin - 2.0 / float(lookupCells()), keyMax + 2.0 / float(lookupCells()), first, end);
   return first | end << 16;
 }
 

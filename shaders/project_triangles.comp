@@ -89,7 +89,7 @@ bool withoutBeams(Box box) {
   }
   uint first = wrapColumn(firstColumn(box)), end = first + boxColumnCount(box), beams = 0;
   for (uint row = box.rowFirst; row <= box.rowLast; ++row) {
-    uint cell = row * frame.columns;
+    uint cell = cellEntry(row * frame.columns);
     beams += cellStarts.at[cell + min(end, frame.columns)] - cellStarts.at[cell + first];
     if (end > frame.columns) beams += cellStarts.at[cell + end - frame.columns] - cellStarts.at[cell];
   }

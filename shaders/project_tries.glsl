@@ -100,7 +100,7 @@ void tryBoxes(bool there, Projected own, Box box) {
       TaggedCorner a = TaggedCorner(subgroupShuffle(own.a.corner, owner), subgroupShuffle(own.a.tag, owner));
       Triangle triangle = triangleOf(a, subgroupShuffle(own.b, owner), subgroupShuffle(own.c.corner, owner));
       uint index = subgroupShuffle(start, owner) + number;
-      view = subgroupShuffle(ownView, owner);
+      lookFrom(subgroupShuffle(ownView, owner));
       uint known = words.at[beamEntry(index)].y;
       Beam beam = listedBeam(index);
       float range;
@@ -110,8 +110,8 @@ void tryBoxes(bool there, Projected own, Box box) {
       if (met) offerNearest(index, range, triangle.id);
       metLanes |= met ? 1u << owner : 0;
     }
+    lookFrom(ownView);
   }
-  view = ownView;
   triedCount += there ? 1 : 0;
   if (BINNING != kBinningSlabs || pass.last != 0) return;
   EACH_STEP(k) metLanes |= subgroupShuffle(metLanes, lane ^ 1u << k);

@@ -106,7 +106,7 @@ void main() {
   uvec2 run = runOfBeams();
   for (uint k = run.x + gl_SubgroupInvocationID; k < run.y; k += gl_SubgroupSize) {
     uint column = beamColumn(k), index = indexOf(groupRow, column), number = numberIn(row, index, column);
-    if (MAPPED && number == kNone) continue;
+    if (NUMBERED && number == kNone) continue;
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[beamEntry(index)];
     if (PASS == kPassWords) continue;

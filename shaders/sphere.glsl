@@ -93,15 +93,19 @@ uint wrapColumn(int column) {
   return uint(column);
 }
 
+// Returns the number of entries of a table in `rowLookup`. A small list has few, because it may have many tables.
+uint lookupCells() { return LISTED ? frame.lookupCells : kRowLookupCells; }
+
 // Returns the lookup cell of a key; any key is allowed, even NaN.
 uint lookupCell(float key) {
-  float cell = clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1));
-  return min(smallWhole(floor(cell)), kRowLookupCells - 1);
+  float cell = clamp((key + 1.0) * (0.5 * float(lookupCells())), 0.0, float(lookupCells() - 1));
+  return min(smallWhole(floor(cell)), lookupCells() - 1);
 }
 
 // Returns rows first..end - 1, which contain all rows with keys in keyMin..keyMax, and possibly further rows of the
 // cells at both ends.
 void rowsBetween(float keyMin, float keyMax, out uint first, out uint end) {
-  first = rowLookup.at[lookupCell(keyMin)] & 0xffff;
-  end = rowLookup.at[lookupCell(keyMax)] >> 16;
+  uint table = firstOfTable(lookupCells());
+  first = rowLookup.at[table + lookupCell(keyMin)] & 0xffff;
+  end = rowLookup.at[table + lookupCell(keyMax)] >> 16;
 }

@@ -2,13 +2,15 @@
 // A submission may scan several views at once. A view is one shot of the sensor. Words and the farthest-range table lie
 // view after view; rows, columns and indices of beams count within a view.
 
-uint view = 0;  // the view for which this invocation works
+uint view = 0;       // the view for which this invocation works
+uint viewTable = 0;  // of a list: the table of the view's beams
 
-// Sets the view, and loads how its sensor moves.
+// Sets the view, and loads how its sensor moves, or where its lasers are.
 void lookFrom(uint ofView) {
   if (!VIEWS) return;
   view = ofView;
-  if (MOTION && frame.moments != 0) loadMotionOf(view);
+  if (LISTED) viewTable = viewTables.at[view].x;
+  if ((MOTION || (LISTED && ORIGINS)) && frame.moments != 0) loadMotionOf(view);
 }
 
 // Sets the view to that of an instance. Each entry of `instances` belongs to one view.
@@ -63,5 +65,18 @@ uint enterView(uint entry) {
 // then the second ones.
 uint echoPlace(uint index, uint k) { return k * beamsOfViews() + beamEntry(index); }
 
-// Returns the entry of a beam in arrays of results with one entry per beam, from the beam's number.
-uint resultOf(uint beam) { return VIEWS ? view * frame.scanBeams + beam : beam; }
+// Returns the entry of a beam in arrays of results with one entry per beam, from the beam's number. Views of a list may
+// be parts of one shot.
+uint resultOf(uint beam) {
+  if (!VIEWS) return beam;
+  return (LISTED ? viewTables.at[view].y : view) * frame.scanBeams + beam;
+}
+
+// Returns the first entry of the view's table in an array of the sensor with so many entries per table.
+uint firstOfTable(uint entries) { return LISTED ? (VIEWS ? viewTable : frame.table) * entries : 0; }
+
+// Returns the entry of a beam in arrays of the sensor, from its index.
+uint tableEntry(uint index) { return firstOfTable(frame.beams) + index; }
+
+// Returns the entry of a cell of a list in `cellStarts`.
+uint cellEntry(uint cell) { return firstOfTable(frame.rows * frame.columns + 1) + cell; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures sensors that are not a full turn of a grid, beside the grid that they come from.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -36,6 +37,20 @@ Sensor asList(const char* name, const Sensor& grid, bool apart) {
   return listOf(name, std::move(beams), grid.rangeMax);
 }
 
+/// Four heads with the beams of one, to all sides, each 2.2 m from the sensor's origin.
+Sensor fourOf(const char* name, const Sensor& head) {
+  const BeamList one = head.patterns[0];
+  BeamList beams;
+  for (int k = 0; k < 4; ++k)
+    for (size_t i = 0; i < one.size(); ++i) {
+      const Vec3& d = one.directions[i];
+      const double c = std::array{1, 0, -1, 0}[k], s = std::array{0, 1, 0, -1}[k];
+      beams.directions.push_back({c * d.x - s * d.y, s * d.x + c * d.y, d.z});
+      beams.origins.push_back({2.2 * c, 2.2 * s, 0});
+    }
+  return listOf(name, std::move(beams), head.rangeMax);
+}
+
 /// Evenly distributed over the sphere, and sorted by blocks of about 16 beams, which suits ray tracers.
 Sensor anywhere(size_t count) {
   BeamList beams;
@@ -69,7 +84,8 @@ Report beams(Session& session) {
     upright.channels[i].origin.z = 0.032 * static_cast<double>(i) / static_cast<double>(upright.channels.size());
   for (const Sensor& sensor :
        {grid, asList("its beams as a list", grid, false), asList("its beams, a little apart", grid, true), sector,
-        radial, upright, named("Livox Avia", builtinSensor("Avia")), anywhere(1'000'000)})
+        radial, upright, named("Livox Avia", builtinSensor("Avia")),
+        fourOf("four Livox Avia, 2.2 m from the origin", builtinSensor("Avia")), anywhere(1'000'000)})
     session.hold({sensor.name, static_cast<double>(sensor.beamCount()), scene, sensor}, report.outcomes);
   Table costs = {"Median time", {{"sensor", "beams", "ours ms", "over the grid's", "ns per beam"}}};
   const double first = report.outcomes.empty() ? 0 : report.outcomes[0].standings[0].totalMs.median;

@@ -2,6 +2,7 @@
 #include "pipeline/beam_cells.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -17,8 +18,9 @@ namespace gnosphere {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi, kDegree = std::numbers::pi / 180;
-constexpr uint32_t kMostCellColumns = 1 << 22;
+constexpr uint32_t kLeastColumns = 16, kMostCellColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
+constexpr size_t kLookupCellsPerRow = 2047;
 // Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
 // anywhere, and tries all cells.
 constexpr size_t kFewBeams = 64;
@@ -68,6 +70,13 @@ std::vector<size_t> rowEnds(const std::vector<Listed>& beams) {
   return ends;
 }
 
+// Cells take memory, so there are no more than a few per beam.
+uint32_t mostColumns(uint64_t beams, uint64_t rows) {
+  const uint64_t cells = std::max(kLeastCells, kCellsPerBeam * beams);
+  return static_cast<uint32_t>(
+      std::clamp<uint64_t>(cells / std::max<uint64_t>(rows, 1), kLeastColumns, kMostCellColumns));
+}
+
 // Returns the number of columns in a turn: about one beam per cell in the row with most beams. The median of the gaps
 // finds the columns of a grid exactly, also of one that covers only a sector.
 uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>& ends) {
@@ -85,13 +94,12 @@ uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>
   std::vector<double> gaps;
   for (size_t i = 1; i < azimuths.size(); ++i)
     if (azimuths[i] > azimuths[i - 1]) gaps.push_back(azimuths[i] - azimuths[i - 1]);
-  if (beams.empty()) return 16;
-  const uint64_t most =
-      std::clamp<uint64_t>(std::max(kLeastCells, kCellsPerBeam * beams.size()) / ends.size(), 16, kMostCellColumns);
-  if (gaps.empty()) return static_cast<uint32_t>(std::min<uint64_t>(most, 1024));
+  if (beams.empty()) return kLeastColumns;
+  const uint32_t most = mostColumns(beams.size(), ends.size());
+  if (gaps.empty()) return std::min(most, 1024u);
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
   const double columns = std::round(kTurn / gaps[gaps.size() / 2]);
-  return static_cast<uint32_t>(std::clamp(columns, 16.0, static_cast<double>(most)));
+  return static_cast<uint32_t>(std::clamp<double>(columns, kLeastColumns, most));
 }
 
 // The beams in order of elevation.
@@ -132,21 +140,27 @@ gpu::vec2 rangesOf(const Sensor& sensor, uint64_t frame, uint32_t number) {
 // Sets what kernels must know of range windows. `ranges` has the windows of all beams, by index; it is emptied if every
 // beam has the window of the sensor. No hit is nearer than the first word of a place without a beam. The masked beams
 // of a list come last and are in no cell; their empty windows tell the kernels of effects that they never fire.
-void setRanges(const Sensor& sensor, BeamTables& tables) {
-  gpu::Frame& frame = tables.frame;
-  frame.hidesNear = sensor.nearHits == NearHits::hide;
-  const gpu::vec2 common(frame.rangeMin, frame.rangeMax);
-  const size_t tried = tables.ranges.size() - (tables.listed ? tables.masked : 0);
-  for (size_t i = 0; i < tried; ++i) {
-    const gpu::vec2& range = tables.ranges[i];
-    if (tables.numbers[i] == gpu::kNone || (range.x == common.x && range.y == common.y)) continue;
-    frame.ownRanges = 1;
-    // Culling by range must keep what any beam can hit.
-    frame.rangeMin = std::min(frame.rangeMin, range.x);
-    frame.rangeMax = std::max(frame.rangeMax, range.y);
+void setRanges(const Sensor& sensor, std::span<BeamTables> all) {
+  const gpu::vec2 common(all[0].frame.rangeMin, all[0].frame.rangeMax);
+  gpu::vec2 widest = common;  // culling by range must keep what any beam can hit
+  bool own = false;
+  for (const BeamTables& tables : all) {
+    const size_t tried = tables.ranges.size() - (tables.listed ? tables.masked : 0);
+    for (size_t i = 0; i < tried; ++i) {
+      const gpu::vec2& range = tables.ranges[i];
+      if (tables.numbers[i] == gpu::kNone || (range.x == common.x && range.y == common.y)) continue;
+      own = true;
+      widest = {std::min(widest.x, range.x), std::max(widest.y, range.y)};
+    }
+    if (tables.listed && tables.masked > 0) own = true;
   }
-  if (tables.listed && tables.masked > 0) frame.ownRanges = 1;
-  if (frame.ownRanges == 0) tables.ranges.clear();
+  for (BeamTables& tables : all) {
+    tables.frame.hidesNear = sensor.nearHits == NearHits::hide;
+    tables.frame.ownRanges = own;
+    tables.frame.rangeMin = widest.x;
+    tables.frame.rangeMax = widest.y;
+    if (!own) tables.ranges.clear();
+  }
 }
 
 struct Run {
@@ -289,17 +303,20 @@ void sortBySlices(const std::vector<Listed>& beams, size_t firing, BeamTables& t
         static_cast<uint32_t>(i), beams[i].row % gpu::kTimedRows | beams[i].column % gpu::kTimedColumns << 16};
 }
 
-// Sorts the beams into cells.
-void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams, const std::vector<size_t>& ends,
-                 uint32_t columns, const OriginGroup& group, BeamTables& tables) {
+// Sorts the beams into cells of `rows` rows, of which the last ones may be empty.
+BeamTables listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams, const std::vector<size_t>& ends,
+                       size_t rows, uint32_t columns, const OriginGroup& group) {
+  BeamTables tables;
   std::vector<RowKeys> keys;
   for (size_t row = 0; row < ends.size(); ++row) {
     const size_t begin = row == 0 ? 0 : ends[row - 1];
     keys.push_back({elevationKey(beams[begin].elevation), elevationKey(beams[ends[row] - 1].elevation)});
   }
   tables.listed = true;
-  tables.rows.resize(ends.size());
-  tables.rowLookup = makeRowLookup(keys);
+  tables.rows.resize(rows);
+  const size_t lookupCells = std::min<size_t>(std::bit_ceil(rows * kLookupCellsPerRow + 1), gpu::kRowLookupCells);
+  tables.frame.lookupCells = static_cast<uint32_t>(lookupCells);
+  tables.rowLookup = makeRowLookup(keys, tables.frame.lookupCells);
   sortIntoCells(beams, ends, columns);
   setFrame(sensor, columns, 0, tables);
   tables.frame.beams = static_cast<uint32_t>(beams.size() + group.silent.size());
@@ -307,8 +324,8 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
   const size_t firing = beams.size();
   setSlabs(
       firing, [&](size_t i) { return beams[i].column; }, tables.frame);
-  tables.cellStarts.reserve(ends.size() * columns + 1);
-  for (size_t cell = 0, beam = 0; cell < ends.size() * columns; ++cell) {
+  tables.cellStarts.reserve(rows * columns + 1);
+  for (size_t cell = 0, beam = 0; cell < rows * columns; ++cell) {
     tables.cellStarts.push_back(static_cast<uint32_t>(beam));
     while (beam < firing && size_t{beams[beam].row} * columns + beams[beam].column == cell) ++beam;
   }
@@ -338,6 +355,23 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
   // A beam lies up to one column behind the column of its cell. The amount that it may lie before it is slack.
   tables.frame.beside = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);
+  tables.masked = static_cast<uint32_t>(group.silent.size());
+  return tables;
+}
+
+// Gives all tables the same size.
+void makeAlike(std::span<BeamTables> all) {
+  uint32_t beams = 0;
+  size_t farthest = 0;
+  for (const BeamTables& tables : all) {
+    beams = std::max(beams, tables.frame.beams);
+    farthest = std::max(farthest, tables.startFarthest.size());
+  }
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    all[i].frame.beams = beams;
+    all[i].frame.table = i;
+    if (all[i].startFarthest.empty()) all[i].startFarthest.resize(farthest, gpu::kNone);
+  }
 }
 
 // Returns where the azimuths of a row begin in `columns`. Rows that look in the same directions share them.
@@ -394,31 +428,49 @@ BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const Origin
   }
   finishPlaces(sensor, 0, tables);
   tables.masked = static_cast<uint32_t>(group.silent.size());
-  setRanges(sensor, tables);
+  setRanges(sensor, {&tables, 1});
   return tables;
 }
 
-BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, const OriginGroup& group, bool mayMap) {
-  BeamTables tables;
-  std::vector<uint32_t> numbers = group.beams;
-  // Masked beams have places, too, for their numbers.
-  if (mayMap) numbers.insert(numbers.end(), group.silent.begin(), group.silent.end());
-  std::vector<Listed> beams = sortedBeams(sensor, frame, numbers);
-  std::vector<size_t> ends = rowEnds(beams);
-  uint32_t columns = columnCount(beams, ends);
-  if (!mayMap || beams.empty() || !placeOnGrid(sensor, frame, beams, ends, columns, tables)) {
-    tables = {};
-    if (mayMap && !group.silent.empty()) {
-      beams = sortedBeams(sensor, frame, group.beams);
-      ends = rowEnds(beams);
-      columns = columnCount(beams, ends);
+std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const FiredGroup> groups, bool mayMap) {
+  std::vector<BeamTables> all(1);
+  if (mayMap && groups.size() == 1) {
+    const auto& [frame, group] = groups[0];
+    std::vector<uint32_t> numbers = group->beams;
+    // Masked beams have places, too, for their numbers.
+    numbers.insert(numbers.end(), group->silent.begin(), group->silent.end());
+    const std::vector<Listed> beams = sortedBeams(sensor, frame, numbers);
+    const std::vector<size_t> ends = rowEnds(beams);
+    if (!beams.empty() && placeOnGrid(sensor, frame, beams, ends, columnCount(beams, ends), all[0])) {
+      all[0].masked = static_cast<uint32_t>(group->silent.size());
+      setRanges(sensor, all);
+      return all;
     }
-    if (beams.size() < kFewBeams) columns = group.lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
-    listInCells(sensor, frame, std::move(beams), ends, columns, group, tables);
   }
-  tables.masked = static_cast<uint32_t>(group.silent.size());
-  setRanges(sensor, tables);
-  return tables;
+  struct Sorted {
+    std::vector<Listed> beams;
+    std::vector<size_t> ends;
+  };
+  std::vector<Sorted> sorted;
+  size_t rows = 0, most = 0;
+  uint32_t columns = 0;
+  for (const auto& [frame, group] : groups) {
+    std::vector<Listed> beams = sortedBeams(sensor, frame, group->beams);
+    std::vector<size_t> ends = rowEnds(beams);
+    const bool few = beams.size()<kFewBeams, scattered = group->lasers.distance> 0;
+    columns = std::max(columns, !few ? columnCount(beams, ends) : scattered ? kColumnsOfScattered : kColumnsOfFew);
+    rows = std::max(rows, ends.size());
+    most = std::max(most, beams.size());
+    sorted.push_back({std::move(beams), std::move(ends)});
+  }
+  columns = std::min(columns, mostColumns(most, rows));
+  all.clear();
+  for (size_t i = 0; i < groups.size(); ++i)
+    all.push_back(listInCells(sensor, groups[i].frame, std::move(sorted[i].beams), sorted[i].ends, rows, columns,
+                              *groups[i].group));
+  makeAlike(all);
+  setRanges(sensor, all);
+  return all;
 }
 
 }  // namespace gnosphere

@@ -41,15 +41,15 @@ double elevationKey(double elevation) {
 void setRowLookup(BeamTables& tables) {
   std::vector<RowKeys> keys;
   for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
-  tables.rowLookup = makeRowLookup(keys);
+  tables.rowLookup = makeRowLookup(keys, gpu::kRowLookupCells);
 }
 
 // Entry k is (first row not below cell k) | (first row above it << 16), with a margin for the rounding of the key.
-std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows) {
+std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows, uint32_t cells) {
   std::vector<uint32_t> lookup;
   uint32_t first = 0, end = 0;
-  for (uint32_t cell = 0; cell < gpu::kRowLookupCells; ++cell) {
-    const double low = 2.0 * cell / gpu::kRowLookupCells - 1, high = low + 2.0 / gpu::kRowLookupCells;
+  for (uint32_t cell = 0; cell < cells; ++cell) {
+    const double low = 2.0 * cell / cells - 1, high = low + 2.0 / cells;
     while (first < rows.size() && rows[first].high < low - 1e-6) ++first;
     while (end < rows.size() && rows[end].low < high + 1e-6) ++end;
     lookup.push_back(first | end << 16);

@@ -53,8 +53,8 @@ double elevationKey(double elevation);
 struct RowKeys {
   double low, high;
 };
-/// Computes the table from elevation keys to rows, which are in order and do not overlap.
-std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows);
+/// Computes a table of so many cells from elevation keys to rows, which are in order and do not overlap.
+std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows, uint32_t cells);
 /// Computes the columns of a turn, and all of the frame that follows from them, from `tables.rows` and the sensor.
 /// `phase` is the azimuth of column 0 beyond -180 degrees, in columns.
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables);

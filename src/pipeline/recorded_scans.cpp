@@ -146,9 +146,10 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   const Shot& shot = *item.shot;
   const size_t index = indexOf(sensor, recording.frame, group);
   if (!run.addresses) run.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
-  const OriginBounds& lasers = sensor.groups(shot.frame)[group].lasers;
+  const std::span<const BeamGroup> groups = sensor.groups(shot.frame);
+  const View view = {0, &groups[group]};
   const std::optional<ShotMotion> motion =
-      motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
+      motionOf(sensor.sensorPlan(), view.group->lasers, shot, scene_.instances(), scene_.geometry().deformables());
   const ShotMotions motions = motion ? ShotMotions(&*motion, 1) : ShotMotions();
   const Pose pose = seenFrom({&shot, 1}, 0, motions);
   scene_.place(pose, sensor.reach() + reachOf(motions), {.ignored = sensor.sensorPlan().ignored, .world = shot.world},
@@ -160,8 +161,9 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   run.placed.bind(arrays);
   sensor.loadRecords(index, group, item.records.bytes, *recording.classes, shot.frame);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
-  for (const Step& step : sensor.prepare(index, {&shot, 1}, group, motions, {scene_.instances().count()},
-                                         run.placed.groups(), StillImage::Use::none, arrays))
+  for (const Step& step :
+       sensor.prepare(index, {&shot, 1}, {&view, 1}, group + 1 == groups.size(), motions, {scene_.instances().count()},
+                      run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;
   arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;

@@ -37,15 +37,21 @@ void addResolve(Clock::time_point start, Timings& timings) {
     timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
 }
 
+// Returns into how many runs resolveWords() can divide the beams of a table, and how many beams each has.
+std::pair<uint64_t, uint64_t> runsOf(const BeamTables& tables) {
+  if (tables.listed || tables.mapped) return {tables.numbers.size(), 1};
+  return {tables.frame.rows, tables.frame.columns};
+}
+
 // Resolves the words of all rows on several threads; returns the number of hits.
 uint64_t readWords(Workers& workers, const SensorPlan& plan, const DeviceResults& device,
                    const InstanceTable& instances, const ShotMotion* motion, Scan& scan) {
   const Clock::time_point start = Clock::now();
-  const gpu::Frame& frame = device.tables.frame;
+  const BeamTables& tables = *device.tables[0];
+  const auto [count, each] = runsOf(tables);
   std::atomic<uint64_t> hits = 0;
-  const bool listed = device.tables.listed || device.tables.mapped;
-  inSlices(workers, listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, {device.words, device.laterWords}, device.tables, instances, motion,
+  inSlices(workers, count, each, [&](uint64_t first, uint64_t end) {
+    hits += resolveWords(plan, {device.words, device.laterWords}, tables, instances, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), placesOf(scan));
   });
   addResolve(start, scan.timings);
@@ -207,16 +213,21 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_
   scan.timings.gpuMs = 0;
   scan.counters = {};
   scan.counters.beams = plan.sensor.beamCount();
+  countPlaced(instances, world, scan.counters);
+}
+
+void countPlaced(const InstanceTable& instances, uint32_t world, Counters& counters) {
   const WorldContent placed = instances.contentOf(world);
-  scan.counters.triangles = placed.triangles;
-  scan.counters.nonFinite = placed.nonFinite;
-  scan.counters.degenerate = placed.degenerate;
+  counters.triangles += placed.triangles;
+  counters.nonFinite += placed.nonFinite;
+  counters.degenerate += placed.degenerate;
 }
 
 void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
                  const Shot& shot, const ShotMotion* motion, Scan& scan) {
-  const bool part = device.tables.listed && device.tables.frame.beams < plan.sensor.beamCount();
-  const uint64_t beams = part ? device.tables.frame.beams : plan.sensor.beamCount();
+  const BeamTables& tables = *device.tables[0];
+  const bool part = tables.listed && tables.numbers.size() < plan.sensor.beamCount();
+  const uint64_t beams = part ? tables.numbers.size() : plan.sensor.beamCount();
   const bool judged = plan.judged();
   std::atomic<uint64_t> hits = 0;
   if (device.words) hits = readWords(workers, plan, device, instances, motion, scan);
@@ -234,44 +245,39 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
     readBarycentrics(from(device.barycentrics), first, count, scan);
   };
   if (part)
-    for (const uint32_t beam : device.tables.numbers) read(beam, beam + 1);
+    for (const uint32_t beam : tables.numbers) read(beam, beam + 1);
   else if (!device.words || judged)
     inSlices(workers, beams, 1, read);
-  const gpu::Counters counters =
-      judged ? device.counters : withHits(device.counters, hits, beams, device.tables.masked);
+  const gpu::Counters counters = judged ? device.counters : withHits(device.counters, hits, beams, tables.masked);
   readCounters(plan, beams, counters, instances.contentOf(shot.world).usableTriangles(), scan.counters);
 }
 
 void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
               std::span<const Shot> shots, ShotMotions motions, const Places& to, Scan& sum) {
   const Clock::time_point start = Clock::now();
-  const gpu::Frame& frame = device.tables.frame;
   const uint64_t beams = plan.sensor.beamCount(), all = shots.size() * beams;
-  // Runs of rows or beams of a scan are counted through, view after view.
-  const uint64_t count = device.tables.listed || device.tables.mapped ? frame.beams : frame.rows;
   std::atomic<uint64_t> hits = 0;
   const auto resolve = [&](uint64_t view, uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, {device.words + view * frame.beams}, device.tables, instances, motionOf(motions, view),
+    const BeamTables& tables = *device.tables[view];
+    hits += resolveWords(plan, {device.words + view * tables.frame.beams}, tables, instances, motionOf(motions, view),
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), to.from(view * beams));
   };
-  if (shots.size() == 1)
-    inSlices(workers, count, frame.beams / std::max<uint64_t>(count, 1),
-             [&](uint64_t first, uint64_t end) { resolve(0, first, end); });
-  else
-    inSlices(workers, shots.size(), frame.beams, [&](uint64_t first, uint64_t end) {
-      for (uint64_t view = first; view < end; ++view) resolve(view, 0, count);
+  if (shots.size() == 1) {
+    const auto [count, each] = runsOf(*device.tables[0]);
+    inSlices(workers, count, each, [&](uint64_t first, uint64_t end) { resolve(0, first, end); });
+  } else {
+    inSlices(workers, shots.size(), beams, [&](uint64_t first, uint64_t end) {
+      for (uint64_t view = first; view < end; ++view) resolve(view, 0, runsOf(*device.tables[view]).first);
     });
+  }
   addResolve(start, sum.timings);
   uint64_t usable = 0;
   for (const Shot& shot : shots) {
-    const WorldContent placed = instances.contentOf(shot.world);
-    usable += placed.usableTriangles();
-    sum.counters.triangles += placed.triangles;
-    sum.counters.nonFinite += placed.nonFinite;
-    sum.counters.degenerate += placed.degenerate;
+    usable += instances.contentOf(shot.world).usableTriangles();
+    countPlaced(instances, shot.world, sum.counters);
   }
   sum.counters.beams += all;
-  const auto masked = static_cast<uint32_t>(shots.size() * device.tables.masked);
+  const auto masked = static_cast<uint32_t>(shots.size() * device.tables[0]->masked);
   readCounters(plan, all, withHits(device.counters, hits, all, masked), usable, sum.counters);
 }
 

@@ -17,8 +17,8 @@ namespace gnosphere {
 
 /// The outputs of one scan in host-readable memory, with an entry per return of every beam; null if not planned.
 struct DeviceResults {
-  const BeamTables& tables;
-  const Word* words = nullptr;  ///< see resolveWords(); if given, there are no points and no owners
+  std::span<const BeamTables* const> tables;  ///< of each view
+  const Word* words = nullptr;                ///< see resolveWords(); if given, there are no points and no owners
   const Word* laterWords = nullptr;
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
@@ -32,7 +32,7 @@ struct DeviceResults {
 
   /// Collects the outputs; `of(array)` returns the address of an output or null.
   template <typename Of>
-  static DeviceResults from(const BeamTables& tables, const gpu::Counters& counters, const Of& of) {
+  static DeviceResults from(std::span<const BeamTables* const> tables, const gpu::Counters& counters, const Of& of) {
     return {tables,
             static_cast<const Word*>(of(gpu::Array::words)),
             static_cast<const Word*>(of(gpu::Array::laterWords)),
@@ -51,14 +51,17 @@ struct DeviceResults {
 /// memory is reused.
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_t world, Scan& scan);
 
-/// Fills the arrays of `scan` from the outputs of a shot and adds to its counters. If the tables are those of a part of
-/// the beams, only their entries are written. `motion` is null for a scan without motion.
+/// Counts the triangles that a view of a world is computed from.
+void countPlaced(const InstanceTable& instances, uint32_t world, Counters& counters);
+
+/// Fills the arrays of `scan` from the outputs of a view and adds to its counters. If the view has a part of the beams,
+/// only their entries are written. `motion` is null for a scan without motion.
 void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
                  const Shot& shot, const ShotMotion* motion, Scan& scan);
 
-/// Resolves the words of shots that were submitted together to places in which the entries of one scan follow those of
-/// the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone. `motion` is that of the
-/// only shot, and null for scans without motion.
+/// Resolves the words of shots that were submitted together, each as one view, to places in which the entries of one
+/// scan follow those of the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone.
+/// `motion` is that of the only shot, and null for scans without motion.
 void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
               std::span<const Shot> shots, ShotMotions motions, const Places& to, Scan& sum);
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
 
-#include "pipeline/beam_cells.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "scan/layout.hpp"
 
@@ -16,6 +16,26 @@ namespace gnosphere {
 namespace {
 
 using gpu::Array;
+
+// Returns the table and the shot of each view; shots are counted from that of the first view on.
+EffectsArray viewTables(std::span<const View> views) {
+  std::vector<std::array<uint32_t, 2>> content;
+  for (const View& view : views)
+    content.push_back({view.group->table, static_cast<uint32_t>(view.shot - views[0].shot)});
+  const auto bytes = std::as_bytes(std::span(content));
+  return {Array::viewTables, bytes.size(), {bytes.begin(), bytes.end()}};
+}
+
+// Returns the farthest-range table of each view before anything is hit.
+EffectsArray startFarthest(std::span<const BeamTables* const> views) {
+  EffectsArray array = {Array::startFarthest, 0, {}};
+  for (const BeamTables* tables : views) {
+    const auto bytes = std::as_bytes(std::span(tables->startFarthest));
+    array.content.insert(array.content.end(), bytes.begin(), bytes.end());
+  }
+  array.bytes = array.content.size();
+  return array;
+}
 
 // The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
@@ -52,12 +72,12 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   options_.BINNING = binning_;
   if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
+  mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
   prepareKernels();
-  for (Pattern& pattern : patterns_)
-    if (pattern.groups.size() == 1)
-      for (const EffectsArray& array : arraysOf(pattern.tables))
-        pattern.arrays[static_cast<size_t>(array.array)] =
-            uploaded(machine_, array.array, std::span<const std::byte>(array.content));
+  for (TableSet& set : sets_)
+    for (const EffectsArray& array : arraysOf(set))
+      set.arrays[static_cast<size_t>(array.array)] =
+          uploaded(machine_, array.array, std::span<const std::byte>(array.content));
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
@@ -73,7 +93,6 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (keepsRecords()) makeRecordArrays();
   makeFirstLists(triangles);
   addFrame();
-  mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
 }
 
 void SensorArrays::prepareKernels() {
@@ -81,10 +100,11 @@ void SensorArrays::prepareKernels() {
   for (const Motion motion : motions())
     for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
       if (still == StillImage::Use::make && (!keepsStill_ || motion == Motion::all)) continue;
-      for (const Pattern& pattern : patterns_)
+      for (const TableSet& set : sets_)
         for (const bool last : {false, true}) {
-          if (!last && pattern.groups.size() == 1) continue;
-          for (const Step& step : steps(pattern.tables, pattern.tables.frame, everything(), still, motion, last))
+          if (!last && mostGroups() == 1) continue;
+          const gpu::Frame frame = frameOf(set.tables[0], viewsOfScan(set));
+          for (const Step& step : steps(set.tables[0], frame, everything(), still, motion, last))
             if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
         }
     }
@@ -115,33 +135,73 @@ void SensorArrays::setDeformed(bool deformed) {
   }
 }
 
+// Returns the most views that a shot has with tables of a set.
+uint32_t SensorArrays::viewsOfScan(const TableSet& set) const {
+  uint32_t most = 1;
+  for (const Pattern& pattern : patterns_) {
+    const auto ofSet = [&](const BeamGroup& group) { return &sets_[group.set] == &set; };
+    most = std::max(most, static_cast<uint32_t>(std::ranges::count_if(pattern.groups, ofSet)));
+  }
+  return std::min(most, mostViews_);
+}
+
+uint32_t SensorArrays::fewestGroups() const {
+  size_t fewest = mostGroups();
+  for (const Pattern& pattern : patterns_) fewest = std::min(fewest, pattern.groups.size());
+  return static_cast<uint32_t>(fewest);
+}
+
+// Returns the most shots that so many views may belong to.
+uint32_t SensorArrays::shotsIn(uint32_t views) const {
+  return sets_.size() > 1 ? 1 : std::max(1u, views / fewestGroups());
+}
+
+// Divides the beams into groups, and the groups into sets: those with about as many beams have tables of one size.
 std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
+  struct Member {
+    size_t pattern;
+    OriginGroup group;
+  };
   std::vector<Pattern> patterns(std::max<size_t>(plan_.sensor.patterns.size(), 1));
-  for (size_t i = 0; i < patterns.size(); ++i) {
-    Pattern& pattern = patterns[i];
-    pattern.groups = originGroups(plan_.sensor, i);
-    pattern.tables = tablesOf(i, pattern.groups[0]);
-    include(pattern.tables.frame);
-    for (size_t k = 1; k < pattern.groups.size(); ++k) include(tablesOf(i, pattern.groups[k]).frame);
+  std::map<size_t, std::vector<Member>> bySize;
+  for (size_t i = 0; i < patterns.size(); ++i)
+    for (OriginGroup& group : originGroups(plan_.sensor, i)) {
+      const size_t octave = std::bit_width(group.beams.size() + group.silent.size());
+      bySize[octave].push_back({i, std::move(group)});
+    }
+  for (const auto& [octave, members] : bySize) {
+    std::vector<FiredGroup> fired;
+    for (const Member& member : members) {
+      patterns[member.pattern].groups.push_back(
+          {member.group.lasers, static_cast<uint32_t>(sets_.size()), static_cast<uint32_t>(fired.size())});
+      fired.push_back({member.pattern, &member.group});
+    }
+    sets_.push_back({tablesOf(fired), {}});
+    include(sets_.back().tables[0].frame);
   }
   return patterns;
 }
 
-BeamTables SensorArrays::tablesOf(uint64_t pattern, const OriginGroup& group) const {
-  BeamTables tables = plan_.rows     ? makeRowTables(plan_.sensor, *plan_.rows, group)
-                      : plan_.listed ? makeListedTables(plan_.sensor, pattern, group, !plan_.motion())
-                                     : makeBeamTables(plan_.sensor);
-  tables.apart = group.lasers.distance > 0;
-  if (!tables.listed && plan_.motion())
+std::vector<BeamTables> SensorArrays::tablesOf(std::span<const FiredGroup> groups) const {
+  std::vector<BeamTables> all;
+  if (plan_.listed)
+    all = makeListedTables(plan_.sensor, groups, !plan_.motion());
+  else
+    all = {plan_.rows ? makeRowTables(plan_.sensor, *plan_.rows, *groups[0].group) : makeBeamTables(plan_.sensor)};
+  const bool apart = std::ranges::any_of(groups, [](const FiredGroup& of) { return of.group->lasers.distance > 0; });
+  for (BeamTables& tables : all) {
+    tables.apart = apart;
+    tables.frame.footprint = plan_.spread.angle;
+    tables.frame.spreadAcross = plan_.spread.across;
+    tables.frame.spreadUp = plan_.spread.up;
+    if (tables.listed || !plan_.motion()) continue;
     for (const gpu::Row& row : tables.rows) {
-      const Vec3 &at = plan_.sensor.channels[row.channel].origin, &centre = group.lasers.centre;
+      const Vec3 &at = plan_.sensor.channels[row.channel].origin, &centre = groups[0].group->lasers.centre;
       tables.rowOrigins.push_back(
           {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z - centre.z), 0});
     }
-  tables.frame.footprint = plan_.spread.angle;
-  tables.frame.spreadAcross = plan_.spread.across;
-  tables.frame.spreadUp = plan_.spread.up;
-  return tables;
+  }
+  return all;
 }
 
 void SensorArrays::include(const gpu::Frame& frame) {
@@ -152,41 +212,56 @@ void SensorArrays::include(const gpu::Frame& frame) {
   most_.rangeMax = std::max(most_.rangeMax, frame.rangeMax);
 }
 
-// Returns the tables as arrays of a device.
-std::vector<EffectsArray> SensorArrays::arraysOf(const BeamTables& tables) const {
+// Returns the tables as arrays of a device, in which one table follows the other.
+std::vector<EffectsArray> SensorArrays::arraysOf(const TableSet& set) const {
   std::vector<EffectsArray> arrays;
+  const BeamTables& first = set.tables[0];
   const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
     const auto bytes = std::as_bytes(std::span(content));
     arrays.push_back({array, bytes.size(), {bytes.begin(), bytes.end()}});
   };
-  put(Array::rowLookup, tables.rowLookup);
-  put(Array::columns, tables.columns);
-  put(Array::rows, tables.rows);
-  if (!tables.numbers.empty()) put(Array::beamNumbers, tables.numbers);
-  if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
-  if (!tables.startFarthest.empty()) put(Array::startFarthest, tables.startFarthest);
-  if (tables.holes) {
-    std::vector<Word> words(tables.numbers.size(), {gpu::kNone, gpu::kNone});
+  const auto putAll = [&]<typename T>(Array array, std::vector<T> BeamTables::*member) {
+    std::vector<T> all;
+    for (const BeamTables& tables : set.tables) all.insert(all.end(), (tables.*member).begin(), (tables.*member).end());
+    put(array, all);
+  };
+  // The same for values of beams, of which a table may have fewer than others.
+  const auto putBeams = [&]<typename T>(Array array, std::vector<T> BeamTables::*member, const T& none = {}) {
+    std::vector<T> all;
+    for (const BeamTables& tables : set.tables) {
+      all.insert(all.end(), (tables.*member).begin(), (tables.*member).end());
+      if (tables.listed) all.resize((size_t{tables.frame.table} + 1) * tables.frame.beams, none);
+    }
+    put(array, all);
+  };
+  putAll(Array::rowLookup, &BeamTables::rowLookup);
+  put(Array::columns, first.columns);
+  put(Array::rows, first.rows);
+  if (!first.numbers.empty()) putBeams(Array::beamNumbers, &BeamTables::numbers, gpu::kNone);
+  if (!first.ranges.empty()) putBeams(Array::beamRanges, &BeamTables::ranges);
+  if (!first.startFarthest.empty() && set.tables.size() == 1) put(Array::startFarthest, first.startFarthest);
+  if (first.holes) {
+    std::vector<Word> words(first.numbers.size(), {gpu::kNone, gpu::kNone});
     for (size_t i = 0; i < words.size(); ++i)
-      if (tables.numbers[i] == gpu::kNone) words[i] = {0, 0};
+      if (first.numbers[i] == gpu::kNone) words[i] = {0, 0};
     put(Array::startWords, words);
   }
-  if (!tables.rowOrigins.empty()) put(Array::rowOrigins, tables.rowOrigins);
-  if (!tables.listed) return arrays;
-  put(Array::cellStarts, tables.cellStarts);
-  put(Array::beamAngles, tables.angles);
+  if (!first.rowOrigins.empty()) put(Array::rowOrigins, first.rowOrigins);
+  if (!first.listed) return arrays;
+  putAll(Array::cellStarts, &BeamTables::cellStarts);
+  putBeams(Array::beamAngles, &BeamTables::angles);
   if (!plan_.motion()) return arrays;
-  put(Array::beamOrigins, tables.origins);
-  put(Array::sliceMasks, tables.sliceMasks);
+  putBeams(Array::beamOrigins, &BeamTables::origins);
+  putAll(Array::sliceMasks, &BeamTables::sliceMasks);
   if (!plan_.moves()) return arrays;
-  put(Array::timedBeams, tables.timedBeams);
-  put(Array::timedStarts, tables.timedStarts);
+  putBeams(Array::timedBeams, &BeamTables::timedBeams);
+  putAll(Array::timedStarts, &BeamTables::timedStarts);
   return arrays;
 }
 
 // The outputs stay on the device, so all frames share them.
 void SensorArrays::makeRecordArrays() {
-  for (const Output& output : outputs_) allocate(output.array, mostBeams() * output.bytesPerBeam);
+  for (const Output& output : outputs_) allocate(output.array, entriesOf(1) * output.bytesPerBeam);
   allocate(Array::recordBlocks, (entries() / gpu::kPrefixBlock + 1) * 4);
   if (plan_.layout.compact) allocate(Array::recordEntries, entries() * 4);
   of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, records_.streams);
@@ -198,9 +273,10 @@ void SensorArrays::makeRecordArrays() {
       if (!content.empty())
         patterns_[i].arrays[static_cast<size_t>(array)] = uploaded<gpu::vec4>(machine_, array, content);
     };
+    const BeamGroup& group = patterns_[i].groups[0];
     if ((records_.held & gpu::kFromWords) != 0)
       patterns_[i].arrays[static_cast<size_t>(Array::beamPlaces)] =
-          uploaded<uint32_t>(machine_, Array::beamPlaces, beamPlaces(plan_, patterns_[i].tables));
+          uploaded<uint32_t>(machine_, Array::beamPlaces, beamPlaces(plan_, sets_[group.set].tables[group.table]));
     put(Array::beamFacts, beamFacts(plan_, i));
     put(Array::beamDirections, beamDirections(plan_, i));
   }
@@ -216,7 +292,7 @@ PlacedGroups SensorArrays::everything() const {
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                                      StillImage::Use still, Motion motion, bool lastGroup) const {
+                                      StillImage::Use still, Motion motion, bool last) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion != Motion::none;
@@ -229,7 +305,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && motion == Motion::none;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views, shotsIn(frame.views)};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -237,7 +313,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   input.records = records_.held;
   input.entries = entries();
   input.organised = !plan_.layout.compact;
-  input.lastGroup = lastGroup;
+  input.lastViews = last;
   input.deformed = deformed_;
   input.moves = motion == Motion::all;
   input.looksAtSurfaces = plan_.surfaces() || plan_.panes() || plan_.speeds();
@@ -252,9 +328,9 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   return stepsOf(input, placed, still);
 }
 
-// Entries of arrays with an entry per beam of the sensor or per place of the grid.
-uint64_t SensorArrays::mostBeams() const {
-  return std::max<uint64_t>(beams(), plan_.sensor.beamCount());
+// Entries of arrays with an entry per index of a beam and view, or per number of a beam and shot.
+uint64_t SensorArrays::entriesOf(uint32_t views) const {
+  return std::max(uint64_t{beams()} * views, uint64_t{plan_.sensor.beamCount()} * shotsIn(views));
 }
 
 void SensorArrays::addFrame() {
@@ -266,7 +342,7 @@ void SensorArrays::addFrame() {
     allocate(Array::rangeCounts, gpu::kShellBuckets * sizeof(uint32_t), MemoryKind::readback);
   else
     for (const Output& output : outputs_)
-      allocate(output.array, mostBeams() * output.bytesPerBeam, MemoryKind::readback);
+      allocate(output.array, entriesOf(1) * output.bytesPerBeam, MemoryKind::readback);
   allocate(Array::counters, sizeof(gpu::Counters), MemoryKind::readback);
   allocate(Array::frame, sizeof(gpu::Frame), MemoryKind::upload);
   frames_.push_back(std::move(frame));
@@ -291,28 +367,24 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
   }
 }
 
-std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, size_t group, ShotMotions motions,
-                                        const InstanceEntries& instances, const PlacedGroups& placed,
-                                        StillImage::Use still, BoundArrays& arrays) {
+std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, std::span<const View> views,
+                                        bool last, ShotMotions motions, const InstanceEntries& instances,
+                                        const PlacedGroups& placed, StillImage::Use still, BoundArrays& arrays) {
   Frame& frame = frameAt(index);
-  const auto views = static_cast<uint32_t>(shots.size());
+  const TableSet& set = sets_[views[0].group->set];
+  const auto count = static_cast<uint32_t>(views.size());
   frame.capacities = capacities_;
-  frame.views = views;
-  frame.pattern = shots[0].frame % patterns_.size();
-  const Pattern& pattern = patterns_[frame.pattern];
-  const std::pair fires(frame.pattern, group);
-  if (pattern.groups.size() > 1 && frame.loaded != fires) {
-    frame.loaded.reset();  // while the arrays are of neither
-    frame.tables = tablesOf(frame.pattern, pattern.groups[group]);
-    load(frame, arraysOf(frame.tables));
-    frame.loaded = fires;
-  }
-  const BeamTables& tables = fired(frame);
+  frame.views.assign(views.begin(), views.end());
+  frame.tables.clear();
+  for (const View& view : views) frame.tables.push_back(&set.tables[view.group->table]);
+  const BeamTables& tables = *frame.tables[0];
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
-  if (views > 1) makeRoomForViews(frame, views);
-  gpu::Frame content = frameOf(tables, views);
+  if (count > 1) makeRoomForViews(frame, count);
+  if (count > 1 && tables.listed) load(frame, {viewTables(views)});
+  if (set.tables.size() > 1 && !tables.startFarthest.empty()) load(frame, {startFarthest(frame.tables)});
+  gpu::Frame content = frameOf(tables, count);
   content.instanceCount = instances.count;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
@@ -320,7 +392,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   const DispatchSizes sizes = dispatchSizesOf(machine_.traits());
   content.cullWorkgroups = sizes.cullGroups;
   content.triangleWorkgroups = sizes.triangleGroups;
-  content.shellClusters = shellClustersOfViews(shellClusters_, views);
+  content.shellClusters = shellClustersOfViews(shellClusters_, count);
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   content.shellHint = shellHint_;
   content.shellCount = shells_;
@@ -328,12 +400,12 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions, instances));
 
-  // The pattern's come last: a frame that has fired another pattern, group by group, still has the tables of that one.
-  for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
+  const Pattern& pattern = patterns_[shots[0].frame % patterns_.size()];
+  for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &set.arrays, &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
-  std::vector<Step> result = steps(tables, content, placed, still, moves, group + 1 == pattern.groups.size());
+  std::vector<Step> result = steps(tables, content, placed, still, moves, last);
   frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
     return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
   });
@@ -398,8 +470,7 @@ const gpu::Counters& SensorArrays::counters(Frame& frame) const {
 
 DeviceResults SensorArrays::results(size_t index) {
   Frame& frame = frames_[index];
-  const BeamTables& tables = fired(frame);
-  return DeviceResults::from(tables, counters(frame), [&](Array array) -> const void* {
+  return DeviceResults::from(frame.tables, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
@@ -411,21 +482,24 @@ DeviceResults SensorArrays::results(size_t index) {
 DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   const Frame& frame = frames_[index];
   DeviceResults results = this->results(index);
-  if (frame.views == 1) return results;
-  const uint64_t beams = fired(frame).frame.beams, entries = this->entries();
-  const auto move = [&](auto*& output, uint64_t entriesPerView) {
-    if (output) output += view * entriesPerView;
+  const auto views = static_cast<uint32_t>(frame.views.size());
+  if (views == 1) return results;
+  results.tables = results.tables.subspan(view, 1);
+  const uint64_t firstBeam = uint64_t{view} * frame.tables[0]->frame.beams;
+  const uint64_t firstEntry = (frame.views[view].shot - frame.views[0].shot) * entries();
+  const auto move = [](auto*& output, uint64_t first) {
+    if (output) output += first;
   };
-  move(results.words, beams);
-  move(results.laterWords, beams * (plan_.returns - 1));
-  move(results.points, entries);
-  move(results.owners, entries);
-  move(results.intensities, entries);
-  move(results.signals, entries);
-  move(results.surfaces, entries);
-  move(results.motions, entries);
-  move(results.barycentrics, entries);
-  results.counters = shareOf(results.counters, view, frame.views);
+  move(results.words, firstBeam);
+  move(results.laterWords, firstBeam * (plan_.returns - 1));
+  move(results.points, firstEntry);
+  move(results.owners, firstEntry);
+  move(results.intensities, firstEntry);
+  move(results.signals, firstEntry);
+  move(results.surfaces, firstEntry);
+  move(results.motions, firstEntry);
+  move(results.barycentrics, firstEntry);
+  results.counters = shareOf(results.counters, view, views);
   if (!plan_.judged()) return results;
   DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::viewCauses)];
   memory.invalidate();
@@ -438,6 +512,8 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
+  for (const TableSet& set : sets_)
+    for (const auto& memory : set.arrays) use.sensor += memory ? memory->bytes() : 0;
   for (const Pattern& pattern : patterns_)
     for (const auto& memory : pattern.arrays) use.sensor += memory ? memory->bytes() : 0;
   for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
@@ -445,8 +521,9 @@ void SensorArrays::addTo(MemoryUse& use) const {
     for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
 }
 
-Plan SensorArrays::planOf(size_t wanted) {
-  const auto views = static_cast<uint32_t>(std::clamp<size_t>(wanted, 1, mostViews_));
+Plan SensorArrays::planOf(size_t shots) {
+  const uint32_t ofScan = viewsOfScan(sets_[0]);
+  const auto views = static_cast<uint32_t>(std::clamp<size_t>(shots, 1, mostViews_ / ofScan) * ofScan);
   Frame& frame = frameAt(0);
   if (views > 1) {
     makeRoomForViews(views);
@@ -461,13 +538,13 @@ Plan SensorArrays::planOf(size_t wanted) {
 
 // Returns the steps of a submission of views in which everything moves that may move.
 std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
-  const BeamTables& tables = patterns_[0].tables;
+  const BeamTables& tables = sets_[0].tables[0];
   return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), true);
 }
 
 Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   Plan plan;
-  plan.views = views;
+  plan.views = views / viewsOfScan(sets_[0]);
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
@@ -476,12 +553,9 @@ Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   plan.stages =
       stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
-  for (size_t i = 0; i < arrays_.size(); ++i)
-    if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
-  for (size_t i = 0; i < arrays_.size(); ++i)
-    if (arrays_[i]) plan.buffers.push_back({gpu::kArrayNames[i], arrays_[i]->bytes()});
-  for (size_t i = 0; i < arrays_.size(); ++i)
-    if (const auto& memory = frame.arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
+  for (const auto* own : {&sets_[0].arrays, &patterns_[0].arrays, &arrays_, &frame.arrays})
+    for (size_t i = 0; i < own->size(); ++i)
+      if (const auto& memory = (*own)[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   return plan;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "effects/arrays.hpp"
+#include "pipeline/beam_cells.hpp"
 #include "pipeline/beam_tables.hpp"
 #include "pipeline/machine.hpp"
 #include "pipeline/origin_groups.hpp"
@@ -16,6 +17,18 @@
 #include "scan/class_table.hpp"
 
 namespace gnosphere {
+
+/// Beams that are projected together, and the table that has them.
+struct BeamGroup {
+  OriginBounds lasers;
+  uint32_t set, table;  ///< the number of the set of tables, and of the table in it
+};
+
+/// A view of a submission: a group of the beams of a shot.
+struct View {
+  size_t shot;
+  const BeamGroup* group;
+};
 
 class SensorArrays {
  public:
@@ -29,7 +42,8 @@ class SensorArrays {
   const SensorPlan& sensorPlan() const { return plan_; }
   /// Most beams that are projected at once; in a grid with holes, places.
   uint32_t beams() const { return static_cast<uint32_t>(most_.beams); }
-  /// Whether scans leave the nearest hits of all beams, and nothing else, for the host to resolve.
+  /// Whether scans leave the nearest hits of all beams, and nothing else, for the host to resolve, each shot as one
+  /// view.
   bool leavesHitsAlone() const {
     return leavesWords_ && outputs_.size() == 1 && plan_.returns == 1 && !keepsRecords() && !plan_.judged() &&
            mostGroups() == 1;
@@ -38,38 +52,42 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have. Views are shots with different poses in which no instance moves.
+  /// The most views that a submission may have.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
   /// triangles, which grow when a scan needs more. No frame may be running.
   void makeRoomForViews(uint32_t views);
 
-  /// The groups of beams that scan number `frame` projects one after the other.
-  std::span<const OriginGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
-  /// The largest number of groups that any scan projects.
+  /// The groups of beams that scan number `frame` fires, set by set. The views of a submission are of one set.
+  std::span<const BeamGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
+  /// The largest number of groups that any scan fires.
   size_t mostGroups() const;
-  /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
-  /// arrays of the sensor and of the frame. Each of several shots is a view.
-  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, size_t group, ShotMotions motions,
-                            const InstanceEntries& instances, const PlacedGroups& placed, StillImage::Use still,
-                            BoundArrays& arrays);
+  /// Number of sets of tables.
+  size_t sets() const { return sets_.size(); }
+  /// Returns the steps of a submission as frame in flight `frame`, which must not be running, and binds the arrays of
+  /// the sensor and of the frame. `shots` has the shot of each view; `last` tells whether these are the last views of
+  /// their shots.
+  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, std::span<const View> views, bool last,
+                            ShotMotions motions, const InstanceEntries& instances, const PlacedGroups& placed,
+                            StillImage::Use still, BoundArrays& arrays);
   /// Throws Error(device) if the device has run nothing of the last scan of this frame.
   void checkAlive(size_t frame);
   /// Returns whether a list was too small for the last scan of this frame. The scan must run again after growLists().
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
-  /// Returns the outputs of the last scan of the frame, of all its views.
+  /// Returns the outputs of the last scan of the frame, of all its views, each of which is a shot.
   DeviceResults results(size_t frame);
-  /// Returns those of one of its views.
+  /// Returns the outputs of the shot of a view.
   DeviceResults results(size_t frame, uint32_t view);
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_ > 1; }
   /// Whether the results stay on the device, as records.
   bool keepsRecords() const { return !plan_.layout.empty(); }
   /// Loads what the records of the next scan of this frame depend on, before prepare(): the size of the caller's buffer
-  /// in bytes, the classes of surfaces, and the number of the scan. `group` is that of prepare().
+  /// in bytes, the classes of surfaces, and the number of the scan. `group` is the number of the group among those that
+  /// the scan fires.
   void loadRecords(size_t frame, size_t group, uint64_t bytes, const ClassTable& classes, uint64_t number);
   /// Returns a hint for setShellHint() from the records of the last scan of this frame.
   float recordedHint(size_t frame);
@@ -78,36 +96,39 @@ class SensorArrays {
   void setShellHint(float distance) { shellHint_ = distance; }
   void addTo(MemoryUse& use) const;
   /// Returns the plan of a scan with its decisions, stages and buffers.
-  Plan plan() const { return planWith(frames_[0], 1); }
-  /// Makes room for a submission of so many views, or as many as it may have, compiles its kernels and returns its
+  Plan plan() const { return planWith(frames_[0], viewsOfScan(sets_[0])); }
+  /// Makes room for a submission of so many shots, or as many as it may have, compiles its kernels and returns its
   /// plan.
-  Plan planOf(size_t views);
+  Plan planOf(size_t shots);
 
  private:
   /// The arrays that each frame in flight has of its own; all frames share the work arrays.
   struct Frame {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
-    Capacities capacities;     // of the lists when the scan was prepared
-    bool signsOfLife = false;  // whether kernels run that leave one
-    uint32_t views = 1;        // of the scan
-    size_t pattern = 0;        // whose beams the scan fires
-    BeamTables tables;  // of the group that fires, if the pattern has several; their arrays are those of the frame
-    std::optional<std::pair<size_t, size_t>> loaded;  // pattern and group of these tables
+    Capacities capacities;                  // of the lists when the scan was prepared
+    bool signsOfLife = false;               // whether kernels run that leave one
+    std::vector<View> views;                // of the scan
+    std::vector<const BeamTables*> tables;  // of each view
   };
 
-  /// The beams of the sensor and their arrays. Only a list has several patterns, one per frame number. If a pattern has
-  /// several groups, a frame makes the tables of the one that it fires, because there may be as many groups as beams;
-  /// `tables` are those of the first group, and there are no arrays.
+  /// The beams that a scan fires, and the arrays that records read of them. Only a list has several patterns, one per
+  /// frame number.
   struct Pattern {
-    std::vector<OriginGroup> groups;
-    BeamTables tables;
+    std::vector<BeamGroup> groups;
+    std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
+  };
+
+  /// Tables of beams that have the same rows, columns and number of beams, and their arrays, in which one table follows
+  /// the other.
+  struct TableSet {
+    std::vector<BeamTables> tables;
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
   /// Motion that the kernels of a scan must know.
   enum class Motion { none, lasers, all };  // lasers: only that they have origins
 
-  /// Holds, for each size, the largest that any pattern or group has.
+  /// Holds, for each size, the largest that any set of tables has.
   struct Sizes {
     uint64_t beams = 0, fine = 0, coarse = 0, slabs = 0;  // fine and coarse entries of the farthest-range table
     float rangeMax = 0;
@@ -116,19 +137,18 @@ class SensorArrays {
   void prepareKernels();
   std::vector<Motion> motions() const;
   std::vector<Pattern> makePatterns();
+  std::vector<BeamTables> tablesOf(std::span<const FiredGroup> groups) const;
+  std::vector<EffectsArray> arraysOf(const TableSet& set) const;
+  uint32_t viewsOfScan(const TableSet& set) const;
+  uint32_t fewestGroups() const;
+  uint32_t shotsIn(uint32_t views) const;
+  uint64_t entriesOf(uint32_t views) const;
   void makeRecordArrays();
   Frame& frameAt(size_t index);
   uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
-  BeamTables tablesOf(uint64_t pattern, const OriginGroup& group) const;
-  std::vector<EffectsArray> arraysOf(const BeamTables& tables) const;
   void include(const gpu::Frame& frame);
-  const BeamTables& fired(const Frame& frame) const {
-    const Pattern& pattern = patterns_[frame.pattern];
-    return pattern.groups.size() > 1 ? frame.tables : pattern.tables;
-  }
-  uint64_t mostBeams() const;
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                          StillImage::Use still, Motion motion, bool lastGroup) const;
+                          StillImage::Use still, Motion motion, bool last) const;
   uint32_t findMostViews(uint64_t room) const;
   uint64_t blockSumBytes(uint32_t views) const;
   std::vector<EffectsArray> arraysByBeam(uint32_t views) const;
@@ -157,6 +177,7 @@ class SensorArrays {
   Machine& machine_;
   const SensorPlan& plan_;
   Sizes most_;
+  std::vector<TableSet> sets_;
   std::vector<Pattern> patterns_;
   uint32_t binning_;
   bool leavesWords_, exact_, keepsStill_, float64_, deformed_;

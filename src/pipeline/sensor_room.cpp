@@ -48,7 +48,7 @@ std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
   const uint64_t beams = uint64_t{this->beams()} * views;
   const bool lists = binning_ == gpu::kBinningLists;
   std::vector<EffectsArray> arrays;
-  if (!plan_.bare()) arrays = beamArrays(plan_, mostBeams() * views);
+  if (!plan_.bare()) arrays = beamArrays(plan_, entriesOf(views));
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) arrays.push_back({Array::words, beams * sizeof(Word), {}});
   if (lists || plan_.panes() || plan_.footprint()) arrays.push_back({Array::listEnds, beams * 4, {}});
@@ -68,18 +68,21 @@ uint64_t SensorArrays::blockSumBytes(uint32_t views) const {
 }
 
 uint32_t SensorArrays::findMostViews(uint64_t room) const {
-  if (keepsRecords() || patterns_.size() > 1 || mostGroups() > 1) return 1;
-  uint64_t ofView = 1, mostOfView = 1;  // bytes
-  for (const Output& output : outputs_) mostOfView = std::max(mostOfView, mostBeams() * output.bytesPerBeam);
-  for (const EffectsArray& array : arraysByBeam(1)) {
-    ofView += array.bytes;
-    mostOfView = std::max(mostOfView, array.bytes);
+  if (keepsRecords()) return 1;
+  uint64_t ofView = 1, mostOfView = 1;       // bytes
+  const uint32_t together = fewestGroups();  // views of one shot
+  for (const Output& output : outputs_)
+    mostOfView = std::max(mostOfView, entriesOf(together) * output.bytesPerBeam / together);
+  for (const EffectsArray& array : arraysByBeam(together)) {
+    ofView += array.bytes / together;
+    mostOfView = std::max(mostOfView, array.bytes / together);
   }
   if (plan_.footprint()) ofView += listBytes(mostOfFootprints(beams()));
-  const std::initializer_list<uint64_t> most = {gnosphere::mostViews(machine_.traits(), beams()),
-                                                machine_.traits().info.maxBufferBytes / mostOfView,
-                                                kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView,
-                                                kMostGroupRows / std::max(patterns_[0].tables.frame.rows, 1u)};
+  const BeamTables& tables = sets_[0].tables[0];
+  const uint32_t groupRows = tables.listed ? 1 : std::max(tables.frame.rows, 1u);
+  const std::initializer_list<uint64_t> most = {
+      gnosphere::mostViews(machine_.traits(), beams()), machine_.traits().info.maxBufferBytes / mostOfView,
+      kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView, kMostGroupRows / groupRows};
   return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
 }
 
@@ -99,18 +102,19 @@ void SensorArrays::growArrays(uint32_t views) {
   viewsWithRoom_ = views;
 }
 
-// Makes an array of the only pattern, with which each scan begins, one that all views begin with.
+// Makes an array of each set of tables, with which each scan begins, one that all views begin with.
 void SensorArrays::repeat(Array array, uint32_t views) {
-  std::unique_ptr<DeviceMemory>& memory = patterns_[0].arrays[static_cast<size_t>(array)];
-  for (const EffectsArray& once : arraysOf(patterns_[0].tables)) {
-    if (once.array != array) continue;
-    std::vector<std::byte> content;
-    content.reserve(once.content.size() * views);
-    for (uint32_t view = 0; view < views; ++view)
-      content.insert(content.end(), once.content.begin(), once.content.end());
-    memory.reset();
-    memory = uploaded(machine_, array, std::span<const std::byte>(content));
-  }
+  for (TableSet& set : sets_)
+    for (const EffectsArray& once : arraysOf(set)) {
+      if (once.array != array) continue;
+      std::vector<std::byte> content;
+      content.reserve(once.content.size() * views);
+      for (uint32_t view = 0; view < views; ++view)
+        content.insert(content.end(), once.content.begin(), once.content.end());
+      std::unique_ptr<DeviceMemory>& memory = set.arrays[static_cast<size_t>(array)];
+      memory.reset();
+      memory = uploaded(machine_, array, std::span<const std::byte>(content));
+    }
 }
 
 void SensorArrays::makeRoomForViews(uint32_t views) {
@@ -135,7 +139,7 @@ void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
   const auto room = [&](Array array, uint64_t bytes) {
     makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
   };
-  for (const Output& output : outputs_) room(output.array, mostBeams() * output.bytesPerBeam * views);
+  for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
   if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
   if (capacities_.projected > 0)
     makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,

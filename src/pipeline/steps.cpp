@@ -41,7 +41,7 @@ class Steps {
       finish("resolve");
     }
     judge();
-    if (input_.records != 0) input_.lastGroup ? writeRecords() : noteLists();
+    if (input_.records != 0) input_.lastViews ? writeRecords() : noteLists();
     return std::move(steps_);
   }
 
@@ -72,7 +72,13 @@ class Steps {
     if (input_.footprint && binning_ != gpu::kBinningLists)
       fill(gpu::Array::covers, 0, sizeof(gpu::Cover) * uint64_t{frame.beams});
     if (input_.panes && judged())
-      fill(gpu::Array::echoCounts, gpu::kNone, sizeof(uint32_t) * uint64_t{frame.scanBeams});
+      add({Step::Kind::fill,
+           "",
+           gpu::Array::echoCounts,
+           {},
+           0,
+           sizeof(uint32_t) * uint64_t{frame.scanBeams} * input_.shots,
+           gpu::kNone});
     if (input_.views > 1 && judged()) fill(gpu::Array::viewCauses, 0);
     if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }

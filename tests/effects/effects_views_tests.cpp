@@ -41,8 +41,8 @@ size_t numberOf(const std::string& name) {
   return static_cast<size_t>(std::find(effectNames().begin(), effectNames().end(), name) - effectNames().begin());
 }
 
-// Scans the shots together, in `most` submissions or fewer, then one by one, and then together by CUDA's kernels on the
-// host.
+// Scans the shots together, in `most` submissions or fewer, then one by one, each in submissions of one view, and then
+// together by CUDA's kernels on the host.
 void checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOptions options, uint64_t most = 1) {
   static const Scene scene = showrooms();
   uint64_t submissions = 0;
@@ -54,10 +54,13 @@ void checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOption
   simulator.scanAll(shots, [](size_t, const Scan&) {});
   const uint64_t ofAll = submissions;
   uint64_t hits = 0;
+  TestOptions oneByOne = options;
+  oneByOne.tuning.maxBatchBytes = 1;
+  Simulator single = makeSimulator(scene, sensor, oneByOne);
   for (size_t i = 0; i < shots.size(); ++i) {
     INFO("shot " << i);
     Scan alone;
-    simulator.scanInto(shots[i], alone);
+    single.scanInto(shots[i], alone);
     CHECK(firstBytes(alone, together[i]) == "none");
     CHECK(together[i].counters.hits == alone.counters.hits);
     CHECK(together[i].counters.misses == alone.counters.misses);
@@ -101,17 +104,18 @@ void moveInstances(std::vector<Shot>& shots) {
 
 // Checks with the settings of the device and, if `everyWay` or in slow tests, with those of graphics cards and of
 // devices without 64-bit atomics.
-void checkInWays(const Sensor& sensor, std::span<const Shot> shots, TestOptions options, bool everyWay) {
-  checkTogether(sensor, shots, options);
+void checkInWays(const Sensor& sensor, std::span<const Shot> shots, TestOptions options, bool everyWay,
+                 uint64_t most = 1) {
+  checkTogether(sensor, shots, options, most);
   if (!everyWay && !everyCombination()) return;
   TestOptions lists = options, cards = options;
   lists.tuning.binning = Binning::lists;
   cards.tuning.binning = Binning::nearest;
   cards.tuning.subRays = SubRays::lanes;
   INFO("with lists");
-  checkTogether(sensor, shots, lists);
+  checkTogether(sensor, shots, lists, most);
   INFO("as on graphics cards");
-  checkTogether(sensor, shots, cards);
+  checkTogether(sensor, shots, cards, most);
 }
 
 }  // namespace
@@ -179,6 +183,57 @@ TEST_CASE("views in which instances move have the bytes of single scans", "[comb
     for (const size_t i : {2, 3, 6}) mixed[i].motion.stamps.clear();
     checkTogether(grid, mixed, options, 4);
   }
+}
+
+// A list of three patterns, whose beams have times and ranges of their own.
+Sensor threePatterns() {
+  Sensor list = gridSensor(0, 0, 0, 0);
+  list.rotationPeriod = kPeriod;
+  list.divergenceHorizontal = list.divergenceVertical = 2e-3;
+  for (const double shift : {0.0, 3.0, -4.0}) {
+    BeamList& pattern = list.patterns.emplace_back(beamsOf(gridSensor(61, 13, -40 + shift, 35 + shift)));
+    for (size_t i = 0; i < pattern.size(); ++i) {
+      pattern.times.push_back(kPeriod * static_cast<double>(i * 37 % 793) / 793);
+      pattern.rangeMin.push_back(0.1f * static_cast<float>(i % 5));
+      pattern.rangeMax.push_back(shift == 0 ? 60.0f : 50.0f + static_cast<float>(i % 7));
+    }
+  }
+  list.maskedBeams = {7, 300, 301};
+  return list;
+}
+
+// Moves the beams of all patterns but the last one to three places; the third one has few beams.
+Sensor headsApart(Sensor list) {
+  const Vec3 places[] = {{0, 0, 0.2}, {-2, 1, 0.5}, {1.5, -2, 0}};
+  for (size_t k = 0; k + 1 < list.patterns.size(); ++k)
+    for (size_t i = 0; i < list.patterns[k].size(); ++i)
+      list.patterns[k].origins.push_back(places[i % 31 == 0 ? 2 : i % 2]);
+  list.patterns.back().origins.resize(list.patterns.back().size(), places[1]);
+  return list;
+}
+
+TEST_CASE("views of lists with several patterns, and of heads far apart, have the bytes of single scans",
+          "[combinations]") {
+  needVulkan();
+  const bool apart = GENERATE(false, true);
+  const Sensor list = apart ? headsApart(threePatterns()) : threePatterns();
+  std::vector<Shot> shots = shotsInWorlds(7), moving = shots;
+  move(moving);
+  moveInstances(moving);
+  // The place with few beams has tables of another size, so such a sensor is scanned shot by shot.
+  const uint64_t most = apart ? 2 * shots.size() : 1;
+  for (const char* effect : {"returns", "transmission", "divergence"}) {
+    INFO(effect << (apart ? ", apart" : ""));
+    const TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
+    checkInWays(list, shots, options, effect == std::string("transmission"), most);
+    TestOptions everything = optionsOf(numberOf("object-motion"), numberOf(effect));
+    everything.effects.sensorMotion.use = EffectUse::on;
+    checkInWays(list, moving, everything, effect == std::string("divergence"), most);
+  }
+  TestOptions bare = optionsOf(0, 0);
+  bare.effects = Effects::none();
+  bare.fields.clear();
+  checkInWays(list, shots, bare, true, most);
 }
 
 }  // namespace gnosphere::test

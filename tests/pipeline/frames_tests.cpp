@@ -74,6 +74,7 @@ TEST_CASE("a scan in flight while the previous one enlarges the lists is repeate
   needVulkan();
   TestOptions options = vulkanOptions();
   options.tuning.binning = Binning::lists;
+  options.tuning.maxBatchBytes = 1;  // every shot is a submission
   const Scene scene = sceneOf(soup(11, 1500, 40, 20));
   const std::vector<Shot> shots(2, {poseAt(0, 0, 0), 0});
   Simulator simulator = makeSimulator(scene, gridSensor(400, 33, -60, 60), options);
@@ -238,12 +239,12 @@ TEST_CASE("the second set of results is allocated by the first scanAll") {
   const Sensor sensor = gridSensor(200, 16, -30, 30);
   TestOptions options = vulkanOptions();
   options.tuning.keepStill = false;
+  options.tuning.maxBatchBytes = 1;  // every shot is a submission
   Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), sensor, options);
   const uint64_t before = simulator.memory().work;
   simulator.scan(poseAt(0, 0, 0));
   simulator.scan(poseAt(1, 0, 0));
   CHECK(simulator.memory().work == before);
-  // Shots from one pose are not submitted together.
   simulator.scanAll(std::vector<Shot>(3, {poseAt(1, 0, 0), 0}), [](size_t, const Scan&) {});
   const DeviceInfo& device = simulator.device();
   const bool unified = device.type == "cpu" || device.type == "integrated";
