@@ -10,6 +10,7 @@ namespace gnosphere::test {
 namespace {
 
 constexpr uint32_t kWorlds = 3;
+const std::vector<Binning> kNone, kCards = {Binning::nearest}, kLists = {Binning::lists};
 
 // The showroom, whose box and grating are in a world each, and a second box in every world.
 Scene showrooms() {
@@ -102,35 +103,38 @@ void moveInstances(std::vector<Shot>& shots) {
   }
 }
 
-// Checks with the settings of the device and, if `everyWay` or in slow tests, with those of graphics cards and of
-// devices without 64-bit atomics.
-void checkInWays(const Sensor& sensor, std::span<const Shot> shots, TestOptions options, bool everyWay,
-                 uint64_t most = 1) {
+// Checks with the settings of the device, with some other ways of binning, and in slow tests with all of them: as on
+// graphics cards (`nearest`), and as on devices without 64-bit atomics (`lists`).
+void checkInWays(const Sensor& sensor, std::span<const Shot> shots, const TestOptions& options,
+                 std::vector<Binning> others, uint64_t most = 1) {
   checkTogether(sensor, shots, options, most);
-  if (!everyWay && !everyCombination()) return;
-  TestOptions lists = options, cards = options;
-  lists.tuning.binning = Binning::lists;
-  cards.tuning.binning = Binning::nearest;
-  cards.tuning.subRays = SubRays::lanes;
-  INFO("with lists");
-  checkTogether(sensor, shots, lists, most);
-  INFO("as on graphics cards");
-  checkTogether(sensor, shots, cards, most);
+  if (everyCombination()) others = {Binning::nearest, Binning::lists};
+  for (const Binning binning : others) {
+    INFO("binning " << static_cast<int>(binning));
+    TestOptions other = options;
+    other.tuning.binning = binning;
+    if (binning == Binning::nearest) other.tuning.subRays = SubRays::lanes;
+    checkTogether(sensor, shots, other, most);
+  }
 }
 
 }  // namespace
 
-TEST_CASE("views with pairs of effects have the bytes of single scans", "[combinations]") {
+TEST_CASE("views with several effects have the bytes of single scans", "[combinations]") {
   needVulkan();
   const std::vector<Shot> shots = shotsInWorlds(7);
-  const std::vector<std::pair<std::string, std::string>> pairs = {
-      {"intensity", "cut-outs"},     {"detection", "sensor-motion"}, {"drop-out", "object-motion"},
-      {"range-noise", "fog"},        {"angle-noise", "snow"},        {"angle-noise", "rain"},
-      {"divergence", "cut-outs"},    {"divergence", "returns"},      {"divergence", "transmission"},
-      {"divergence", "angle-noise"}, {"returns", "transmission"},    {"volumes", "radial-speed"}};
-  for (const auto& [first, second] : pairs) {
-    INFO(first << " and " << second);
-    checkInWays(smallSensor(), shots, optionsOf(numberOf(first), numberOf(second)), second == "transmission");
+  const std::vector<std::vector<std::string>> effects = {{"intensity", "cut-outs", "drop-out", "volumes"},
+                                                         {"detection", "sensor-motion", "range-noise", "fog"},
+                                                         {"object-motion", "radial-speed", "angle-noise", "snow"},
+                                                         {"angle-noise", "rain", "returns", "transmission"},
+                                                         {"divergence", "cut-outs", "returns"},
+                                                         {"divergence", "transmission", "angle-noise"}};
+  for (const std::vector<std::string>& together : effects) {
+    INFO(together[0] << ", " << together[1]);
+    TestOptions options = optionsOf(numberOf(together[0]), numberOf(together[1]));
+    for (const std::string& effect : together) effectTable()[numberOf(effect)].use(options.effects) = EffectUse::on;
+    if (together[1] == "radial-speed") options.fields.push_back(Field::radialSpeed);
+    checkInWays(smallSensor(), shots, options, together[1] == "transmission" ? kCards : kNone);
   }
 }
 
@@ -153,11 +157,11 @@ TEST_CASE("views of a sensor that moves have the bytes of single scans", "[combi
   for (const auto& [name, sensor, effect] : cases) {
     INFO(name << ", " << effect);
     TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
-    checkInWays(sensor, shots, options, effect == "divergence" || name == "list");
+    checkInWays(sensor, shots, options, effect == "divergence" ? kCards : name == "list" ? kLists : kNone);
     if (effect != "intensity") continue;
     options.fields.clear();
     options.effects.intensity.use = EffectUse::off;
-    checkInWays(sensor, shots, options, true);
+    checkInWays(sensor, shots, options, kCards);
   }
 }
 
@@ -177,7 +181,7 @@ TEST_CASE("views in which instances move have the bytes of single scans", "[comb
     TestOptions options = optionsOf(numberOf("object-motion"), numberOf(effect));
     if (driving) options.effects.sensorMotion.use = EffectUse::on;
     checkInWays(effect == std::string("returns") ? smallSensor() : grid, shots, options,
-                effect == std::string("divergence"));
+                effect == std::string("divergence") ? kCards : kNone);
     if (!driving) continue;
     std::vector<Shot> mixed = shots;
     for (const size_t i : {2, 3, 6}) mixed[i].motion.stamps.clear();
@@ -222,18 +226,23 @@ TEST_CASE("views of lists with several patterns, and of heads far apart, have th
   moveInstances(moving);
   // The place with few beams has tables of another size, so such a sensor is scanned shot by shot.
   const uint64_t most = apart ? 2 * shots.size() : 1;
-  for (const char* effect : {"returns", "transmission", "divergence"}) {
-    INFO(effect << (apart ? ", apart" : ""));
-    const TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
-    checkInWays(list, shots, options, effect == std::string("transmission"), most);
-    TestOptions everything = optionsOf(numberOf("object-motion"), numberOf(effect));
-    everything.effects.sensorMotion.use = EffectUse::on;
-    checkInWays(list, moving, everything, effect == std::string("divergence"), most);
-  }
+  const auto check = [&](const char* effect, bool moves, bool always) {
+    if (!always && !everyCombination()) return;
+    INFO(effect << (apart ? ", apart" : "") << (moves ? ", moving" : ""));
+    TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
+    if (moves) options.effects.objectMotion.use = EffectUse::on;
+    checkInWays(list, moves ? moving : shots, options, kNone, most);
+  };
+  check("returns", false, !apart);
+  check("returns", true, false);
+  check("transmission", false, false);
+  check("transmission", true, apart);
+  check("divergence", false, false);
+  check("divergence", true, !apart);
   TestOptions bare = optionsOf(0, 0);
   bare.effects = Effects::none();
   bare.fields.clear();
-  checkInWays(list, shots, bare, true, most);
+  checkInWays(list, shots, bare, apart ? kCards : kLists, most);
 }
 
 }  // namespace gnosphere::test
