@@ -457,8 +457,9 @@ std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const F
   for (const auto& [frame, group] : groups) {
     std::vector<Listed> beams = sortedBeams(sensor, frame, group->beams);
     std::vector<size_t> ends = rowEnds(beams);
-    const bool few = beams.size()<kFewBeams, scattered = group->lasers.distance> 0;
-    columns = std::max(columns, !few ? columnCount(beams, ends) : scattered ? kColumnsOfScattered : kColumnsOfFew);
+    uint32_t own = group->lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
+    if (beams.size() >= kFewBeams) own = columnCount(beams, ends);
+    columns = std::max(columns, own);
     rows = std::max(rows, ends.size());
     most = std::max(most, beams.size());
     sorted.push_back({std::move(beams), std::move(ends)});

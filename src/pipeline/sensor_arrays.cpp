@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -16,26 +15,6 @@ namespace gnosphere {
 namespace {
 
 using gpu::Array;
-
-// Returns the table and the shot of each view; shots are counted from that of the first view on.
-EffectsArray viewTables(std::span<const View> views) {
-  std::vector<std::array<uint32_t, 2>> content;
-  for (const View& view : views)
-    content.push_back({view.group->table, static_cast<uint32_t>(view.shot - views[0].shot)});
-  const auto bytes = std::as_bytes(std::span(content));
-  return {Array::viewTables, bytes.size(), {bytes.begin(), bytes.end()}};
-}
-
-// Returns the farthest-range table of each view before anything is hit.
-EffectsArray startFarthest(std::span<const BeamTables* const> views) {
-  EffectsArray array = {Array::startFarthest, 0, {}};
-  for (const BeamTables* tables : views) {
-    const auto bytes = std::as_bytes(std::span(tables->startFarthest));
-    array.content.insert(array.content.end(), bytes.begin(), bytes.end());
-  }
-  array.bytes = array.content.size();
-  return array;
-}
 
 // The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
@@ -54,7 +33,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
                            uint64_t triangles, bool deformed)
     : machine_(machine),
       plan_(plan),
-      patterns_(makePatterns()),
+      beamSets_(makeBeamSets(plan)),
+      most_(mostOf(beamSets_)),
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       leavesWords_(leavesWords(binning_, plan) && !(keepsRecords() && mostGroups() > 1)),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
@@ -74,9 +54,10 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
   mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
   prepareKernels();
-  for (TableSet& set : sets_)
-    for (const EffectsArray& array : arraysOf(set))
-      set.arrays[static_cast<size_t>(array.array)] =
+  setArrays_.resize(sets());
+  for (size_t set = 0; set < sets(); ++set)
+    for (const EffectsArray& array : arraysOf(plan_, beamSets_.sets[set]))
+      setArrays_[set][static_cast<size_t>(array.array)] =
           uploaded(machine_, array.array, std::span<const std::byte>(array.content));
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
@@ -100,11 +81,12 @@ void SensorArrays::prepareKernels() {
   for (const Motion motion : motions())
     for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
       if (still == StillImage::Use::make && (!keepsStill_ || motion == Motion::all)) continue;
-      for (const TableSet& set : sets_)
+      for (size_t set = 0; set < sets(); ++set)
         for (const bool last : {false, true}) {
           if (!last && mostGroups() == 1) continue;
-          const gpu::Frame frame = frameOf(set.tables[0], viewsOfScan(set));
-          for (const Step& step : steps(set.tables[0], frame, everything(), still, motion, last))
+          const BeamTables& tables = beamSets_.sets[set][0];
+          const gpu::Frame frame = frameOf(tables, viewsOfScan(set));
+          for (const Step& step : steps(tables, frame, everything(), still, motion, last))
             if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
         }
     }
@@ -120,7 +102,7 @@ std::vector<SensorArrays::Motion> SensorArrays::motions() const {
 
 size_t SensorArrays::mostGroups() const {
   size_t most = 0;
-  for (const Pattern& pattern : patterns_) most = std::max(most, pattern.groups.size());
+  for (const auto& groups : beamSets_.patterns) most = std::max(most, groups.size());
   return most;
 }
 
@@ -136,127 +118,35 @@ void SensorArrays::setDeformed(bool deformed) {
 }
 
 // Returns the most views that a shot has with tables of a set.
-uint32_t SensorArrays::viewsOfScan(const TableSet& set) const {
+uint32_t SensorArrays::viewsOfScan(size_t set) const {
   uint32_t most = 1;
-  for (const Pattern& pattern : patterns_) {
-    const auto ofSet = [&](const BeamGroup& group) { return &sets_[group.set] == &set; };
-    most = std::max(most, static_cast<uint32_t>(std::ranges::count_if(pattern.groups, ofSet)));
-  }
+  for (const auto& groups : beamSets_.patterns)
+    most = std::max(most, static_cast<uint32_t>(std::ranges::count(groups, set, &BeamGroup::set)));
   return std::min(most, mostViews_);
 }
 
 uint32_t SensorArrays::fewestGroups() const {
   size_t fewest = mostGroups();
-  for (const Pattern& pattern : patterns_) fewest = std::min(fewest, pattern.groups.size());
+  for (const auto& groups : beamSets_.patterns) fewest = std::min(fewest, groups.size());
   return static_cast<uint32_t>(fewest);
 }
 
 // Returns the most shots that so many views may belong to.
 uint32_t SensorArrays::shotsIn(uint32_t views) const {
-  return sets_.size() > 1 ? 1 : std::max(1u, views / fewestGroups());
+  return sets() > 1 ? 1 : std::max(1u, views / fewestGroups());
 }
 
-// Divides the beams into groups, and the groups into sets: those with about as many beams have tables of one size.
-std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
-  struct Member {
-    size_t pattern;
-    OriginGroup group;
-  };
-  std::vector<Pattern> patterns(std::max<size_t>(plan_.sensor.patterns.size(), 1));
-  std::map<size_t, std::vector<Member>> bySize;
-  for (size_t i = 0; i < patterns.size(); ++i)
-    for (OriginGroup& group : originGroups(plan_.sensor, i)) {
-      const size_t octave = std::bit_width(group.beams.size() + group.silent.size());
-      bySize[octave].push_back({i, std::move(group)});
-    }
-  for (const auto& [octave, members] : bySize) {
-    std::vector<FiredGroup> fired;
-    for (const Member& member : members) {
-      patterns[member.pattern].groups.push_back(
-          {member.group.lasers, static_cast<uint32_t>(sets_.size()), static_cast<uint32_t>(fired.size())});
-      fired.push_back({member.pattern, &member.group});
-    }
-    sets_.push_back({tablesOf(fired), {}});
-    include(sets_.back().tables[0].frame);
+SensorArrays::Sizes SensorArrays::mostOf(const BeamSets& beamSets) {
+  Sizes most;
+  for (const std::vector<BeamTables>& set : beamSets.sets) {
+    const gpu::Frame& frame = set[0].frame;
+    most.beams = std::max<uint64_t>(most.beams, frame.beams);
+    most.fine = std::max(most.fine, tableEntries(frame, gpu::kFineColumns, gpu::kFineRows));
+    most.coarse = std::max(most.coarse, tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows));
+    most.slabs = std::max<uint64_t>(most.slabs, slabsOf(frame));
+    most.rangeMax = std::max(most.rangeMax, frame.rangeMax);
   }
-  return patterns;
-}
-
-std::vector<BeamTables> SensorArrays::tablesOf(std::span<const FiredGroup> groups) const {
-  std::vector<BeamTables> all;
-  if (plan_.listed)
-    all = makeListedTables(plan_.sensor, groups, !plan_.motion());
-  else
-    all = {plan_.rows ? makeRowTables(plan_.sensor, *plan_.rows, *groups[0].group) : makeBeamTables(plan_.sensor)};
-  const bool apart = std::ranges::any_of(groups, [](const FiredGroup& of) { return of.group->lasers.distance > 0; });
-  for (BeamTables& tables : all) {
-    tables.apart = apart;
-    tables.frame.footprint = plan_.spread.angle;
-    tables.frame.spreadAcross = plan_.spread.across;
-    tables.frame.spreadUp = plan_.spread.up;
-    if (tables.listed || !plan_.motion()) continue;
-    for (const gpu::Row& row : tables.rows) {
-      const Vec3 &at = plan_.sensor.channels[row.channel].origin, &centre = groups[0].group->lasers.centre;
-      tables.rowOrigins.push_back(
-          {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z - centre.z), 0});
-    }
-  }
-  return all;
-}
-
-void SensorArrays::include(const gpu::Frame& frame) {
-  most_.beams = std::max<uint64_t>(most_.beams, frame.beams);
-  most_.fine = std::max(most_.fine, tableEntries(frame, gpu::kFineColumns, gpu::kFineRows));
-  most_.coarse = std::max(most_.coarse, tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows));
-  most_.slabs = std::max<uint64_t>(most_.slabs, slabsOf(frame));
-  most_.rangeMax = std::max(most_.rangeMax, frame.rangeMax);
-}
-
-// Returns the tables as arrays of a device, in which one table follows the other.
-std::vector<EffectsArray> SensorArrays::arraysOf(const TableSet& set) const {
-  std::vector<EffectsArray> arrays;
-  const BeamTables& first = set.tables[0];
-  const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
-    const auto bytes = std::as_bytes(std::span(content));
-    arrays.push_back({array, bytes.size(), {bytes.begin(), bytes.end()}});
-  };
-  const auto putAll = [&]<typename T>(Array array, std::vector<T> BeamTables::*member) {
-    std::vector<T> all;
-    for (const BeamTables& tables : set.tables) all.insert(all.end(), (tables.*member).begin(), (tables.*member).end());
-    put(array, all);
-  };
-  // The same for values of beams, of which a table may have fewer than others.
-  const auto putBeams = [&]<typename T>(Array array, std::vector<T> BeamTables::*member, const T& none = {}) {
-    std::vector<T> all;
-    for (const BeamTables& tables : set.tables) {
-      all.insert(all.end(), (tables.*member).begin(), (tables.*member).end());
-      if (tables.listed) all.resize((size_t{tables.frame.table} + 1) * tables.frame.beams, none);
-    }
-    put(array, all);
-  };
-  putAll(Array::rowLookup, &BeamTables::rowLookup);
-  put(Array::columns, first.columns);
-  put(Array::rows, first.rows);
-  if (!first.numbers.empty()) putBeams(Array::beamNumbers, &BeamTables::numbers, gpu::kNone);
-  if (!first.ranges.empty()) putBeams(Array::beamRanges, &BeamTables::ranges);
-  if (!first.startFarthest.empty() && set.tables.size() == 1) put(Array::startFarthest, first.startFarthest);
-  if (first.holes) {
-    std::vector<Word> words(first.numbers.size(), {gpu::kNone, gpu::kNone});
-    for (size_t i = 0; i < words.size(); ++i)
-      if (first.numbers[i] == gpu::kNone) words[i] = {0, 0};
-    put(Array::startWords, words);
-  }
-  if (!first.rowOrigins.empty()) put(Array::rowOrigins, first.rowOrigins);
-  if (!first.listed) return arrays;
-  putAll(Array::cellStarts, &BeamTables::cellStarts);
-  putBeams(Array::beamAngles, &BeamTables::angles);
-  if (!plan_.motion()) return arrays;
-  putBeams(Array::beamOrigins, &BeamTables::origins);
-  putAll(Array::sliceMasks, &BeamTables::sliceMasks);
-  if (!plan_.moves()) return arrays;
-  putBeams(Array::timedBeams, &BeamTables::timedBeams);
-  putAll(Array::timedStarts, &BeamTables::timedStarts);
-  return arrays;
+  return most;
 }
 
 // The outputs stay on the device, so all frames share them.
@@ -268,15 +158,14 @@ void SensorArrays::makeRecordArrays() {
   of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, records_.values);
   of(Array::recordPlaces) = uploaded<gpu::RecordPlace>(machine_, Array::recordPlaces, records_.places);
   of(Array::recordGaps) = uploaded<gpu::RecordPlace>(machine_, Array::recordGaps, records_.gaps);
-  for (size_t i = 0; i < patterns_.size(); ++i) {
-    const auto put = [&](Array array, const std::vector<gpu::vec4>& content) {
-      if (!content.empty())
-        patterns_[i].arrays[static_cast<size_t>(array)] = uploaded<gpu::vec4>(machine_, array, content);
+  patternArrays_.resize(beamSets_.patterns.size());
+  for (size_t i = 0; i < patternArrays_.size(); ++i) {
+    const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
+      if (!content.empty()) patternArrays_[i][static_cast<size_t>(array)] = uploaded<T>(machine_, array, content);
     };
-    const BeamGroup& group = patterns_[i].groups[0];
+    const BeamGroup& group = beamSets_.patterns[i][0];
     if ((records_.held & gpu::kFromWords) != 0)
-      patterns_[i].arrays[static_cast<size_t>(Array::beamPlaces)] =
-          uploaded<uint32_t>(machine_, Array::beamPlaces, beamPlaces(plan_, sets_[group.set].tables[group.table]));
+      put(Array::beamPlaces, beamPlaces(plan_, beamSets_.sets[group.set][group.table]));
     put(Array::beamFacts, beamFacts(plan_, i));
     put(Array::beamDirections, beamDirections(plan_, i));
   }
@@ -371,19 +260,20 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
                                         bool last, ShotMotions motions, const InstanceEntries& instances,
                                         const PlacedGroups& placed, StillImage::Use still, BoundArrays& arrays) {
   Frame& frame = frameAt(index);
-  const TableSet& set = sets_[views[0].group->set];
+  const uint32_t number = views[0].group->set;
+  const std::vector<BeamTables>& set = beamSets_.sets[number];
   const auto count = static_cast<uint32_t>(views.size());
   frame.capacities = capacities_;
   frame.views.assign(views.begin(), views.end());
   frame.tables.clear();
-  for (const View& view : views) frame.tables.push_back(&set.tables[view.group->table]);
+  for (const View& view : views) frame.tables.push_back(&set[view.group->table]);
   const BeamTables& tables = *frame.tables[0];
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
   if (count > 1) makeRoomForViews(frame, count);
   if (count > 1 && tables.listed) load(frame, {viewTables(views)});
-  if (set.tables.size() > 1 && !tables.startFarthest.empty()) load(frame, {startFarthest(frame.tables)});
+  if (set.size() > 1 && !tables.startFarthest.empty()) load(frame, {startFarthest(frame.tables)});
   gpu::Frame content = frameOf(tables, count);
   content.instanceCount = instances.count;
   content.projectedCapacity = capacities_.projected;
@@ -400,10 +290,14 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions, instances));
 
-  const Pattern& pattern = patterns_[shots[0].frame % patterns_.size()];
-  for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &set.arrays, &pattern.arrays})
-    for (size_t i = 0; i < own->size(); ++i)
-      if ((*own)[i]) arrays[i] = (*own)[i].get();
+  const auto bind = [&](const OwnArrays& own) {
+    for (size_t i = 0; i < own.size(); ++i)
+      if (own[i]) arrays[i] = own[i].get();
+  };
+  bind(arrays_);
+  bind(frame.arrays);
+  bind(setArrays_[number]);
+  if (keepsRecords()) bind(patternArrays_[shots[0].frame % patternArrays_.size()]);
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
   std::vector<Step> result = steps(tables, content, placed, still, moves, last);
   frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
@@ -436,7 +330,7 @@ void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, const
   content.streams = static_cast<uint32_t>(records_.streams.size());
   content.gaps = static_cast<uint32_t>(records_.gaps.size());
   content.classes = static_cast<uint32_t>(table.instances.size());
-  content.directions = patterns_[0].arrays[static_cast<size_t>(Array::beamDirections)] != nullptr;
+  content.directions = patternArrays_[0][static_cast<size_t>(Array::beamDirections)] != nullptr;
   content.frame = static_cast<uint32_t>(number);
   content.group = static_cast<uint32_t>(group);
   const auto arrayOf = [](Array array, const auto& values) {
@@ -512,17 +406,16 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
-  for (const TableSet& set : sets_)
-    for (const auto& memory : set.arrays) use.sensor += memory ? memory->bytes() : 0;
-  for (const Pattern& pattern : patterns_)
-    for (const auto& memory : pattern.arrays) use.sensor += memory ? memory->bytes() : 0;
+  for (const auto* all : {&setArrays_, &patternArrays_})
+    for (const OwnArrays& own : *all)
+      for (const auto& memory : own) use.sensor += memory ? memory->bytes() : 0;
   for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
   for (const Frame& frame : frames_)
     for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
 }
 
 Plan SensorArrays::planOf(size_t shots) {
-  const uint32_t ofScan = viewsOfScan(sets_[0]);
+  const uint32_t ofScan = viewsOfScan(0);
   const auto views = static_cast<uint32_t>(std::clamp<size_t>(shots, 1, mostViews_ / ofScan) * ofScan);
   Frame& frame = frameAt(0);
   if (views > 1) {
@@ -538,13 +431,13 @@ Plan SensorArrays::planOf(size_t shots) {
 
 // Returns the steps of a submission of views in which everything moves that may move.
 std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
-  const BeamTables& tables = sets_[0].tables[0];
+  const BeamTables& tables = beamSets_.sets[0][0];
   return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), true);
 }
 
 Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   Plan plan;
-  plan.views = views / viewsOfScan(sets_[0]);
+  plan.views = views / viewsOfScan(0);
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
@@ -553,9 +446,14 @@ Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   plan.stages =
       stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
-  for (const auto* own : {&sets_[0].arrays, &patterns_[0].arrays, &arrays_, &frame.arrays})
-    for (size_t i = 0; i < own->size(); ++i)
-      if (const auto& memory = (*own)[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
+  const auto add = [&](const OwnArrays& own) {
+    for (size_t i = 0; i < own.size(); ++i)
+      if (own[i]) plan.buffers.push_back({gpu::kArrayNames[i], own[i]->bytes()});
+  };
+  add(setArrays_[0]);
+  if (keepsRecords()) add(patternArrays_[0]);
+  add(arrays_);
+  add(frame.arrays);
   return plan;
 }
 

@@ -2,14 +2,11 @@
 // The device side of a sensor: its tables, the arrays of its scans, and the steps of a scan.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "effects/arrays.hpp"
-#include "pipeline/beam_cells.hpp"
-#include "pipeline/beam_tables.hpp"
+#include "pipeline/beam_sets.hpp"
 #include "pipeline/machine.hpp"
-#include "pipeline/origin_groups.hpp"
 #include "pipeline/outputs.hpp"
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
@@ -17,18 +14,6 @@
 #include "scan/class_table.hpp"
 
 namespace gnosphere {
-
-/// Beams that are projected together, and the table that has them.
-struct BeamGroup {
-  OriginBounds lasers;
-  uint32_t set, table;  ///< the number of the set of tables, and of the table in it
-};
-
-/// A view of a submission: a group of the beams of a shot.
-struct View {
-  size_t shot;
-  const BeamGroup* group;
-};
 
 class SensorArrays {
  public:
@@ -60,11 +45,13 @@ class SensorArrays {
   void makeRoomForViews(uint32_t views);
 
   /// The groups of beams that scan number `frame` fires, set by set. The views of a submission are of one set.
-  std::span<const BeamGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
+  std::span<const BeamGroup> groups(uint64_t frame) const {
+    return beamSets_.patterns[frame % beamSets_.patterns.size()];
+  }
   /// The largest number of groups that any scan fires.
   size_t mostGroups() const;
   /// Number of sets of tables.
-  size_t sets() const { return sets_.size(); }
+  size_t sets() const { return beamSets_.sets.size(); }
   /// Returns the steps of a submission as frame in flight `frame`, which must not be running, and binds the arrays of
   /// the sensor and of the frame. `shots` has the shot of each view; `last` tells whether these are the last views of
   /// their shots.
@@ -96,33 +83,21 @@ class SensorArrays {
   void setShellHint(float distance) { shellHint_ = distance; }
   void addTo(MemoryUse& use) const;
   /// Returns the plan of a scan with its decisions, stages and buffers.
-  Plan plan() const { return planWith(frames_[0], viewsOfScan(sets_[0])); }
+  Plan plan() const { return planWith(frames_[0], viewsOfScan(0)); }
   /// Makes room for a submission of so many shots, or as many as it may have, compiles its kernels and returns its
   /// plan.
   Plan planOf(size_t shots);
 
  private:
+  using OwnArrays = std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount>;
+
   /// The arrays that each frame in flight has of its own; all frames share the work arrays.
   struct Frame {
-    std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
+    OwnArrays arrays;
     Capacities capacities;                  // of the lists when the scan was prepared
     bool signsOfLife = false;               // whether kernels run that leave one
     std::vector<View> views;                // of the scan
     std::vector<const BeamTables*> tables;  // of each view
-  };
-
-  /// The beams that a scan fires, and the arrays that records read of them. Only a list has several patterns, one per
-  /// frame number.
-  struct Pattern {
-    std::vector<BeamGroup> groups;
-    std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
-  };
-
-  /// Tables of beams that have the same rows, columns and number of beams, and their arrays, in which one table follows
-  /// the other.
-  struct TableSet {
-    std::vector<BeamTables> tables;
-    std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
   /// Motion that the kernels of a scan must know.
@@ -136,17 +111,14 @@ class SensorArrays {
 
   void prepareKernels();
   std::vector<Motion> motions() const;
-  std::vector<Pattern> makePatterns();
-  std::vector<BeamTables> tablesOf(std::span<const FiredGroup> groups) const;
-  std::vector<EffectsArray> arraysOf(const TableSet& set) const;
-  uint32_t viewsOfScan(const TableSet& set) const;
+  static Sizes mostOf(const BeamSets& beamSets);
+  uint32_t viewsOfScan(size_t set) const;
   uint32_t fewestGroups() const;
   uint32_t shotsIn(uint32_t views) const;
   uint64_t entriesOf(uint32_t views) const;
   void makeRecordArrays();
   Frame& frameAt(size_t index);
   uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
-  void include(const gpu::Frame& frame);
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
                           StillImage::Use still, Motion motion, bool last) const;
   uint32_t findMostViews(uint64_t room) const;
@@ -176,9 +148,8 @@ class SensorArrays {
 
   Machine& machine_;
   const SensorPlan& plan_;
+  BeamSets beamSets_;
   Sizes most_;
-  std::vector<TableSet> sets_;
-  std::vector<Pattern> patterns_;
   uint32_t binning_;
   bool leavesWords_, exact_, keepsStill_, float64_, deformed_;
   Options options_;
@@ -193,8 +164,9 @@ class SensorArrays {
   Capacities capacities_;
   // Projected triangles and candidates for which a scan of one view has room at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
-  std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
-  std::vector<Frame> frames_;  // each one after the first is made at its first use
+  OwnArrays arrays_;
+  std::vector<OwnArrays> setArrays_, patternArrays_;  // tables of each set; what records read of each pattern's beams
+  std::vector<Frame> frames_;                         // each one after the first is made at its first use
 };
 
 }  // namespace gnosphere

@@ -78,7 +78,7 @@ uint32_t SensorArrays::findMostViews(uint64_t room) const {
     mostOfView = std::max(mostOfView, array.bytes / together);
   }
   if (plan_.footprint()) ofView += listBytes(mostOfFootprints(beams()));
-  const BeamTables& tables = sets_[0].tables[0];
+  const BeamTables& tables = beamSets_.sets[0][0];
   const uint32_t groupRows = tables.listed ? 1 : std::max(tables.frame.rows, 1u);
   const std::initializer_list<uint64_t> most = {
       gnosphere::mostViews(machine_.traits(), beams()), machine_.traits().info.maxBufferBytes / mostOfView,
@@ -104,14 +104,14 @@ void SensorArrays::growArrays(uint32_t views) {
 
 // Makes an array of each set of tables, with which each scan begins, one that all views begin with.
 void SensorArrays::repeat(Array array, uint32_t views) {
-  for (TableSet& set : sets_)
-    for (const EffectsArray& once : arraysOf(set)) {
+  for (size_t set = 0; set < sets(); ++set)
+    for (const EffectsArray& once : arraysOf(plan_, beamSets_.sets[set])) {
       if (once.array != array) continue;
       std::vector<std::byte> content;
       content.reserve(once.content.size() * views);
       for (uint32_t view = 0; view < views; ++view)
         content.insert(content.end(), once.content.begin(), once.content.end());
-      std::unique_ptr<DeviceMemory>& memory = set.arrays[static_cast<size_t>(array)];
+      std::unique_ptr<DeviceMemory>& memory = setArrays_[set][static_cast<size_t>(array)];
       memory.reset();
       memory = uploaded(machine_, array, std::span<const std::byte>(content));
     }
