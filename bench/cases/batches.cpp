@@ -115,8 +115,9 @@ class BatchMeasurement {
     town();
     townWithEffects();
     const size_t most = session_.options().frames;
-    worlds(heightScan(), most);
-    worlds(headOf(300, 30), (most + 3) / 4);
+    worlds(heightScan(), most, false);
+    worlds(headOf(300, 30), (most + 3) / 4, false);
+    worlds(headOf(300, 30), (most + 3) / 4, true);
   }
 
   Report report() const {
@@ -164,7 +165,8 @@ class BatchMeasurement {
     }
   }
 
-  /// The same head with noise and intensities, and a real head with its own effects, which stands and then moves.
+  /// The same head with noise and intensities, a head whose beams change from scan to scan, and a real head with its
+  /// own effects, which stands and then moves.
   void townWithEffects() {
     const Scene scene = doubleSidedTown();
     const size_t views = std::min<size_t>(session_.options().frames, 1024);
@@ -175,12 +177,14 @@ class BatchMeasurement {
     noise.rangeNoise.sigma = 0.02;
     Sensor real = builtinSensor("Puck");
     real.columns = 360;
-    const std::tuple<const char*, Sensor, Effects> cases[] = {{"town, noise and intensity", headOf(360, 100), noise},
-                                                              {"town, Puck of 360 columns, default", real, Effects()}};
+    const std::tuple<const char*, Sensor, Effects> cases[] = {
+        {"town, noise and intensity", headOf(360, 100), noise},
+        {"town, Mid-40", builtinSensor("Mid-40"), Effects::none()},
+        {"town, Puck of 360 columns, default", real, Effects()}};
     for (const auto& [what, sensor, effects] : cases) {
       Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
       measureTown(what, ours, sensor, shots, nullptr);
-      if (sensor.rotationPeriod == 0) continue;
+      if (sensor.name != real.name) continue;
       std::vector<Shot> moving = shots;
       for (Shot& shot : moving) shot.motion = drivenFrom(shot.pose, sensor.rotationPeriod);
       measureTown(formatted("%s, moving", what), ours, sensor, moving, nullptr);
@@ -198,6 +202,7 @@ class BatchMeasurement {
     std::vector<Shot> shots(views);
     for (Shot& shot : shots) {
       const double yaw = turn(random);
+      shot.frame = static_cast<uint64_t>(&shot - shots.data());
       shot.pose = {{along(random), across(random), 1.8}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
     }
     return shots;
@@ -211,7 +216,9 @@ class BatchMeasurement {
   }
 
   /// Each world has its own boxes on a common ground. Embree sees the worlds side by side, out of reach of each other.
-  void worlds(const Sensor& sensor, size_t count) {
+  /// If the boxes move `during` the scans, each beam meets them where they are when it fires, and Embree is left out.
+  void worlds(Sensor sensor, size_t count, bool during) {
+    if (during) sensor.rotationPeriod = 0.1;
     std::mt19937 random(1);
     std::uniform_real_distribution<double> anywhere(-8, 8), near(-1, 1), walk(-0.1, 0.1);
     Scene scene, apart;
@@ -244,16 +251,22 @@ class BatchMeasurement {
       const Vec3& at = shots[world].pose.position;
       shotsApart[world].pose.position = {middle.x + at.x, middle.y + at.y, at.z};
     }
-    Simulator ours(scene, {sensor, Effects::none()}, session_.simulatorOptions());
+    Effects effects = Effects::none();
+    if (during) effects.objectMotion.use = EffectUse::on;
+    Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
     const std::vector<uint32_t> numbers = ours.addInstances(boxes);
-    const std::unique_ptr<EmbreeRival> embree = embreeFor(apart, EmbreeWay::placed);
-    BatchRow row = {
-        formatted("%zu worlds, %s", count, sensor.name.c_str()), count, sensor.beamCount(), {}, {}, {}, {}, {}};
+    const std::unique_ptr<EmbreeRival> embree = during ? nullptr : embreeFor(apart, EmbreeWay::placed);
+    const std::string what = formatted("%zu worlds, %s%s", count, sensor.name.c_str(), during ? ", moving" : "");
+    BatchRow row = {what, count, sensor.beamCount(), {}, {}, {}, {}, {}};
     for (uint32_t run = 0; run <= session_.options().runs; ++run) {
       for (size_t i = 0; i < moved.size(); ++i) {
         for (size_t axis = 0; axis < 2; ++axis) places[7 * i + axis] += walk(random);
         const Vec3& middle = middles[i / kBoxes];
         moved[i].transform = movedBy(middle.x + places[7 * i], middle.y + places[7 * i + 1], 0.3);
+        if (!during) continue;
+        std::vector<InstanceMotion>& motions = shots[i / kBoxes].instanceMotions;
+        if (i % kBoxes == 0) motions.clear();
+        motions.push_back({numbers[i], movedBy(places[7 * i] + walk(random), places[7 * i + 1] + walk(random), 0.3)});
       }
       const double start = cli::nowMs();
       ours.setTransforms(numbers, std::span<const double>(places));

@@ -5,8 +5,10 @@
 #include <array>
 #include <bit>
 #include <map>
+#include <string>
 #include <utility>
 
+#include "base/limits.hpp"
 #include "pipeline/beam_cells.hpp"
 #include "pipeline/resolve_words.hpp"
 
@@ -68,6 +70,10 @@ std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamT
   std::vector<EffectsArray> arrays;
   const BeamTables& first = set[0];
   const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
+    if (content.size() > limits::kEntries.most)
+      throw Error(ErrorCode::outOfMemory, "the beams of sensor '" + plan.sensor.name +
+                                              "' start from too many places: '" + gpu::nameOf(array) +
+                                              "' has more entries than kernels can address");
     const auto bytes = std::as_bytes(std::span(content));
     arrays.push_back({array, bytes.size(), {bytes.begin(), bytes.end()}});
   };

@@ -34,7 +34,8 @@ struct BeamSets {
 
 BeamSets makeBeamSets(const SensorPlan& plan);
 
-/// Returns a set of tables as arrays of a device, in which one table follows the other.
+/// Returns a set of tables as arrays of a device, in which one table follows the other. Throws Error(outOfMemory) if an
+/// array has more entries than kernels can address.
 std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamTables> set);
 
 /// Returns the table and the shot of each view; shots are counted from that of the first view on.
