@@ -7,12 +7,12 @@
 
 // clang-format off
 
-// Arrays that describe a sensor. A list may have several tables of its beams, of one size, which follow each other in the
-// arrays: tables of beams that start far apart, or that different scans fire.
+// Arrays that describe a sensor. A list may have several tables of its beams, of one size, which follow each other in
+// the arrays: tables of beams that start far apart, or that different scans fire.
 #define GNO_SENSOR_ARRAYS(BLOCK, ARRAY) \
   BLOCK(readonly, Frame, frame) \
   ARRAY(readonly, Row, rows) \
-  ARRAY(readonly, uvec2, viewTables)  /* of a list, per view: the table of its beams, and the shot to which they belong */ \
+  ARRAY(readonly, uvec2, viewTables)  /* of a list, per view: the table of its beams, and the number of its shot */ \
   ARRAY(readonly, uint, rowLookup) /* per cell of elevation keys: first row from it up | first row above it << 16 */ \
   ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth of each place; then those of rows that look elsewhere */ \
   ARRAY(readonly, uint, cellStarts)   /* of a list, per cell (row * columns + column) and at the end: its first beam */ \

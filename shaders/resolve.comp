@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel of the stage resolve. One row of workgroups per channel of each view: writes point, range and owner of every beam's
-// nearest hit. Without lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and
-// skips those that are farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it
-// also becomes the beam's word, and the beams that meet a pane before it are listed. If stage effects computes the
-// results, only the words are written.
+// The kernel of the stage resolve. One row of workgroups per channel of each view: writes point, range and owner of
+// every beam's nearest hit. Without lists it unpacks the beam's word; with lists it tries the beam's candidates,
+// nearest first, and skips candidates that are farther than the best hit. If there are panes, the hit is the nearest
+// opaque one; with lists it also becomes the beam's word, and the beams that meet a pane before it are listed. If stage
+// effects computes the results, only the words are written.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
