@@ -9,20 +9,19 @@
 #include "common/shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "views.glsl"
 
 layout(local_size_x = 64) in;
 
 #include "workgroup_sums.glsl"
 
-// Of all views, whose lists follow each other.
-uint beamCount() { return VIEWS ? frame.views * frame.beams : frame.beams; }
-uint blockCount() { return (beamCount() + kPrefixBlock - 1) / kPrefixBlock; }
+uint blockCount() { return (beamsOfViews() + kPrefixBlock - 1) / kPrefixBlock; }
 
 uint countsOfLane(uint block) {
   uint sum = 0;
   for (uint k = 0; k < kPerLane; ++k) {
     uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-    if (beam < beamCount()) sum = plus(sum, listEnds.at[beam]);
+    if (beam < beamsOfViews()) sum = plus(sum, listEnds.at[beam]);
   }
   return sum;
 }
@@ -57,7 +56,7 @@ void applyBlocks() {
     uint start = blockSums.at[block] + sumBefore(countsOfLane(block), total);
     for (uint k = 0; k < kPerLane; ++k) {
       uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-      if (beam >= beamCount()) break;
+      if (beam >= beamsOfViews()) break;
       uint count = listEnds.at[beam];
       listEnds.at[beam] = start;
       start += count;

@@ -9,12 +9,6 @@
 namespace gnosphere {
 namespace {
 
-template <typename T>
-EffectsArray table(gpu::Array array, const std::vector<T>& content) {
-  const auto bytes = std::as_bytes(std::span(content));
-  return {array, bytes.size(), {bytes.begin(), bytes.end()}};
-}
-
 // A module may have more entries than the footprint has sub-rays; the surplus entries get weight 0.
 std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   std::vector<gpu::vec4> lines;
@@ -69,13 +63,13 @@ std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams) {
 
 std::vector<EffectsArray> lastingTables(const SensorPlan& plan) {
   std::vector<EffectsArray> arrays;
-  if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
-  if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
+  if (plan.footprint()) arrays.push_back(arrayOf(gpu::Array::subRays, subRayLines(plan)));
+  if (plan.looksAtOptics()) arrays.push_back(arrayOf(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
-    arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
-    arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
+    arrays.push_back(arrayOf(gpu::Array::alphaImages, plan.textures->images));
+    arrays.push_back(arrayOf(gpu::Array::texels, plan.textures->texels));
   }
-  if (!plan.deadBeams.empty()) arrays.push_back(table(gpu::Array::deadBeams, plan.deadBeams));
+  if (!plan.deadBeams.empty()) arrays.push_back(arrayOf(gpu::Array::deadBeams, plan.deadBeams));
   return arrays;
 }
 
@@ -102,14 +96,14 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Sho
       parameters.frame = static_cast<uint32_t>(shot.frame);
       all.push_back(parameters);
     }
-    arrays.push_back(table(gpu::Array::parameters, all));
+    arrays.push_back(arrayOf(gpu::Array::parameters, all));
   }
   if (plan.has(gpu::kVolumes)) {
     std::vector<gpu::VolumeBox> all;
     for (size_t i = 0; i < shots.size(); ++i)
       for (const gpu::VolumeBox& box : volumeBoxes(effectsOf(plan, shots[i]), seenFrom(shots, i, motions)))
         all.push_back(box);
-    arrays.push_back(table(gpu::Array::volumes, all));
+    arrays.push_back(arrayOf(gpu::Array::volumes, all));
   }
   if (motions.empty()) return arrays;
   const std::vector<gpu::InstanceMotion> instances = motionsOf(motions, entries);
@@ -120,12 +114,12 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Sho
     bounds.push_back(motion.tables.bounds);
     bounds.back().instances = !instances.empty();  // the same for all views, since a subgroup may work on several
   }
-  arrays.push_back(table(gpu::Array::columnMotions, columns));
-  arrays.push_back(table(gpu::Array::motion, bounds));
-  arrays.push_back(table(gpu::Array::instanceMotions, instances));
+  arrays.push_back(arrayOf(gpu::Array::columnMotions, columns));
+  arrays.push_back(arrayOf(gpu::Array::motion, bounds));
+  arrays.push_back(arrayOf(gpu::Array::instanceMotions, instances));
   const ShotMotion& first = motions[0];  // meshes are not deformed during several shots
-  if (!first.end.jointRows.empty()) arrays.push_back(table(gpu::Array::endJointRows, first.end.jointRows));
-  if (!first.end.morphWeights.empty()) arrays.push_back(table(gpu::Array::endMorphWeights, first.end.morphWeights));
+  if (!first.end.jointRows.empty()) arrays.push_back(arrayOf(gpu::Array::endJointRows, first.end.jointRows));
+  if (!first.end.morphWeights.empty()) arrays.push_back(arrayOf(gpu::Array::endMorphWeights, first.end.morphWeights));
   return arrays;
 }
 

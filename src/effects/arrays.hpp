@@ -26,6 +26,13 @@ std::vector<EffectsArray> lastingTables(const SensorPlan& plan);
 std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
+/// Returns a range of values as the content of an array.
+template <typename Values>
+EffectsArray arrayOf(gpu::Array array, const Values& values) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return {array, bytes.size(), {bytes.begin(), bytes.end()}};
+}
+
 /// The entries of a scan's instances: one for each instance or, of several views, those that the views place.
 struct InstanceEntries {
   uint32_t count = 0;

@@ -433,36 +433,42 @@ BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const Origin
 }
 
 std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const FiredGroup> groups, bool mayMap) {
+  struct Sorted {
+    std::vector<Listed> beams;
+    std::vector<size_t> ends;
+  };
+  const auto sortedOf = [&](uint64_t frame, const std::vector<uint32_t>& numbers) {
+    std::vector<Listed> beams = sortedBeams(sensor, frame, numbers);
+    std::vector<size_t> ends = rowEnds(beams);
+    return Sorted{std::move(beams), std::move(ends)};
+  };
   std::vector<BeamTables> all(1);
+  std::vector<Sorted> sorted;
   if (mayMap && groups.size() == 1) {
     const auto& [frame, group] = groups[0];
     std::vector<uint32_t> numbers = group->beams;
     // Masked beams have places, too, for their numbers.
     numbers.insert(numbers.end(), group->silent.begin(), group->silent.end());
-    const std::vector<Listed> beams = sortedBeams(sensor, frame, numbers);
-    const std::vector<size_t> ends = rowEnds(beams);
+    Sorted one = sortedOf(frame, numbers);
+    const auto& [beams, ends] = one;
     if (!beams.empty() && placeOnGrid(sensor, frame, beams, ends, columnCount(beams, ends), all[0])) {
       all[0].masked = static_cast<uint32_t>(group->silent.size());
       setRanges(sensor, all);
       return all;
     }
+    if (group->silent.empty()) sorted.push_back(std::move(one));
   }
-  struct Sorted {
-    std::vector<Listed> beams;
-    std::vector<size_t> ends;
-  };
-  std::vector<Sorted> sorted;
   size_t rows = 0, most = 0;
   uint32_t columns = 0;
-  for (const auto& [frame, group] : groups) {
-    std::vector<Listed> beams = sortedBeams(sensor, frame, group->beams);
-    std::vector<size_t> ends = rowEnds(beams);
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const auto& [frame, group] = groups[i];
+    if (sorted.size() == i) sorted.push_back(sortedOf(frame, group->beams));
+    const auto& [beams, ends] = sorted[i];
     uint32_t own = group->lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
     if (beams.size() >= kFewBeams) own = columnCount(beams, ends);
     columns = std::max(columns, own);
     rows = std::max(rows, ends.size());
     most = std::max(most, beams.size());
-    sorted.push_back({std::move(beams), std::move(ends)});
   }
   columns = std::min(columns, mostColumns(most, rows));
   all.clear();

@@ -14,7 +14,7 @@ namespace gnosphere {
 /// Computes the tables of a spinning head whose beams lie in places of a grid.
 BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const OriginGroup& group);
 
-/// A group of the beams that scan number `frame` fires.
+/// FiredGroup names a group of beams, and the number of a scan that fires them, which tells the pattern of the list.
 struct FiredGroup {
   uint64_t frame;
   const OriginGroup* group;

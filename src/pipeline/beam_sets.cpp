@@ -74,8 +74,7 @@ std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamT
       throw Error(ErrorCode::outOfMemory, "the beams of sensor '" + plan.sensor.name +
                                               "' start from too many places: '" + gpu::nameOf(array) +
                                               "' has more entries than kernels can address");
-    const auto bytes = std::as_bytes(std::span(content));
-    arrays.push_back({array, bytes.size(), {bytes.begin(), bytes.end()}});
+    arrays.push_back(arrayOf(array, content));
   };
   const auto putAll = [&]<typename T>(Array array, std::vector<T> BeamTables::*member) {
     std::vector<T> all;
@@ -120,18 +119,14 @@ EffectsArray viewTables(std::span<const View> views) {
   std::vector<std::array<uint32_t, 2>> content;
   for (const View& view : views)
     content.push_back({view.group->table, static_cast<uint32_t>(view.shot - views[0].shot)});
-  const auto bytes = std::as_bytes(std::span(content));
-  return {Array::viewTables, bytes.size(), {bytes.begin(), bytes.end()}};
+  return arrayOf(Array::viewTables, content);
 }
 
 EffectsArray startFarthest(std::span<const BeamTables* const> views) {
-  EffectsArray array = {Array::startFarthest, 0, {}};
-  for (const BeamTables* tables : views) {
-    const auto bytes = std::as_bytes(std::span(tables->startFarthest));
-    array.content.insert(array.content.end(), bytes.begin(), bytes.end());
-  }
-  array.bytes = array.content.size();
-  return array;
+  std::vector<uint32_t> content;
+  for (const BeamTables* tables : views)
+    content.insert(content.end(), tables->startFarthest.begin(), tables->startFarthest.end());
+  return arrayOf(Array::startFarthest, content);
 }
 
 }  // namespace gnosphere

@@ -28,7 +28,7 @@ struct BeamSets {
   /// Sets of tables with the same rows, columns and number of beams. Groups of about as many beams, within a factor of
   /// two, are in one set, so that no table is much larger than its beams need.
   std::vector<std::vector<BeamTables>> sets;
-  /// The groups of beams that scans fire, set by set. Only a list has several patterns, one per frame number.
+  /// Each pattern has groups of beams, set by set. Only a list has several patterns, which its scans fire in turn.
   std::vector<std::vector<BeamGroup>> patterns;
 };
 

@@ -131,7 +131,7 @@ uint32_t SensorArrays::fewestGroups() const {
   return static_cast<uint32_t>(fewest);
 }
 
-// Returns the most shots that so many views may belong to.
+// Returns to how many shots this number of views belongs at most.
 uint32_t SensorArrays::shotsIn(uint32_t views) const {
   return sets() > 1 ? 1 : std::max(1u, views / fewestGroups());
 }
@@ -286,8 +286,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   content.shellHint = shellHint_;
   content.shellCount = shells_;
-  const auto bytes = std::as_bytes(std::span(&content, 1));
-  load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
+  load(frame, {arrayOf(Array::frame, std::array{content})});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions, instances));
 
   const auto bind = [&](const OwnArrays& own) {
@@ -333,10 +332,6 @@ void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, const
   content.directions = patternArrays_[0][static_cast<size_t>(Array::beamDirections)] != nullptr;
   content.frame = static_cast<uint32_t>(number);
   content.group = static_cast<uint32_t>(group);
-  const auto arrayOf = [](Array array, const auto& values) {
-    const auto raw = std::as_bytes(std::span(values));
-    return EffectsArray{array, raw.size(), {raw.begin(), raw.end()}};
-  };
   load(frameAt(index), {arrayOf(Array::recordPlan, std::array{content}),
                         arrayOf(Array::instanceClasses, table.instances), arrayOf(Array::classRuns, table.runs)});
 }
@@ -429,7 +424,7 @@ Plan SensorArrays::planOf(size_t shots) {
   return planWith(frame, views);
 }
 
-// Returns the steps of a submission of views in which everything moves that may move.
+// Returns the steps of a submission in which the sensor and the instances move, as far as the plan simulates that.
 std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
   const BeamTables& tables = beamSets_.sets[0][0];
   return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), true);

@@ -162,7 +162,7 @@ class SensorArrays {
   RecordTables records_;  // of the layout; empty if the host reads the results
   uint64_t mostWork_;     // of a submission; 0: scans are not divided
   Capacities capacities_;
-  // Projected triangles and candidates for which a scan of one view has room at first.
+  // A scan of one view has room for so many projected triangles and candidates at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   OwnArrays arrays_;
   std::vector<OwnArrays> setArrays_, patternArrays_;  // tables of each set; what records read of each pattern's beams

@@ -104,17 +104,19 @@ void SensorArrays::growArrays(uint32_t views) {
 
 // Makes an array of each set of tables, with which each scan begins, one that all views begin with.
 void SensorArrays::repeat(Array array, uint32_t views) {
-  for (size_t set = 0; set < sets(); ++set)
+  for (size_t set = 0; set < sets(); ++set) {
+    std::unique_ptr<DeviceMemory>& memory = setArrays_[set][static_cast<size_t>(array)];
+    if (!memory) continue;
     for (const EffectsArray& once : arraysOf(plan_, beamSets_.sets[set])) {
       if (once.array != array) continue;
       std::vector<std::byte> content;
       content.reserve(once.content.size() * views);
       for (uint32_t view = 0; view < views; ++view)
         content.insert(content.end(), once.content.begin(), once.content.end());
-      std::unique_ptr<DeviceMemory>& memory = setArrays_[set][static_cast<size_t>(array)];
       memory.reset();
       memory = uploaded(machine_, array, std::span<const std::byte>(content));
     }
+  }
 }
 
 void SensorArrays::makeRoomForViews(uint32_t views) {

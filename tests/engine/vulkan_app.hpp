@@ -326,7 +326,7 @@ class VulkanApp {
 };
 
 /// The application of a test that needs no device of its own. The tests of a program have one device, on which their
-/// simulators find the kernels of those before.
+/// simulators find the kernels that simulators of earlier tests have compiled.
 class CommonApp {
  public:
   CommonApp() : app(common()) {}
