@@ -61,6 +61,7 @@
   ARRAY(readonly, Instance, instances) \
   ARRAY(readonly, uint, instanceMeshes) \
   ARRAY(readonly, uint, instanceViews)       /* per instance, if a submission has several views: its view */ \
+  ARRAY(readonly, uint, instanceNumbers)     /* the same, if results stay on the device: its number in the scene */ \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \
   ARRAY(readonly, uvec2, ownerRanges)        /* per block of placed triangles: first and last instance in it; if a */ \
                                              /* submission has several views, two runs of instances per view: first */ \
@@ -143,21 +144,20 @@
 
 // Results that stay on the device, in the layout of the caller.
 #define GNO_RECORD_ARRAYS(BLOCK, ARRAY) \
-  BLOCK(readonly, RecordPlan, recordPlan) \
+  ARRAY(readonly, RecordPlan, recordPlans)        /* per shot */ \
+  ARRAY(readonly, RecordBuffers, recordBuffers)   /* per shot: the caller's buffers */ \
   ARRAY(readonly, RecordStream, recordStreams) \
   ARRAY(readonly, RecordValue, recordValues) \
   ARRAY(readonly, RecordPlace, recordPlaces)  /* per value, if all are whole words */ \
   ARRAY(readonly, RecordPlace, recordGaps)    /* words of a record without a value */ \
-  ARRAY(readonly, uint, beamPlaces)        /* per beam, by number: its index; kNone: it never fires */ \
-  ARRAY(readonly, vec4, beamFacts)         /* per beam: time, azimuth, elevation, bits of its ring */ \
-  ARRAY(readonly, vec4, beamDirections)    /* per beam: unit vector in the sensor's frame, 0 */ \
+  ARRAY(readonly, uint, beamPlaces)        /* per pattern and beam, by number: its index; kNone: it never fires */ \
+  ARRAY(readonly, vec4, beamFacts)         /* per pattern and beam: time, azimuth, elevation, bits of its ring */ \
+  ARRAY(readonly, vec4, beamDirections)    /* per pattern and beam: unit vector in the sensor's frame, 0 */ \
   ARRAY(readonly, InstanceClass, instanceClasses) \
   ARRAY(readonly, ClassRun, classRuns)     /* mesh by mesh, in the order of the triangles */ \
-  ARRAY(, uint, recordBlocks)              /* per block of entries: returns in it, then returns before it */ \
-  ARRAY(, uint, recordEntries)             /* entries with a return */ \
-  ARRAY(, uint, rangeCounts)               /* per bucket of distance: returns of a sample of the entries */ \
-  ARRAY(, uint, records)                   /* the caller's buffer */ \
-  ARRAY(, uint, recordHeader)              /* the caller's RecordHeader */
+  ARRAY(, uint, recordBlocks)              /* per shot and block of its entries: returns in it, then returns before it */ \
+  ARRAY(, uint, recordEntries)             /* per shot: its entries with a return */ \
+  ARRAY(, uint, rangeCounts)               /* per bucket of distance: returns of a sample of the first shot's entries */
 
 #define GNO_ARRAYS(BLOCK, ARRAY) \
   GNO_SENSOR_ARRAYS(BLOCK, ARRAY) \

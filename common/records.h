@@ -70,7 +70,7 @@ struct ClassRun {
   uint firstTriangle, classId;
 };
 
-// How the results that stay on the device are written.
+// How the results of a shot that stay on the device are written.
 struct RecordPlan {
   uint entries;     // returns of all beams, with those that are missing
   uint capacity;    // most records that the caller's buffer holds
@@ -80,7 +80,8 @@ struct RecordPlan {
   uint classes;     // entries of instanceClasses
   uint directions;  // 1 if points do not tell the directions of beams, which beamDirections then has
   uint frame;       // number of the scan
-  uint group;       // number of the group of beams
+  uint continues;   // 1 if an earlier submission has projected other beams of the shot
+  uint firstBeam;   // entry of the first beam in beamPlaces, beamFacts and beamDirections
 };
 
 // Values that lie side by side in memory: all of a record, or a column. All places are in bytes.

@@ -14,9 +14,13 @@ using glm::vec3;
 struct alignas(16) vec4 {
   float x, y, z, w;
 };
-/// Memory of the caller by its address. Only Vulkan's bindings have it in GLSL.
+/// Memory of the caller by its address. Only Vulkan's bindings have these structs in GLSL.
 struct CallerBuffer {
   uint64_t memory;
+};
+/// The caller's memory for the records of a shot, and for their RecordHeader.
+struct RecordBuffers {
+  uint64_t records, header;
 };
 }  // namespace gnosphere::gpu
 #define GNO_CONST inline constexpr

@@ -155,14 +155,15 @@ typedef struct gno_vulkan_transform_buffer {
 GNO_API gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight,
                                               gno_vulkan_recorder* recorder);
 GNO_API gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder);
-/* Records the scans, of sensors that have a layout and each of a different one, into a command buffer in the recording
- * state, outside of a render pass. When a frame in flight is recorded, the commands recorded with it before must have
- * completed. All commands go to one queue, in the order in which they were recorded. Earlier commands on the queue that
- * write to the simulator's inputs or read its results need no barrier, and later commands see the results without one.
- * `before` and `before_count` (both may be null) get what became of the scans that were recorded with this frame in
- * flight before; the list is valid until this recorder records again. After an error with GNO_INVALID_ARGUMENT nothing
- * is recorded. After any other one the command buffer must not be submitted; the next call does what this one should
- * have done. */
+/* Records the scans, of sensors that have a layout, into a command buffer in the recording state, outside of a render
+ * pass. Shots of one sensor share dispatches, as those of gno_simulator_scan_batch() do, unless transforms come from a
+ * buffer of the caller. When a frame in flight is recorded, the commands recorded with it before must have completed.
+ * All commands go to one queue, in the order in which they were recorded. Earlier commands on the queue that write to
+ * the simulator's inputs or read its results need no barrier, and later commands see the results without one. `before`
+ * and `before_count` (both may be null) get what became of the scans that were recorded with this frame in flight
+ * before, sensor by sensor, each in the order of its shots; the list is valid until this recorder records again. After
+ * an error with GNO_INVALID_ARGUMENT nothing is recorded. After any other one the command buffer must not be
+ * submitted; the next call does what this one should have done. */
 GNO_API gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer commands, size_t frame_in_flight,
                                      const gno_vulkan_recorded_shot* shots, size_t shot_count,
                                      const gno_vulkan_recorded_scan** before, size_t* before_count);

@@ -9,6 +9,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Cal
 struct CallerBuffer {
   CallerMemory memory;
 };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer RecordMemory { uint at[]; };
+struct RecordBuffers {
+  RecordMemory records, header;
+};
 
 // A kernel that runs outside of scans may write every array.
 #ifdef OUTSIDE_OF_SCANS
@@ -62,6 +66,10 @@ void loadMotionOf(uint view_) { motion = motionAt.at[view_]; }
 using CallerMemory = const uint*;
 struct CallerBuffer {
   CallerMemory memory;
+};
+using RecordMemory = uint*;
+struct RecordBuffers {
+  RecordMemory records, header;
 };
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
 #define BLOCK(access_, type_, name_) type_* name_##At = reinterpret_cast<type_*>(job.addresses.name_);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
-// the records. No workgroup waits for another. A scan that projects its beams in several groups runs these passes once,
-// after the last group. If the words of the beams tell their returns (see leavesWords()), the results come from them,
-// and no stage stores points.
+// the records. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own, and
+// buffers of the caller. If several submissions project the beams of a shot, these passes run once, after the last one. If
+// the words of the beams tell their returns (see leavesWords()), the results come from them, and no stage stores points;
+// each shot is then one view.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -24,30 +25,44 @@ layout(local_size_x = 64) in;
 
 #include "workgroup_sums.glsl"
 
+#define FROM_WORDS ((RECORDS & kFromWords) != 0)
+
 const uint kRangeSamples = 2048;
 // Four records of any size are a whole number of words, so an invocation that writes four shares no word with another.
 const uint kRecordsEach = 4;
 shared uint sampled[kShellBuckets];
 
-RecordPlan plan = recordPlanAt.at[0];
+uint shot;
+RecordPlan plan;
+RecordMemory records, recordHeader;
+
+// Sets the shot for which this workgroup works.
+void beginShot() {
+  shot = gl_WorkGroupID.y;
+  plan = recordPlans.at[shot];
+  records = recordBuffers.at[shot].records;
+  recordHeader = recordBuffers.at[shot].header;
+  if (FROM_WORDS) lookFrom(shot);
+}
+
+// Returns the place of an entry of the shot in arrays with the results of all shots.
+uint resultAt(uint entry) { return shot * plan.entries + entry; }
 
 uint blockCount() { return (plan.entries + kPrefixBlock - 1) / kPrefixBlock; }
-
-#define FROM_WORDS ((RECORDS & kFromWords) != 0)
 
 // Returns the word of a beam by its number; kNone for a beam without a return. Stage effects asks whether a hit hides
 // itself before it adds noise to ranges.
 uvec2 wordOf(uint beam) {
-  uint index = beamPlaces.at[beam];
+  uint index = beamPlaces.at[plan.firstBeam + beam];
   if (index == kNone) return uvec2(kNone);
-  uvec2 word = words.at[index];
+  uvec2 word = words.at[beamEntry(index)];
   if ((EFFECTS & kRangeNoise) == 0 && word.y != kNone && hidesItself(index, uintBitsToFloat(word.y)))
     return uvec2(kNone);
   return word;
 }
 
 float rangeOf(uint entry) {
-  if (!FROM_WORDS) return points.at[entry].w;
+  if (!FROM_WORDS) return points.at[resultAt(entry)].w;
   uint bits = wordOf(entry).y;
   return uintBitsToFloat(bits == kNone ? 0x7fc00000u : bits);
 }
@@ -55,17 +70,22 @@ float rangeOf(uint entry) {
 bool isNumber(float value) { return (floatBitsToUint(value) & 0x7fffffffu) <= 0x7f800000u; }
 bool returned(uint entry) { return isNumber(rangeOf(entry)); }
 
+// Returns an owner with the instance's number in the scene. With several views, an instance is an entry of a view.
+uvec2 inScene(uvec2 owner) {
+  return VIEWS && owner.y != kNone ? uvec2(owner.x, instanceNumbers.at[owner.y]) : owner;
+}
+
 // Returns point and range of an entry, and in `owner` the triangle within its mesh and the instance.
-vec4 resultOf(uint entry, out uvec2 owner) {
+vec4 pointOf(uint entry, out uvec2 owner) {
   if (!FROM_WORDS) {
-    owner = owners.at[entry];
-    return points.at[entry];
+    owner = inScene(owners.at[resultAt(entry)]);
+    return points.at[resultAt(entry)];
   }
   owner = uvec2(kNone);
   uvec2 word = wordOf(entry);
   if (word.y == kNone) return vec4(uintBitsToFloat(0x7fc00000u));
-  if (word.x != kNone) owner = ownerOf(word.x);
-  uint index = beamPlaces.at[entry];
+  if (word.x != kNone) owner = inScene(ownerOf(word.x));
+  uint index = beamPlaces.at[plan.firstBeam + entry];
   Beam beam = beamWith(index);
   float range = uintBitsToFloat(word.y);
   vec3 point = beam.direction * range;
@@ -86,7 +106,7 @@ void countReturns() {
   for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
     uint total;
     sumBefore(returnsOfLane(block), total);
-    if (gl_LocalInvocationID.x == 0) recordBlocks.at[block] = total;
+    if (gl_LocalInvocationID.x == 0) recordBlocks.at[shot * blockCount() + block] = total;
   }
 }
 
@@ -107,26 +127,26 @@ bool listsTooSmall() {
          counters.tiles > frame.tileCapacity || counters.candidates > frame.candidateCapacity;
 }
 
-// Notes in the header whether a list was too small for any group of beams so far.
+// Notes in the header whether a list was too small for this submission or an earlier one of the shot.
 void noteLists() {
-  uint before = plan.group == 0 ? 0 : recordHeader.at[6];
+  uint before = plan.continues != 0 ? recordHeader.at[6] : 0;
   recordHeader.at[6] = listsTooSmall() ? 1 : before;
 }
 
 // Runs in one workgroup; each lane processes a range of consecutive blocks.
 void sumBlocks() {
-  uint run = (blockCount() + kLanes - 1) / kLanes;
+  uint run = (blockCount() + kLanes - 1) / kLanes, block = shot * blockCount();
   uint first = gl_LocalInvocationID.x * run, end = min(first + run, blockCount());
   uint sum = 0;
-  for (uint k = first; k < end; ++k) sum += recordBlocks.at[k];
+  for (uint k = first; k < end; ++k) sum += recordBlocks.at[block + k];
   uint total;
   uint start = sumBefore(sum, total);
   for (uint k = first; k < end; ++k) {
-    uint count = recordBlocks.at[k];
-    recordBlocks.at[k] = start;
+    uint count = recordBlocks.at[block + k];
+    recordBlocks.at[block + k] = start;
     start += count;
   }
-  sampleRanges();
+  if (shot == 0) sampleRanges();
   if (gl_LocalInvocationID.x > 0) return;
   uint wanted = plan.organised != 0 ? plan.entries : total;
   recordHeader.at[0] = min(wanted, plan.capacity);
@@ -142,10 +162,10 @@ void sumBlocks() {
 void listEntries() {
   for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
     uint total;
-    uint at = recordBlocks.at[block] + sumBefore(returnsOfLane(block), total);
+    uint at = recordBlocks.at[shot * blockCount() + block] + sumBefore(returnsOfLane(block), total);
     for (uint k = 0; k < kPerLane; ++k) {
       uint entry = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-      if (entry < plan.entries && returned(entry)) recordEntries.at[at++] = entry;
+      if (entry < plan.entries && returned(entry)) recordEntries.at[resultAt(at++)] = entry;
     }
   }
 }
@@ -160,8 +180,8 @@ void listEntries() {
 float notANumberIf(bool condition, float value) { return condition ? uintBitsToFloat(0x7fc00000u) : value; }
 
 float incidenceAt(uint entry, vec4 point) {
-  vec3 normal = surfaces.at[entry].normal;
-  if (plan.directions != 0) return incidenceOf(normal, beamDirections.at[entry / RETURNS].xyz, 1.0);
+  vec3 normal = surfaces.at[resultAt(entry)].normal;
+  if (plan.directions != 0) return incidenceOf(normal, beamDirections.at[plan.firstBeam + entry / RETURNS].xyz, 1.0);
   return incidenceOf(normal, point.xyz, point.w);
 }
 
@@ -196,21 +216,21 @@ uint classOf(uvec2 owner) {
     vec4 point_ = vec4(0.0); \
     if (HOLDS_ANY(BITS(kValueX, kValueRange) | BITS(kValueNormalX, kValueBarycentricV) | \
                   BITS(kValueTriangle, kValueInstance) | BITS(kValueMaterial, kValueClass))) \
-      point_ = resultOf(entry_, owner_); \
+      point_ = pointOf(entry_, owner_); \
     bool hit_ = owner_.x != kNone; \
     USE(kValueX, floatBitsToUint(point_.x)); \
     USE(kValueY, floatBitsToUint(point_.y)); \
     USE(kValueZ, floatBitsToUint(point_.z)); \
     USE(kValueRange, floatBitsToUint(point_.w)); \
-    if (HOLDS(kValueIntensity)) USE(kValueIntensity, floatBitsToUint(intensities.at[entry_])); \
+    if (HOLDS(kValueIntensity)) USE(kValueIntensity, floatBitsToUint(intensities.at[resultAt(entry_)])); \
     if (HOLDS_ANY(BITS(kValueTrueRange, kValueWidth) | 1u << kValueLabel)) { \
-      SignalRecord signal_ = signals.at[entry_]; \
+      SignalRecord signal_ = signals.at[resultAt(entry_)]; \
       USE(kValueTrueRange, floatBitsToUint(signal_.trueRange)); \
       USE(kValueWidth, floatBitsToUint(signal_.width)); \
       USE(kValueLabel, signal_.word & 0xff); \
     } \
     if (HOLDS_ANY(BITS(kValueNormalX, kValueNormalZ) | 1u << kValueMaterial)) { \
-      SurfaceRecord surface_ = surfaces.at[entry_]; \
+      SurfaceRecord surface_ = surfaces.at[resultAt(entry_)]; \
       USE(kValueNormalX, floatBitsToUint(notANumberIf(!hit_, surface_.normal.x))); \
       USE(kValueNormalY, floatBitsToUint(notANumberIf(!hit_, surface_.normal.y))); \
       USE(kValueNormalZ, floatBitsToUint(notANumberIf(!hit_, surface_.normal.z))); \
@@ -218,19 +238,19 @@ uint classOf(uvec2 owner) {
     } \
     if (HOLDS(kValueIncidence)) USE(kValueIncidence, floatBitsToUint(notANumberIf(!hit_, incidenceAt(entry_, point_)))); \
     if (HOLDS_ANY(BITS(kValueBarycentricU, kValueBarycentricV))) { \
-      vec2 weights_ = barycentrics.at[entry_]; \
+      vec2 weights_ = barycentrics.at[resultAt(entry_)]; \
       USE(kValueBarycentricU, floatBitsToUint(notANumberIf(!hit_, weights_.x))); \
       USE(kValueBarycentricV, floatBitsToUint(notANumberIf(!hit_, weights_.y))); \
     } \
     if (HOLDS_ANY(BITS(kValueVelocityX, kValueRadialSpeed))) { \
-      vec4 motion_ = motions.at[entry_]; \
+      vec4 motion_ = motions.at[resultAt(entry_)]; \
       USE(kValueVelocityX, floatBitsToUint(motion_.x)); \
       USE(kValueVelocityY, floatBitsToUint(motion_.y)); \
       USE(kValueVelocityZ, floatBitsToUint(motion_.z)); \
       USE(kValueRadialSpeed, floatBitsToUint(motion_.w)); \
     } \
     if (HOLDS_ANY(BITS(kValueTime, kValueRing))) { \
-      vec4 facts_ = beamFacts.at[beam_]; \
+      vec4 facts_ = beamFacts.at[plan.firstBeam + beam_]; \
       USE(kValueTime, floatBitsToUint(facts_.x)); \
       USE(kValueAzimuth, floatBitsToUint(facts_.y)); \
       USE(kValueElevation, floatBitsToUint(facts_.z)); \
@@ -240,7 +260,7 @@ uint classOf(uvec2 owner) {
     USE(kValueTriangle, owner_.x); \
     USE(kValueInstance, owner_.y); \
     /* The cause of a beam is stored in its first return. */ \
-    if (HOLDS(kValueCause)) USE(kValueCause, signals.at[beam_ * RETURNS].word >> 8 & 0xff); \
+    if (HOLDS(kValueCause)) USE(kValueCause, signals.at[resultAt(beam_ * RETURNS)].word >> 8 & 0xff); \
     if (HOLDS(kValueReturnNumber)) USE(kValueReturnNumber, returned(entry_) ? (entry_) % RETURNS + 1 : 0); \
     if (HOLDS(kValueReturnCount)) USE(kValueReturnCount, returnCountOf(beam_ * RETURNS)); \
     if (HOLDS(kValueClass)) USE(kValueClass, classOf(owner_)); \
@@ -286,7 +306,7 @@ void moveTo(uint next, bool filling) {
   place = next;
 }
 
-uint entryOf(uint record) { return plan.organised != 0 ? record : recordEntries.at[record]; }
+uint entryOf(uint record) { return plan.organised != 0 ? record : recordEntries.at[resultAt(record)]; }
 
 void put(uint bits, uint bytes) {
   uint shift = 8 * (place % 4);
@@ -344,6 +364,7 @@ void writeRecords() {
 
 void main() {
   loadMotion();
+  beginShot();
   if (PASS == kPassLists && gl_LocalInvocationID.x == 0) noteLists();
   if (PASS == kPassCountReturns) countReturns();
   if (PASS == kPassHeader) sumBlocks();

@@ -150,12 +150,14 @@ class GNOSPHERE_API Recorder {
   /// The simulator must outlive the recorder. Throws Error(invalidArgument) if its device is not an adopted one.
   Recorder(Simulator& simulator, size_t framesInFlight = 2);
 
-  /// Records the scans, of sensors that have a layout and each of a different one, into a command buffer in the
-  /// recording state, outside of a render pass. Earlier commands on the queue that write to the simulator's inputs or
-  /// read its results need no barrier, and later commands see the results without one. Returns what became of the scans
-  /// that were recorded with this number before. Throws Error(invalidArgument) for invalid shots and buffers, in which
-  /// case nothing is recorded, and Error(outOfMemory): then the command buffer must not be submitted, the next call
-  /// does what this one should have done, and it also returns what this one would have.
+  /// Records the scans, of sensors that have a layout, into a command buffer in the recording state, outside of a
+  /// render pass. Shots of one sensor share dispatches, as those of Simulator::scanBatch() do, unless transforms come
+  /// from a buffer of setTransforms(). Earlier commands on the queue that write to the simulator's inputs or read its
+  /// results need no barrier, and later commands see the results without one. Returns what became of the scans that
+  /// were recorded with this number before, sensor by sensor, each in the order of its shots. Throws
+  /// Error(invalidArgument) for invalid shots and buffers, in which case nothing is recorded, and Error(outOfMemory):
+  /// then the command buffer must not be submitted, the next call does what this one should have done, and it also
+  /// returns what this one would have.
   std::vector<RecordedScan> record(VkCommandBuffer commands, size_t frame, std::span<const RecordedShot> shots);
 
   /// Says that the commands recorded last with this number have not been submitted and never will be, for example

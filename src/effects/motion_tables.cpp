@@ -108,8 +108,9 @@ Drift driftOf(const std::vector<glm::dvec3>& places, double toMiddle) {
 
 }  // namespace
 
-MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool moves,
+MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool simulated,
                               bool deskew) {
+  const bool moves = simulated && !shot.motion.stamps.empty();
   const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
   MotionTables tables;
   tables.middle = movedTo(lasers.centre, poseOf(times.middle));
@@ -166,7 +167,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
                    up(std::abs(times.step)),
                    up(std::max(times.last, -times.earliest)),
                    0,
-                   moves && !shot.motion.stamps.empty(),
+                   moves,
                    static_cast<float>(times.middle),
                    static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
                    glm::vec3(perColumn),

@@ -19,10 +19,10 @@ struct MotionTables {
 /// The pose of a point of the sensor's frame, with the sensor's orientation.
 Pose movedTo(const Vec3& point, const Pose& pose);
 
-/// Computes the tables of motion. If `moves`, the sensor moves by Shot::motion; otherwise only lasers away from the
-/// origin and moving instances count as motion, and nothing but `middle` depends on the pose. With `deskew` points are
-/// reported in the frame of the shot's pose. All else is seen from the lasers' centre.
-MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool moves,
+/// Computes the tables of motion. The sensor moves by Shot::motion if that is given and `simulated`; otherwise only
+/// lasers away from the origin and moving instances count as motion, and nothing but `middle` depends on the pose. With
+/// `deskew` points are reported in the frame of the shot's pose. All else is seen from the lasers' centre.
+MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool simulated,
                               bool deskew);
 
 }  // namespace gnosphere

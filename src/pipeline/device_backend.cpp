@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
-#include <limits>
+#include <vector>
 
-#include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"
 #include "pipeline/recorded_scans.hpp"
+#include "pipeline/submissions.hpp"
 
 namespace gnosphere {
 namespace {
@@ -39,7 +38,7 @@ class DeviceBackend final : public Backend {
         materials_(scene.materials),
         scene_(*machine_),
         slots_(machine_->framesInFlight()),
-        recorded_(*machine_, scene_) {
+        recorded_(*machine_, scene_, mostListBytes(options_, machine_->traits())) {
     scene_.geometry().add(scene.meshes, materials_);
     for (size_t i = 0; i < scene.instances.size(); ++i)
       setInstance(i, scene.instances[i].mesh, scene.instances[i].transform, scene.instances[i].world);
@@ -66,9 +65,7 @@ class DeviceBackend final : public Backend {
 
   void record(Recording& recording) override {
     setDeformed(scene_.deformed());
-    std::vector<SensorArrays*> sensors;
-    for (const auto& sensor : sensors_) sensors.push_back(sensor ? &sensor->arrays : nullptr);
-    recorded_.record(recording, sensors);
+    recorded_.record(recording, sensorArrays());
     machine_->throwOnMessages();
   }
 
@@ -173,15 +170,6 @@ class DeviceBackend final : public Backend {
     Clock::time_point start;
   };
 
-  // A submission: views of some shots. A shot of a sensor whose beams start far apart has several views. If the views
-  // of a shot are in several parts, these parts have no views of other shots.
-  struct Part {
-    std::span<const Shot> shots;
-    size_t index;  // of the first shot
-    std::vector<View> views;
-    bool first, last;  // of the parts of these shots
-  };
-
   // Where scans go: each to `scan`, or all of them to the places of a batch, with their sums in `scan`.
   struct Destination {
     Scan& scan;
@@ -219,40 +207,15 @@ class DeviceBackend final : public Backend {
       if (sensor) sensor->arrays.setDeformed(deformed);
   }
 
-  // Returns the groups of beams of shots whose tables are in a set.
-  std::vector<View> viewsOf(std::span<const Shot> shots, size_t set) const {
-    std::vector<View> views;
-    for (size_t shot = 0; shot < shots.size(); ++shot)
-      for (const BeamGroup& group : sensors_[shots[shot].sensor]->arrays.groups(shots[shot].frame))
-        if (group.set == set) views.push_back({shot, &group});
-    return views;
-  }
-
   std::vector<Part> partsOf(std::span<const Shot> shots, size_t mostViews) const {
-    std::vector<Part> parts;
-    for (size_t i = 0; i < shots.size();) {
-      const std::span<const Shot> together = shots.subspan(i, shotsFrom(shots.subspan(i), mostViews));
-      const SensorArrays& sensor = sensors_[together[0].sensor]->arrays;
-      const size_t most = together.size() > 1 ? kAnyViews : mostViewsOf(together[0], mostViews);
-      const size_t before = parts.size();
-      for (size_t set = 0; set < sensor.sets(); ++set) {
-        const std::vector<View> views = viewsOf(together, set);
-        for (size_t first = 0; first < views.size(); first += most) {
-          const auto run = std::span(views).subspan(first, std::min(most, views.size() - first));
-          parts.push_back({together, i, {run.begin(), run.end()}, false, false});
-        }
-      }
-      parts[before].first = parts.back().last = true;
-      i += together.size();
-    }
-    return parts;
+    return gnosphere::partsOf(shots, sensorArrays(), scene_, mostListBytes(options_, machine_->traits()), mostViews);
   }
 
-  static constexpr uint64_t kMotionsPerRun = 4;  // the tables of one take 0.15 to 0.26 ms
-  // A list of 3,000 beams that start far apart took 0.6 of the time with 64 views per submission instead of all of
-  // them, because what few views read stays in the CPU's caches.
-  static constexpr size_t kMostViewsOfShot = 64;
-  static constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
+  std::vector<SensorArrays*> sensorArrays() const {
+    std::vector<SensorArrays*> arrays;
+    for (const auto& sensor : sensors_) arrays.push_back(sensor ? &sensor->arrays : nullptr);
+    return arrays;
+  }
 
   // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
   void scanParts(const std::vector<Part>& parts, const Destination& to) {
@@ -264,48 +227,6 @@ class DeviceBackend final : public Backend {
       finish(parts, i, to);
       if (slots_.size() == 1 && i + 1 < parts.size()) submit(parts, i + 1);
     }
-  }
-
-  // Returns how many views of one shot a submission has at most.
-  size_t mostViewsOf(const Shot& shot, size_t mostViews) const {
-    const SensorState& sensor = *sensors_[shot.sensor];
-    const uint64_t bytes = scene_.bytesOfView(shot.world, moves(*sensor.plan, shot));
-    const uint64_t room = mostListBytes(options_, machine_->traits()) / std::max<uint64_t>(bytes, 1);
-    return std::min<size_t>({mostViews, kMostViewsOfShot, sensor.arrays.mostViews(), std::max<uint64_t>(room, 1)});
-  }
-
-  // Returns the number of shots, from the first one on, that are submitted together. A sensor that stands still is
-  // scanned shot by shot, because then it can reuse its hits.
-  size_t shotsFrom(std::span<const Shot> shots, size_t mostViews) const {
-    const SensorArrays& sensor = sensors_[shots[0].sensor]->arrays;
-    const size_t most = std::min<size_t>(mostViews, sensor.mostViews());
-    if (sensor.sets() > 1) return 1;
-    const uint64_t room = mostListBytes(options_, machine_->traits());
-    const SensorPlan& plan = *sensors_[shots[0].sensor]->plan;
-    const bool moving = moves(plan, shots[0]);
-    const auto bytesOf = [&](const Shot& shot) { return scene_.bytesOfView(shot.world, moving); };
-    const auto standsStill = [&](const Shot& shot, const Shot& before) {
-      return sensor.keepsStill() && !moving && shot.world == before.world &&
-             std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
-    };
-    const auto deforms = [&](const Shot& shot) { return !shot.meshMotions.empty() && plan.has(gpu::kObjectMotion); };
-    // A subgroup may work on several views, so the sensor must move in all views of a submission or in none.
-    const auto alike = [&](const Shot& shot) {
-      return shot.sensor == shots[0].sensor && !deforms(shot) && moves(plan, shot) == moving &&
-             (!moving || shot.motion.stamps.empty() == shots[0].motion.stamps.empty());
-    };
-    if (deforms(shots[0]) || most == 1) return 1;
-    size_t count = 0, views = 0;
-    uint64_t bytes = 0;
-    while (count < shots.size() &&
-           (count == 0 || (alike(shots[count]) && !standsStill(shots[count], shots[count - 1])))) {
-      const size_t ofShot = sensor.groups(shots[count].frame).size();
-      views += ofShot;
-      bytes += ofShot * bytesOf(shots[count]);
-      if (count > 0 && (views > most || bytes > room)) break;
-      ++count;
-    }
-    return count;
   }
 
   // Scans of several views have frames of their own, because their arrays are larger.
@@ -340,12 +261,8 @@ class DeviceBackend final : public Backend {
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     if (sensor.beams() == 0) return;
     const auto views = static_cast<uint32_t>(part.views.size());
-    std::vector<Shot> ofViews;  // if a shot has several views
-    std::span<const Shot> shots = part.shots;
-    if (views != shots.size()) {
-      for (const View& view : part.views) ofViews.push_back(part.shots[view.shot]);
-      shots = ofViews;
-    }
+    std::vector<Shot> copies;
+    const std::span<const Shot> shots = shotsOfViews(part, copies);
     StillImage& still = sensors_[shots[0].sensor]->still;
     StillImage::Use use = StillImage::Use::none;
     slot.reused = 0;
@@ -353,12 +270,9 @@ class DeviceBackend final : public Backend {
       waitForAll();
       sensor.makeRoomForViews(views);
     }
-    slot.motions = motionsOf(sensor.sensorPlan(), part.views, shots);
+    slot.motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
     if (views > 1) {
-      std::vector<ViewPlace> places;
-      for (uint32_t view = 0; view < views; ++view)
-        places.push_back({seenFrom(shots, view, slot.motions), shots[view].world});
-      scene_.place(places, sensor.reach() + reachOf(slot.motions), sensor.sensorPlan().ignored, slot.placed);
+      placeViews(scene_, sensor, shots, slot.motions, slot.placed);
     } else {
       use = useStill(still, sensor, shots[0], !slot.motions.empty() && slot.motions[0].moves);
       slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
@@ -453,26 +367,6 @@ class DeviceBackend final : public Backend {
       to.scan.counters.culledByCluster -= slots_[slot].reused;
     }
     for (size_t view = 0; view < part.shots.size(); ++view) to.receive(part.index + view);
-  }
-
-  // Returns the motions of views of which the first one tells whether anything moves. `shots` has the shot of each
-  // view.
-  std::vector<ShotMotion> motionsOf(const SensorPlan& plan, std::span<const View> views,
-                                    std::span<const Shot> shots) const {
-    const auto of = [&](size_t view) {
-      return motionOf(plan, views[view].group->lasers, shots[view], scene_.instances(),
-                      scene_.geometry().deformables());
-    };
-    const auto hasSameTable = [&](const View& view) { return view.group == views[0].group; };
-    std::vector<ShotMotion> motions;
-    std::optional<ShotMotion> first = of(0);
-    if (!first) return motions;
-    motions.resize(first->moves || !std::all_of(views.begin(), views.end(), hasSameTable) ? shots.size() : 1);
-    motions[0] = std::move(*first);
-    inRuns(motions.size() - 1, kMotionsPerRun, threadCount(), [&](uint64_t begin, uint64_t end) {
-      for (uint64_t i = begin + 1; i <= end; ++i) motions[i] = *of(i);
-    });
-    return motions;
   }
 
   static double millisecondsSince(Clock::time_point start) {

@@ -14,27 +14,6 @@ namespace {
 
 constexpr uint64_t kAlignment = 16;  // of the addresses of arrays, which the kernels rely on
 
-// Memory of the caller: kernels write it, and the host never looks at it.
-class CallerMemory final : public DeviceMemory {
- public:
-  explicit CallerMemory(const Recording::Range& range) : range_(range) {}
-  uint64_t bytes() const override { return range_.bytes; }
-  uint64_t address() const override { return range_.address; }
-  void* host() override { return nullptr; }
-  void flush() override {}
-  void invalidate() override {}
-  void write(uint64_t, std::span<const std::byte>) override {}
-  void read(uint64_t, std::span<std::byte>) const override {}
-
- private:
-  Recording::Range range_;
-};
-
-// The number under which the sensor's arrays know a group's run in a frame in flight.
-size_t indexOf(const SensorArrays& sensor, size_t frame, size_t group) {
-  return frame * sensor.mostGroups() + group;
-}
-
 void check(const Recording::Range& range, uint64_t least, size_t sensor, const char* what) {
   const std::string which = "sensor " + std::to_string(sensor) + ": the buffer for the " + what;
   if (range.address == 0 || range.address % kAlignment != 0)
@@ -48,6 +27,7 @@ void check(const Recording::Range& range, uint64_t least, size_t sensor, const c
 
 void RecordedScans::forget(size_t sensor) {
   for (Slots& slots : frames_) slots.erase(sensor);
+  runs_.erase(sensor);
 }
 
 uint64_t RecordedScans::bytes() const {
@@ -62,24 +42,28 @@ uint64_t RecordedScans::bytes() const {
 // result.
 void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
-  for (auto& [index, slot] : frames_[frame]) {
-    if (!slot.recorded) continue;
-    SensorArrays& sensor = *sensors[index];
-    const size_t groups = sensor.groups(slot.frame).size();
-    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(indexOf(sensor, frame, groups - 1)));
-    bool complete = true;
-    for (size_t group = 0; group < groups; ++group)
-      complete = complete && !sensor.cutShort(indexOf(sensor, frame, group));
-    results_[frame].push_back({index, slot.frame, complete, nonFinite, degenerate, slot.runs[0].transforms.unplaced()});
-    slot.recorded = false;
-    for (size_t group = 0; group < groups; ++group)
-      if (const size_t run = indexOf(sensor, frame, group); sensor.cutShort(run)) sensor.growLists(run);
+  for (auto& [number, slot] : frames_[frame]) {
+    if (slot.scans.empty()) continue;
+    SensorArrays& sensor = *sensors[number];
+    const size_t lastRun = slot.scans.back().lastRun;
+    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(slot.runs[lastRun].index));
+    gnosphere::makeRoom(results_[frame], results_[frame].size() + slot.scans.size());
+    for (const Recorded& scan : slot.scans) {
+      bool complete = true;
+      for (size_t run = scan.firstRun; run <= scan.lastRun; ++run)
+        complete = complete && !sensor.cutShort(slot.runs[run].index);
+      results_[frame].push_back(
+          {number, scan.frame, complete, nonFinite, degenerate, slot.runs[scan.firstRun].transforms.unplaced()});
+    }
+    slot.scans.clear();
+    for (size_t run = 0; run <= lastRun; ++run)
+      if (const size_t index = slot.runs[run].index; sensor.cutShort(index)) sensor.growLists(index);
   }
 }
 
 // Nothing that this frame has recorded will run. Results that were read before stay.
 void RecordedScans::undo(size_t frame) noexcept {
-  for (auto& [index, slot] : frames_[frame]) slot.recorded = false;
+  for (auto& [sensor, slot] : frames_[frame]) slot.scans.clear();
   vertices_.abandon(frame);
   machine_.abandonRecording(frame);
 }
@@ -96,31 +80,69 @@ void RecordedScans::abandon(size_t frame) {
   undo(frame);
 }
 
-void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*>& sensors) {
-  std::vector<size_t> indices;
+// Collects the shots of each sensor, and divides them into parts. Throws Error(invalidArgument) if a sensor or a buffer
+// does not suit.
+std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording& recording,
+                                                                const std::vector<SensorArrays*>& sensors) const {
+  std::vector<ShotsOfSensor> all;
   for (const Recording::Item& item : recording.scans) {
-    const size_t index = item.shot->sensor;
-    if (!sensors[index]->keepsRecords())
+    const size_t number = item.shot->sensor;
+    SensorArrays* const sensor = sensors[number];
+    if (!sensor->keepsRecords())
       throw Error(ErrorCode::invalidArgument,
-                  "sensor " + std::to_string(index) + " has no layout for records; set SensorRequest::layout");
-    if (std::find(indices.begin(), indices.end(), index) != indices.end())
-      throw Error(ErrorCode::invalidArgument,
-                  "sensor " + std::to_string(index) + " occurs twice in one recording; add a second sensor like it");
-    indices.push_back(index);
-    check(item.records, 4, index, "records");
-    check(item.header, sizeof(RecordHeader), index, "header");
+                  "sensor " + std::to_string(number) + " has no layout for records; set SensorRequest::layout");
+    check(item.records, 4, number, "records");
+    check(item.header, sizeof(RecordHeader), number, "header");
+    auto of = std::ranges::find(all, number, &ShotsOfSensor::number);
+    if (of == all.end()) of = all.insert(of, {number, sensor, {}, {}, {}});
+    of->shots.push_back(*item.shot);
+    of->spaces.push_back({{item.records.address, item.header.address}, item.records.bytes});
   }
+  // The caller's transforms are placed for the pose of one view.
+  const size_t mostViews = scene_.instances().transformSources().any() ? 1 : kAnyViews;
+  for (ShotsOfSensor& of : all) of.parts = partsOf(of.shots, sensors, scene_, listBytes_, mostViews);
+  return all;
+}
+
+// Makes room for the views of each part, and for its run in a frame in flight.
+void RecordedScans::makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame) {
+  for (const ShotsOfSensor& of : all) {
+    Slot& slot = frames_[frame][of.number];
+    gnosphere::makeRoom(slot.scans, of.shots.size());
+    while (slot.runs.size() < of.parts.size()) {
+      slot.runs.push_back({runs_[of.number]});
+      ++runs_[of.number];
+    }
+    for (const Part& part : of.parts)
+      if (const auto views = static_cast<uint32_t>(part.views.size()); !of.sensor->hasRoomForViews(views))
+        of.sensor->makeRoomForViews(views);
+  }
+}
+
+void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*>& sensors) {
+  const std::vector<ShotsOfSensor> all = divide(recording, sensors);
   const size_t frame = recording.frame;
   if (results_.size() <= frame) results_.resize(frame + 1);
   if (frames_.size() <= frame) frames_.resize(frame + 1);
   gnosphere::makeRoom(order_, frames_.size());
   vertices_.readDropped(frame);
   readResults(frame, sensors);
+  makeRoom(all, frame);
   std::erase(order_, frame);
   try {
     machine_.beginRecording(recording.commands, frame);
     vertices_.record(frame);
-    for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
+    for (const ShotsOfSensor& of : all) {
+      Slot& slot = frames_[frame][of.number];
+      for (size_t i = 0; i < of.parts.size(); ++i) {
+        const Part& part = of.parts[i];
+        record(recording, of, part, slot.runs[i]);
+        for (const Shot& shot : part.shots) {
+          if (part.first) slot.scans.push_back({shot.frame, i, i});
+          if (!part.first) slot.scans.back().lastRun = i;
+        }
+      }
+    }
     machine_.endRecording();
   } catch (...) {
     undo(frame);
@@ -130,43 +152,32 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   recording.results = std::exchange(results_[frame], {});
 }
 
-void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor) {
-  const Shot& shot = *item.shot;
-  Slot& slot = frames_[recording.frame][shot.sensor];
-  const size_t groups = sensor.groups(shot.frame).size();
-  if (slot.runs.size() < groups) slot.runs.resize(groups);
-  for (size_t group = 0; group < groups; ++group) record(recording, item, sensor, group, slot.runs[group]);
-  slot.frame = shot.frame;
-  slot.recorded = true;
-}
-
-// Records the stages for one group of the beams. The last group's run ends with the records of all.
-void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor, size_t group,
-                           Run& run) {
-  const Shot& shot = *item.shot;
-  const size_t index = indexOf(sensor, recording.frame, group);
+// Records the stages for the views of a part. The last part of a shot ends with the shot's records.
+void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run) {
+  SensorArrays& sensor = *of.sensor;
   if (!run.addresses) run.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
-  const std::span<const BeamGroup> groups = sensor.groups(shot.frame);
-  const View view = {0, &groups[group]};
-  const std::optional<ShotMotion> motion =
-      motionOf(sensor.sensorPlan(), view.group->lasers, shot, scene_.instances(), scene_.geometry().deformables());
-  const ShotMotions motions = motion ? ShotMotions(&*motion, 1) : ShotMotions();
-  const Pose pose = seenFrom({&shot, 1}, 0, motions);
-  scene_.place(pose, sensor.reach() + reachOf(motions), {.ignored = sensor.sensorPlan().ignored, .world = shot.world},
-               run.placed);
+  std::vector<Shot> copies;
+  const std::span<const Shot> shots = shotsOfViews(part, copies);
+  const std::vector<ShotMotion> motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
+  const Pose pose = seenFrom(shots, 0, motions);
+  InstanceEntries instances = {scene_.instances().count()};
+  if (shots.size() > 1) {
+    placeViews(scene_, sensor, shots, motions, run.placed);
+    instances.inViews = run.placed.inViews();
+  } else {
+    scene_.place(pose, sensor.reach() + reachOf(motions),
+                 {.ignored = sensor.sensorPlan().ignored, .world = shots[0].world}, run.placed);
+  }
   if (!scene_.listsHold(run.placed)) scene_.growLists(run.placed);
-  CallerMemory records(item.records), header(item.header);
   BoundArrays arrays = {};
   scene_.bind(arrays);
   run.placed.bind(arrays);
-  sensor.loadRecords(index, group, item.records.bytes, *recording.classes, shot.frame);
+  sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()),
+                     *recording.classes, !part.first);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
-  for (const Step& step :
-       sensor.prepare(index, {&shot, 1}, {&view, 1}, group + 1 == groups.size(), motions, {scene_.instances().count()},
-                      run.placed.groups(), StillImage::Use::none, arrays))
+  for (const Step& step : sensor.prepare(run.index, shots, part.views, part.last, motions, instances,
+                                         run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
-  arrays[static_cast<size_t>(gpu::Array::records)] = &records;
-  arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;
   machine_.record(*run.addresses, steps, arrays);
 }
 

@@ -11,12 +11,15 @@
 #include "pipeline/recording.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "pipeline/sensor_arrays.hpp"
+#include "pipeline/submissions.hpp"
 
 namespace gnosphere {
 
 class RecordedScans {
  public:
-  RecordedScans(Machine& machine, SceneArrays& scene) : machine_(machine), scene_(scene), vertices_(machine, scene) {}
+  /// `listBytes` is what the lists of instances and clusters of views that are scanned together may take.
+  RecordedScans(Machine& machine, SceneArrays& scene, uint64_t listBytes)
+      : machine_(machine), scene_(scene), listBytes_(listBytes), vertices_(machine, scene) {}
 
   /// Records the scans of a frame. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded
   /// before grow first.
@@ -33,29 +36,46 @@ class RecordedScans {
   uint64_t bytes() const;
 
  private:
-  /// The arrays of a run of the stages that do not depend on the sensor. Each group of beams has a run.
+  /// The arrays of a run of the stages that do not depend on the sensor. Each part of a sensor's shots has a run.
   struct Run {
-    std::unique_ptr<DeviceMemory> addresses;  // gpu::Addresses
-    PlacedArrays placed;
-    RecordedTransforms transforms;
+    size_t index;                                       // as the sensor's arrays know the run
+    std::unique_ptr<DeviceMemory> addresses = nullptr;  // gpu::Addresses
+    PlacedArrays placed = {};
+    RecordedTransforms transforms = {};
   };
-  /// One sensor's scan in one frame in flight.
+  /// A scan that was recorded: its number, and its runs.
+  struct Recorded {
+    uint64_t frame;
+    size_t firstRun, lastRun;
+  };
+  /// One sensor's scans in one frame in flight.
   struct Slot {
-    std::vector<Run> runs;  // at least as many as the scan has groups
-    uint64_t frame = 0;
-    bool recorded = false;
+    std::vector<Run> runs;
+    std::vector<Recorded> scans;  // whose outcome is not known yet
   };
   using Slots = std::map<size_t, Slot>;  // by sensor
 
+  /// The shots of one sensor in a recording.
+  struct ShotsOfSensor {
+    size_t number;
+    SensorArrays* sensor;
+    std::vector<Shot> shots;
+    std::vector<SensorArrays::RecordSpace> spaces;  // of each shot
+    std::vector<Part> parts;
+  };
+
+  std::vector<ShotsOfSensor> divide(const Recording& recording, const std::vector<SensorArrays*>& sensors) const;
+  void makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame);
   void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
   void undo(size_t frame) noexcept;
-  void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor);
-  void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor, size_t group, Run& run);
+  void record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run);
 
   Machine& machine_;
   SceneArrays& scene_;
+  uint64_t listBytes_;
   RecordedVertices vertices_;
   std::vector<Slots> frames_;
+  std::map<size_t, size_t> runs_;  // by sensor: how many runs all frames have
   // By frame: results that were read, but that no call has returned yet, because it failed.
   std::vector<std::vector<Recording::Result>> results_;
   std::vector<size_t> order_;  // frames in the order of their last recordings, without those that were abandoned

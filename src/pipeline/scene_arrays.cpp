@@ -36,6 +36,7 @@ void PlacedArrays::bind(BoundArrays& arrays) const {
   arrays[static_cast<size_t>(Array::placed)] = placed_.get();
   arrays[static_cast<size_t>(Array::instanceMeshes)] = meshes_.get();
   arrays[static_cast<size_t>(Array::instanceViews)] = views_.get();
+  arrays[static_cast<size_t>(Array::instanceNumbers)] = numbers_.get();
   arrays[static_cast<size_t>(Array::ownerRanges)] = ownerRanges_.get();
   arrays[static_cast<size_t>(Array::deformers)] = deformers_.get();
   arrays[static_cast<size_t>(Array::jointRows)] = jointRows_.get();
@@ -45,7 +46,7 @@ void PlacedArrays::bind(BoundArrays& arrays) const {
 uint64_t PlacedArrays::bytes() const {
   uint64_t sum = 0;
   for (const auto* memory :
-       {&instances_, &placed_, &meshes_, &views_, &ownerRanges_, &deformers_, &jointRows_, &morphWeights_})
+       {&instances_, &placed_, &meshes_, &views_, &numbers_, &ownerRanges_, &deformers_, &jointRows_, &morphWeights_})
     sum += *memory ? (*memory)->bytes() : 0;
   return sum;
 }
@@ -117,7 +118,7 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   if (deformed()) placeDeformations(to);
 }
 
-void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
+void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, bool numbered,
                         PlacedArrays& to) {
   to.groups_ = instances_.choose(views, reach, ignored, to.inViews_);
   const uint64_t count = to.inViews_.entries.size();
@@ -136,6 +137,12 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
   room(Array::ownerRanges, to.inViews_.runs.size() * 2 * sizeof(uint32_t), to.ownerRanges_);
   instances_.writeOwnerRanges(to.inViews_, static_cast<uint32_t*>(to.ownerRanges_->host()));
   to.ownerRanges_->flush();
+  if (numbered) {
+    room(Array::instanceNumbers, count * sizeof(uint32_t), to.numbers_);
+    std::ranges::transform(to.inViews_.entries, static_cast<uint32_t*>(to.numbers_->host()),
+                           &InstanceTable::InView::instance);
+    to.numbers_->flush();
+  }
   if (!of(Array::triangleSlots) && !deformed()) return;
   room(Array::instanceMeshes, count * sizeof(uint32_t), to.meshes_);
   instances_.writeMeshes(to.inViews_, static_cast<uint32_t*>(to.meshes_->host()));

@@ -35,6 +35,7 @@ class PlacedArrays {
   std::unique_ptr<DeviceMemory> placed_;     // (instance, group) pairs of the instances in range
   std::unique_ptr<DeviceMemory> meshes_;     // mesh of each instance, if kernels ask for it
   std::unique_ptr<DeviceMemory> views_;      // view of each instance, if there are several views
+  std::unique_ptr<DeviceMemory> numbers_;    // with several views: number of each instance in the scene, if kernels ask
   InstanceTable::InViews inViews_;
   std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
   // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
@@ -57,7 +58,9 @@ class SceneArrays final : public SceneMemory {
   /// Writes the instance arrays for a scan of the selected instances within reach (metres).
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
   /// The same for a submission of several views, which see all instances of their worlds within reach of their poses.
-  void place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, PlacedArrays& to);
+  /// `numbered` tells whether kernels ask for the instances' numbers in the scene.
+  void place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, bool numbered,
+             PlacedArrays& to);
   /// The most bytes that a view of the world takes in lists of instances, groups and clusters, and of the instances'
   /// motions if something moves.
   uint64_t bytesOfView(uint32_t world, bool moves) const;

@@ -71,7 +71,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       allocate(array.array, array.bytes);
       of(array.array)->write(0, array.content);
     }
-  if (keepsRecords()) makeRecordArrays();
+  if (keepsRecords()) makeRecordTables();
   makeFirstLists(triangles);
   addFrame();
 }
@@ -86,7 +86,7 @@ void SensorArrays::prepareKernels() {
           if (!last && mostGroups() == 1) continue;
           const BeamTables& tables = beamSets_.sets[set][0];
           const gpu::Frame frame = frameOf(tables, viewsOfScan(set));
-          for (const Step& step : steps(tables, frame, everything(), still, motion, last))
+          for (const Step& step : steps(tables, frame, everything(), still, motion, shotsIn(frame.views), last))
             if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
         }
     }
@@ -149,26 +149,30 @@ SensorArrays::Sizes SensorArrays::mostOf(const BeamSets& beamSets) {
   return most;
 }
 
-// The outputs stay on the device, so all frames share them.
-void SensorArrays::makeRecordArrays() {
-  for (const Output& output : outputs_) allocate(output.array, entriesOf(1) * output.bytesPerBeam);
-  allocate(Array::recordBlocks, (entries() / gpu::kPrefixBlock + 1) * 4);
-  if (plan_.layout.compact) allocate(Array::recordEntries, entries() * 4);
+// Makes what the records of all scans are made with: the layout, and the beams of all patterns.
+void SensorArrays::makeRecordTables() {
   of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, records_.streams);
   of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, records_.values);
   of(Array::recordPlaces) = uploaded<gpu::RecordPlace>(machine_, Array::recordPlaces, records_.places);
   of(Array::recordGaps) = uploaded<gpu::RecordPlace>(machine_, Array::recordGaps, records_.gaps);
-  patternArrays_.resize(beamSets_.patterns.size());
-  for (size_t i = 0; i < patternArrays_.size(); ++i) {
-    const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
-      if (!content.empty()) patternArrays_[i][static_cast<size_t>(array)] = uploaded<T>(machine_, array, content);
-    };
-    const BeamGroup& group = beamSets_.patterns[i][0];
+  std::vector<uint32_t> places;
+  std::vector<gpu::vec4> facts, directions;
+  const auto append = [](auto& all, const auto& ofPattern) {
+    all.insert(all.end(), ofPattern.begin(), ofPattern.end());
+  };
+  for (size_t pattern = 0; pattern < beamSets_.patterns.size(); ++pattern) {
+    const BeamGroup& group = beamSets_.patterns[pattern][0];
     if ((records_.held & gpu::kFromWords) != 0)
-      put(Array::beamPlaces, beamPlaces(plan_, beamSets_.sets[group.set][group.table]));
-    put(Array::beamFacts, beamFacts(plan_, i));
-    put(Array::beamDirections, beamDirections(plan_, i));
+      append(places, beamPlaces(plan_, beamSets_.sets[group.set][group.table]));
+    append(facts, beamFacts(plan_, pattern));
+    append(directions, beamDirections(plan_, pattern));
   }
+  const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
+    if (!content.empty()) of(array) = uploaded<T>(machine_, array, content);
+  };
+  put(Array::beamPlaces, places);
+  put(Array::beamFacts, facts);
+  put(Array::beamDirections, directions);
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -181,7 +185,7 @@ PlacedGroups SensorArrays::everything() const {
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                                      StillImage::Use still, Motion motion, bool last) const {
+                                      StillImage::Use still, Motion motion, uint32_t shots, bool last) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion != Motion::none;
@@ -194,7 +198,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && motion == Motion::none;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views, shotsIn(frame.views)};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views, shots};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -296,9 +300,9 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   bind(arrays_);
   bind(frame.arrays);
   bind(setArrays_[number]);
-  if (keepsRecords()) bind(patternArrays_[shots[0].frame % patternArrays_.size()]);
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
-  std::vector<Step> result = steps(tables, content, placed, still, moves, last);
+  const auto ofShots = static_cast<uint32_t>(views.back().shot - views[0].shot + 1);
+  std::vector<Step> result = steps(tables, content, placed, still, moves, ofShots, last);
   frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
     return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
   });
@@ -319,20 +323,28 @@ SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
   return frames_[index];
 }
 
-void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, const ClassTable& classes, uint64_t number) {
+void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::span<const RecordSpace> spaces,
+                               const ClassTable& classes, bool continues) {
   ClassTable::Packed table;
   if ((records_.held >> gpu::kValueClass & 1) != 0) table = classes.packed();
   gpu::RecordPlan content = {};
   content.entries = static_cast<uint32_t>(entries());
-  content.capacity = static_cast<uint32_t>(rowsIn(plan_.layout, bytes));
   content.organised = !plan_.layout.compact;
   content.streams = static_cast<uint32_t>(records_.streams.size());
   content.gaps = static_cast<uint32_t>(records_.gaps.size());
   content.classes = static_cast<uint32_t>(table.instances.size());
-  content.directions = patternArrays_[0][static_cast<size_t>(Array::beamDirections)] != nullptr;
-  content.frame = static_cast<uint32_t>(number);
-  content.group = static_cast<uint32_t>(group);
-  load(frameAt(index), {arrayOf(Array::recordPlan, std::array{content}),
+  content.directions = of(Array::beamDirections) != nullptr;
+  content.continues = continues;
+  std::vector<gpu::RecordPlan> plans;
+  std::vector<gpu::RecordBuffers> buffers;
+  for (size_t i = 0; i < shots.size(); ++i) {
+    content.capacity = static_cast<uint32_t>(rowsIn(plan_.layout, spaces[i].bytes));
+    content.frame = static_cast<uint32_t>(shots[i].frame);
+    content.firstBeam = static_cast<uint32_t>(shots[i].frame % beamSets_.patterns.size() * plan_.sensor.beamCount());
+    plans.push_back(content);
+    buffers.push_back(spaces[i].buffers);
+  }
+  load(frameAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers),
                         arrayOf(Array::instanceClasses, table.instances), arrayOf(Array::classRuns, table.runs)});
 }
 
@@ -401,9 +413,8 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
-  for (const auto* all : {&setArrays_, &patternArrays_})
-    for (const OwnArrays& own : *all)
-      for (const auto& memory : own) use.sensor += memory ? memory->bytes() : 0;
+  for (const OwnArrays& own : setArrays_)
+    for (const auto& memory : own) use.sensor += memory ? memory->bytes() : 0;
   for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
   for (const Frame& frame : frames_)
     for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
@@ -427,7 +438,8 @@ Plan SensorArrays::planOf(size_t shots) {
 // Returns the steps of a submission in which the sensor and the instances move, as far as the plan simulates that.
 std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
   const BeamTables& tables = beamSets_.sets[0][0];
-  return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), true);
+  return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), shotsIn(views),
+               true);
 }
 
 Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
@@ -446,7 +458,6 @@ Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
       if (own[i]) plan.buffers.push_back({gpu::kArrayNames[i], own[i]->bytes()});
   };
   add(setArrays_[0]);
-  if (keepsRecords()) add(patternArrays_[0]);
   add(arrays_);
   add(frame.arrays);
   return plan;

@@ -72,10 +72,15 @@ class SensorArrays {
   bool choosesShells() const { return shells_ > 1; }
   /// Whether the results stay on the device, as records.
   bool keepsRecords() const { return !plan_.layout.empty(); }
-  /// Loads what the records of the next scan of this frame depend on, before prepare(): the size of the caller's buffer
-  /// in bytes, the classes of surfaces, and the number of the scan. `group` is the number of the group among those that
-  /// the scan fires.
-  void loadRecords(size_t frame, size_t group, uint64_t bytes, const ClassTable& classes, uint64_t number);
+  /// The caller's memory for the records of a shot.
+  struct RecordSpace {
+    gpu::RecordBuffers buffers;
+    uint64_t bytes;  ///< of the buffer for the records
+  };
+  /// Loads what the records of the next scan of this frame depend on, before prepare(): where those of each shot go,
+  /// and the classes of surfaces. `continues` tells whether an earlier submission has other views of these shots.
+  void loadRecords(size_t frame, std::span<const Shot> shots, std::span<const RecordSpace> spaces,
+                   const ClassTable& classes, bool continues);
   /// Returns a hint for setShellHint() from the records of the last scan of this frame.
   float recordedHint(size_t frame);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
@@ -116,11 +121,11 @@ class SensorArrays {
   uint32_t fewestGroups() const;
   uint32_t shotsIn(uint32_t views) const;
   uint64_t entriesOf(uint32_t views) const;
-  void makeRecordArrays();
+  void makeRecordTables();
   Frame& frameAt(size_t index);
   uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                          StillImage::Use still, Motion motion, bool last) const;
+                          StillImage::Use still, Motion motion, uint32_t shots, bool last) const;
   uint32_t findMostViews(uint64_t room) const;
   uint64_t blockSumBytes(uint32_t views) const;
   std::vector<EffectsArray> arraysByBeam(uint32_t views) const;
@@ -165,8 +170,8 @@ class SensorArrays {
   // A scan of one view has room for so many projected triangles and candidates at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   OwnArrays arrays_;
-  std::vector<OwnArrays> setArrays_, patternArrays_;  // tables of each set; what records read of each pattern's beams
-  std::vector<Frame> frames_;                         // each one after the first is made at its first use
+  std::vector<OwnArrays> setArrays_;  // tables of each set
+  std::vector<Frame> frames_;         // each one after the first is made at its first use
 };
 
 }  // namespace gnosphere

@@ -43,7 +43,8 @@ uint64_t SensorArrays::limit(uint64_t entryBytes) const {
   return std::min(kMostEntries, machine_.traits().info.maxBufferBytes / entryBytes);
 }
 
-// Returns the arrays with entries per beam and view that stages pass on to each other.
+// Returns the arrays with entries per beam and view that stages pass on to each other. Results that stay on the device
+// are among them, so all frames share them.
 std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
   const uint64_t beams = uint64_t{this->beams()} * views;
   const bool lists = binning_ == gpu::kBinningLists;
@@ -56,6 +57,10 @@ std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
     arrays.push_back({Array::covers, beams * sizeof(gpu::Cover), {}});
     arrays.push_back({Array::ownLinks, beams * gpu::kOwnLinks * 8, {}});
   }
+  if (!keepsRecords()) return arrays;
+  for (const Output& output : outputs_) arrays.push_back({output.array, entriesOf(views) * output.bytesPerBeam, {}});
+  arrays.push_back({Array::recordBlocks, shotsIn(views) * (entries() / gpu::kPrefixBlock + 1) * 4, {}});
+  if (plan_.layout.compact) arrays.push_back({Array::recordEntries, shotsIn(views) * entries() * 4, {}});
   return arrays;
 }
 
@@ -68,7 +73,6 @@ uint64_t SensorArrays::blockSumBytes(uint32_t views) const {
 }
 
 uint32_t SensorArrays::findMostViews(uint64_t room) const {
-  if (keepsRecords()) return 1;
   uint64_t ofView = 1, mostOfView = 1;       // bytes
   const uint32_t together = fewestGroups();  // views of one shot
   for (const Output& output : outputs_)
@@ -141,7 +145,8 @@ void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
   const auto room = [&](Array array, uint64_t bytes) {
     makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
   };
-  for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
+  if (!keepsRecords())
+    for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
   if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
   if (capacities_.projected > 0)
     makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,

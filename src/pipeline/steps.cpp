@@ -175,16 +175,16 @@ class Steps {
     if (input_.footprint || input_.effects != StepsInput::Judged::none) finish("effects");
   }
 
-  // The records come after the last group of beams, when the counters of this one are gone.
-  void noteLists() { dispatch("records", Kernel::records, 1, {}, gpu::kPassLists); }
+  // The records come after the last views of their shots, when the counters of this submission are gone.
+  void noteLists() { dispatch("records", Kernel::records, 1, {}, gpu::kPassLists, input_.shots); }
 
   void writeRecords() {
     const auto pass = [&](uint32_t number, uint64_t entriesPerGroup) {
       const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, input_.entries / entriesPerGroup + 1);
-      dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number);
+      dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number, input_.shots);
     };
     pass(gpu::kPassCountReturns, gpu::kPrefixBlock);
-    dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader);
+    dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader, input_.shots);
     if (!input_.organised) pass(gpu::kPassEntries, gpu::kPrefixBlock);
     pass(gpu::kPassRecords, 256);
     finish("records");

@@ -49,7 +49,7 @@ struct StepsInput {
   const gpu::Frame& frame;
   uint32_t shells;     ///< most shells of the scan
   uint32_t views = 1;  ///< of the submission
-  uint32_t shots = 1;  ///< to which the views belong, at most
+  uint32_t shots = 1;  ///< to which the views belong
   bool strays = false, panes = false, footprint = false, resolve = false;
   bool moves = false;     ///< something moves during the scan; otherwise MOTION is about lasers with origins only
   bool deformed = false;  ///< the scene has deformable meshes
@@ -59,7 +59,7 @@ struct StepsInput {
   bool laterWords = false;       ///< only listed beams store words of returns after the first
   uint32_t raysPerLane = 0;      ///< see raysPerLane()
   uint32_t records = 0;          ///< if results stay on the device: RecordTables::held
-  uint64_t entries = 0;          ///< returns of all beams of the sensor, with those that are missing
+  uint64_t entries = 0;          ///< returns of all beams of a shot, with those that are missing
   bool organised = false;        ///< records of all entries
   bool lastViews = true;         ///< of their shots; after them come the records
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes

@@ -160,4 +160,20 @@ TEST_CASE("the bend of a motion is the largest second difference of its frames b
   CHECK(boundsOf({}).bendEnd == 0);
 }
 
+TEST_CASE("views of a sensor that stands share their tables of motion, wherever it stands") {
+  ScanTimes times = {0, 1e-4, 5e-3, 1e-2, 101};
+  times.used = 101;
+  OriginBounds lasers;
+  lasers.centre = {0.05, 0.02, 0.013};
+  const auto columnsAt = [&](const Pose& pose) {
+    Shot shot;
+    shot.pose = pose;
+    return makeMotionTables(times, lasers, shot, true, true).columns;
+  };
+  const auto expected = columnsAt({});
+  REQUIRE(expected.size() == 101);
+  const auto found = columnsAt({{0.41, -0.27, 8.12}, {0.02, -0.03, 0.3, 0.95}});
+  CHECK(std::memcmp(found.data(), expected.data(), expected.size() * sizeof expected[0]) == 0);
+}
+
 }  // namespace gnosphere::test

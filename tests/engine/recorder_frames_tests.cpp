@@ -178,16 +178,19 @@ TEST_CASE("a list that is too small for the first of several heads is reported, 
   needVulkan();
   const CommonApp common;
   VulkanApp& app = common.app;
-  Sensor rig = listSensor("rig", headsAt({{-2, 0, 0}}, rosette(3000, 1.5)));
-  rig.patterns[0].directions.push_back({0, 0, 1});
-  rig.patterns[0].origins.push_back({2, 0, 0});
+  // The head with fewer beams comes first. The other one sees little of the walls.
+  Sensor rig = listSensor("rig", headsAt({{-2, 0, 0}}, rosette(1000, 1.5)));
+  BeamList& beams = rig.patterns[0];
+  const BeamList narrow = headsAt({{2, 0, 0}}, rosette(2500, 0.02));
+  beams.directions.insert(beams.directions.end(), narrow.directions.begin(), narrow.directions.end());
+  beams.origins.insert(beams.origins.end(), narrow.origins.begin(), narrow.origins.end());
   Scene scene = boxes();
   for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
   const SimulatorOptions options = slabOptions();
   Recorded recorded(app, scene, {rig, Effects::none()}, options, pointLayout());
   const std::vector<std::byte> rows = recorded.scan({});
   CHECK((recorded.incomplete == 1 || recorded.incomplete == 2));
-  CHECK(rows.size() == 3001 * pointLayout().stride);
+  CHECK(rows.size() == 3500 * pointLayout().stride);
 
   // A scan that is incomplete lacks hits. The rows of those that it has must lie where the complete scan has them.
   RecordLayout layout = layoutOf({Field::range, Field::beam});
@@ -464,8 +467,6 @@ TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
   CHECK_THROWS_WITH(attempt([](auto& shot) { shot.records.address += 4; }), ContainsSubstring("multiple of 16"));
   CHECK_THROWS_WITH(attempt([](auto& shot) { shot.header.address = 0; }), ContainsSubstring("for the header needs"));
   CHECK_THROWS_WITH(attempt([](auto& shot) { shot.header.bytes = 16; }), ContainsSubstring("it needs 32"));
-  const std::array twice = {good, good};
-  CHECK_THROWS_WITH(recorded.recorder().record(commands, 0, twice), ContainsSubstring("occurs twice"));
   frame.submit();
 }
 
