@@ -2,12 +2,14 @@
 #include "gnosphere/simulator.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <utility>
 
 #include "base/limits.hpp"
 #include "base/room.hpp"
 #include "base/slots.hpp"
+#include "base/threads.hpp"
 #include "effects/sensor_plan.hpp"
 #include "geometry/transform_rows.hpp"
 #include "geometry/transform_sources.hpp"
@@ -328,20 +330,27 @@ class Simulator::Impl {
   void setTransform(size_t instance, const Transform& transform) {
     instances_.check(instance);
     validate(transform, instance);
-    move(instance, transform);
+    const auto number = static_cast<uint32_t>(instance);
+    move({&number, 1}, {&transform, 1});
   }
 
   template <typename T>
   void setTransforms(std::span<const uint32_t> instances, std::span<const T> values) {
     readTransforms(values, instances.size(), transforms_);
-    for (size_t i = 0; i < instances.size(); ++i) {
-      if (instances_.has(instances[i]) && finite(transforms_[i])) continue;
+    const auto isRight = [&](size_t i) { return instances_.has(instances[i]) && finite(transforms_[i]); };
+    std::atomic<bool> right = true;
+    inRuns(instances.size(), kTransformsPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
+      for (uint64_t i = first; i < end; ++i)
+        if (!isRight(i)) right = false;
+    });
+    for (size_t i = 0; !right; ++i) {
+      if (isRight(i)) continue;
       const std::string which = "entry " + std::to_string(i) + ": ";
       instances_.check(instances[i], which);
       throw Error(ErrorCode::invalidArgument,
                   which + "the transform of instance " + std::to_string(instances[i]) + " is not finite");
     }
-    for (size_t i = 0; i < instances.size(); ++i) move(instances[i], transforms_[i]);
+    move(instances, transforms_);
   }
 
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
@@ -459,10 +468,9 @@ class Simulator::Impl {
     classes_.setMesh(index, std::move(kept.classes));
   }
 
-  void move(size_t instance, const Transform& transform) {
-    const Instance& kept = scene_.instances[instance];
-    backend_->setInstance(instance, kept.mesh, transform, kept.world);
-    inBuffer_[instance] = 0;
+  void move(std::span<const uint32_t> instances, std::span<const Transform> transforms) {
+    backend_->moveInstances(instances, transforms);
+    for (const uint32_t instance : instances) inBuffer_[instance] = 0;
   }
 
   /// Makes room for the next instance.

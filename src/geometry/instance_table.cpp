@@ -2,8 +2,10 @@
 #include "geometry/instance_table.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
@@ -118,7 +120,6 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform,
     numbered_ = false;
   }
   Placement& placement = placements_[index];
-  const Placement before = placement;
   const auto number = static_cast<uint32_t>(index);
   if (leaves) {
     World& from = worlds_.find(placement.world)->second;
@@ -133,18 +134,45 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform,
     if (to) to->summed = false;
     numbered_ = false;
   }
-  const Vec3& origin = meshOf(placement).origin;
-  placement.toWorld = linear(transform);
-  const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
-  placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
-  const bool known = !transformSources_.has(index) && before.mesh == mesh && !enters;
+  const bool known = !transformSources_.has(index) && meshBefore == mesh && !enters;
   transformSources_.remove(index);
-  if (known && same(before.toWorld, placement.toWorld) && same(before.position, placement.position)) return;
-  placement.changedAt = ++changes_;
-  const double volume = glm::determinant(placement.toWorld);
+  if (put(index, transform, known, changes_ + 1)) ++changes_;
+}
+
+void InstanceTable::move(std::span<const uint32_t> instances, std::span<const Transform> transforms) {
+  // Threads must not meet at one instance, nor change which instances have their transforms in a buffer.
+  const bool apart = std::ranges::adjacent_find(instances, std::greater_equal()) == instances.end();
+  const uint64_t threads = apart && !transformSources_.any() ? threadCount() : 1;
+  std::atomic<bool> changed = false;
+  inRuns(instances.size(), kInstancesPerRun, threads, [&](uint64_t first, uint64_t end) {
+    bool anyOfRun = false;
+    for (uint64_t i = first; i < end; ++i) {
+      const bool known = !transformSources_.has(instances[i]);
+      if (!known) transformSources_.remove(instances[i]);
+      anyOfRun |= put(instances[i], transforms[i], known, changes_ + 1);
+    }
+    if (anyOfRun) changed = true;
+  });
+  if (changed) ++changes_;
+}
+
+// Places an instance, and notes the number of the change. Returns false, and notes nothing, if the instance was there
+// before, which only a `known` one can have been.
+bool InstanceTable::put(size_t index, const Transform& transform, bool known, uint64_t change) {
+  Placement& placement = placements_[index];
+  const Vec3& origin = meshOf(placement).origin;
+  const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
+  const glm::dmat3 toWorld = linear(transform);
+  const glm::dvec3 position = {placed.rows[3], placed.rows[7], placed.rows[11]};
+  if (known && same(placement.toWorld, toWorld) && same(placement.position, position)) return false;
+  placement.toWorld = toWorld;
+  placement.position = position;
+  placement.changedAt = change;
+  const double volume = glm::determinant(toWorld);
   placement.mirrored = volume < 0;
-  placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(placement.toWorld) : glm::dmat3(0);
+  placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(toWorld) : glm::dmat3(0);
   spheres_[index] = sphereOf(index);
+  return true;
 }
 
 void InstanceTable::setMesh(size_t mesh, MeshSummary summary) {

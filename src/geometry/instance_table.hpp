@@ -76,6 +76,8 @@ class InstanceTable {
   /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it. If it throws std::bad_alloc,
   /// nothing changes.
   void set(size_t index, uint32_t mesh, const Transform& transform, uint32_t world);
+  /// Gives existing instances new transforms; of equal instances the last one counts.
+  void move(std::span<const uint32_t> instances, std::span<const Transform> transforms);
 
   /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set(). Every scan
   /// places them, because only the device knows where they are.
@@ -175,6 +177,7 @@ class InstanceTable {
     return firstTriangles_[instance] | (placements_[instance].mirrored ? 1u << 31 : 0u);
   }
   const MeshSummary& meshOf(const Placement& placement) const;
+  bool put(size_t index, const Transform& transform, bool known, uint64_t change);
   void moveSpheres();
   Sphere sphereOf(size_t instance) const;
   const World* find(uint32_t world) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -29,13 +30,15 @@ void read(std::span<const T> values, size_t count, std::vector<Transform>& trans
                                                 " instances; " + std::to_string(values.size()) + " numbers were given");
   const size_t width = count == 0 ? 0 : values.size() / count;
   transforms.resize(count);
-  for (size_t i = 0; i < count; ++i) {
-    const T* row = &values[i * width];
-    if (width == 7)
-      transforms[i] = transformOfPose(row);
-    else
-      std::copy_n(row, 12, transforms[i].rows.begin());
-  }
+  inRuns(count, kTransformsPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
+    for (uint64_t i = first; i < end; ++i) {
+      const T* row = &values[i * width];
+      if (width == 7)
+        transforms[i] = transformOfPose(row);
+      else
+        std::copy_n(row, 12, transforms[i].rows.begin());
+    }
+  });
 }
 
 }  // namespace

@@ -34,6 +34,8 @@ class Backend {
   virtual void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) = 0;
   virtual void setMesh(size_t index, const Mesh* mesh) = 0;
   virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world = 0) = 0;
+  /// Gives existing instances new transforms; of equal instances the last one counts.
+  virtual void moveInstances(std::span<const uint32_t> instances, std::span<const Transform> transforms) = 0;
   /// Moves all vertices of the mesh; `positions` has 3 values per vertex.
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
   /// Deforms the mesh, which is deformable; the deformation fits it.
@@ -41,7 +43,7 @@ class Backend {
   /// The vertices of the mesh, which is not deformable, are in a valid buffer of the caller. Only a device of the
   /// caller is asked for this.
   virtual void setVertices(size_t /*mesh*/, const CallerVertices& /*buffer*/) {}
-  /// The transforms of instances are in a valid buffer of the caller, each until setInstance(). Only a device of the
+  /// The transforms of instances are in a valid buffer of the caller, each until it is moved. Only a device of the
   /// caller is asked for this.
   virtual void setTransforms(const CallerTransforms& /*buffer*/) {}
   virtual Plan plan(size_t sensor) const = 0;

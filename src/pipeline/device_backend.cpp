@@ -110,6 +110,10 @@ class DeviceBackend final : public Backend {
     scene_.instances().set(index, mesh, transform, world);
   }
 
+  void moveInstances(std::span<const uint32_t> instances, std::span<const Transform> transforms) override {
+    scene_.instances().move(instances, transforms);
+  }
+
   void setPositions(size_t mesh, std::span<const float> positions) override {
     waitForAll();
     scene_.geometry().setPositions(mesh, positions);

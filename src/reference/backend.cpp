@@ -42,6 +42,7 @@ class ReferenceBackend : public Backend {
   void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) override;
   void setMesh(size_t index, const Mesh* mesh) override;
   void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) override;
+  void moveInstances(std::span<const uint32_t> instances, std::span<const Transform> transforms) override;
   void setPositions(size_t mesh, std::span<const float> positions) override;
   void setDeformation(size_t mesh, const Deformation& deformation) override;
 
@@ -150,6 +151,11 @@ void ReferenceBackend::setMesh(size_t index, const Mesh* mesh) {
 void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) {
   if (index == scene_.instances.size()) scene_.instances.emplace_back();
   scene_.instances[index] = {.mesh = mesh, .transform = transform, .world = world};
+  changed_ = true;
+}
+
+void ReferenceBackend::moveInstances(std::span<const uint32_t> instances, std::span<const Transform> transforms) {
+  for (size_t i = 0; i < instances.size(); ++i) scene_.instances[instances[i]].transform = transforms[i];
   changed_ = true;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <limits>
+#include <numeric>
 
 #include "support.hpp"
 
@@ -347,6 +348,50 @@ TEST_CASE("of many transforms one that is wrong is named and none is set") {
     poses[6] = 0;
     refused({2, 1, 0}, poses, "entry 0: the transform of instance 2 is not finite");
   }
+}
+
+TEST_CASE("threads that share many transforms move instances as single calls do") {
+  using Catch::Matchers::ContainsSubstring;
+  needVulkan();
+  constexpr uint32_t kCount = 9000;  // more than two threads' worth
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder builder;
+  builder.box({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}, 1);
+  scene.meshes = {builder.take()};
+  scene.instances.assign(kCount, {"", 0, translation(0, 0, 500)});
+  const Sensor sensor = gridSensor(360, 24, -20, 20, 60);
+  Simulator single = makeSimulator(scene, sensor, vulkanOptions()),
+            bulk = makeSimulator(scene, sensor, vulkanOptions());
+  std::vector<uint32_t> instances(kCount);
+  std::iota(instances.begin(), instances.end(), 0);
+  const auto requireSame = [&](int round) {
+    std::vector<double> rows;
+    for (size_t i = 0; i < instances.size(); ++i) {
+      const double angle = 0.7 * static_cast<double>(i), range = 3 + static_cast<double>((i * 7 + round) % 40);
+      const Transform transform =
+          translation(range * std::cos(angle), range * std::sin(angle), 0.2 * static_cast<double>(i % 19) - 2);
+      single.setTransform(instances[i], transform);
+      append(rows, transform.rows);
+    }
+    bulk.setTransforms(instances, rows);
+    const Scan scan = bulk.scan({});
+    REQUIRE(scan.counters.hits > scan.beamCount() / 4);
+    REQUIRE(sameBytes(scan, single.scan({})));
+    REQUIRE(bulk.scan({}).counters.reused == single.scan({}).counters.reused);
+    return rows;
+  };
+  requireSame(0);
+  requireSame(3);
+  std::reverse(instances.begin(), instances.end());
+  std::fill(instances.begin() + 4000, instances.begin() + 5000, 17);
+  std::vector<double> rows = requireSame(11);
+  const Scan scan = bulk.scan({});
+  rows[12 * 8000 + 3] = NAN;
+  rows[12 * 2500 + 7] = INFINITY;
+  CHECK_THROWS_WITH(bulk.setTransforms(instances, rows),
+                    ContainsSubstring("entry 2500: the transform of instance " + std::to_string(instances[2500])));
+  CHECK(sameBytes(bulk.scan({}), scan));
 }
 
 TEST_CASE("a sensor does not see the instances that it ignores", "[second-driver]") {
