@@ -80,10 +80,11 @@ void RecordedScans::abandon(size_t frame) {
   undo(frame);
 }
 
-// Collects the shots of each sensor, and divides them into parts. Throws Error(invalidArgument) if a sensor or a buffer
-// does not suit.
+// Collects the shots of each sensor, and divides them into parts of at most `mostViews` views. Throws
+// Error(invalidArgument) if a sensor or a buffer does not suit.
 std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording& recording,
-                                                                const std::vector<SensorArrays*>& sensors) const {
+                                                                const std::vector<SensorArrays*>& sensors,
+                                                                size_t mostViews) const {
   std::vector<ShotsOfSensor> all;
   for (const Recording::Item& item : recording.scans) {
     const size_t number = item.shot->sensor;
@@ -98,8 +99,6 @@ std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording&
     of->shots.push_back(*item.shot);
     of->spaces.push_back({{item.records.address, item.header.address}, item.records.bytes});
   }
-  // The caller's transforms are placed for the pose of one view.
-  const size_t mostViews = scene_.instances().transformSources().any() ? 1 : kAnyViews;
   for (ShotsOfSensor& of : all) of.parts = partsOf(of.shots, sensors, scene_, listBytes_, mostViews);
   return all;
 }
@@ -120,14 +119,22 @@ void RecordedScans::makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame
 }
 
 void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*>& sensors) {
-  const std::vector<ShotsOfSensor> all = divide(recording, sensors);
+  // The caller's transforms are placed for the pose of one view.
+  const size_t mostViews = scene_.instances().transformSources().any() ? 1 : kAnyViews;
+  std::vector<ShotsOfSensor> all = divide(recording, sensors, mostViews);
   const size_t frame = recording.frame;
   if (results_.size() <= frame) results_.resize(frame + 1);
   if (frames_.size() <= frame) frames_.resize(frame + 1);
   gnosphere::makeRoom(order_, frames_.size());
   vertices_.readDropped(frame);
   readResults(frame, sensors);
-  makeRoom(all, frame);
+  try {
+    makeRoom(all, frame);
+  } catch (const Error& error) {  // without memory for several views, shots are recorded view by view
+    if (error.code() != ErrorCode::outOfMemory || mostViews == 1) throw;
+    all = divide(recording, sensors, 1);
+    makeRoom(all, frame);
+  }
   std::erase(order_, frame);
   try {
     machine_.beginRecording(recording.commands, frame);

@@ -64,7 +64,8 @@ class RecordedScans {
     std::vector<Part> parts;
   };
 
-  std::vector<ShotsOfSensor> divide(const Recording& recording, const std::vector<SensorArrays*>& sensors) const;
+  std::vector<ShotsOfSensor> divide(const Recording& recording, const std::vector<SensorArrays*>& sensors,
+                                    size_t mostViews) const;
   void makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame);
   void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
   void undo(size_t frame) noexcept;

@@ -33,13 +33,14 @@ class Recordings {
   }
 
   void take(size_t shape) { recorded_.simulator().setPositions(1, shapes_[shape]); }
-  /// Records, as frame in flight 1, into a command buffer that is never submitted.
-  void record() {
-    const vulkan::RecordedShot shot = {{}, records_.range(), header_.range()};
+  /// Records shots, as frame in flight 1, into a command buffer that is never submitted.
+  void record(size_t count = 1) {
     recorded_.frame(0).wait();
     recorded_.frame(1).wait();
     const VkCommandBuffer commands = spare_.begin();
-    recorded_.recorder().record(commands, 1, {&shot, 1});
+    std::vector<vulkan::RecordedShot> shots(count, {{}, records_.range(), header_.range()});
+    for (size_t i = 0; i < count; ++i) shots[i].shot.pose.position.x = 0.001 * static_cast<double>(i);
+    recorded_.recorder().record(commands, 1, shots);
   }
   /// Ends the command buffer of record(), with nothing in it that runs.
   void drop() { spare_.end(); }
@@ -119,6 +120,27 @@ TEST_CASE("a recording that fails for lack of memory loses no upload", "[combina
           recordings.simulator().removeMesh(mesh);
           return failed;
         }) > 0);
+}
+
+TEST_CASE("shots that have no room together are recorded view by view") {
+  needVulkan();
+  Recordings recordings;
+  const auto check = [&] {
+    recordings.drop();
+    recordings.check(0);
+  };
+  recordings.take(0);
+  size_t count = 2;  // more than before need more room
+  {
+    const Injection injection(Fails::device, 1);
+    recordings.record(count);
+    CHECK(injection.fired());
+  }
+  recordings.recorder().abandon(1);
+  check();
+  const Trial trial = {[&] { recordings.record(++count); }, [&] { recordings.recorder().abandon(1); }, check};
+  failEach("vulkan: record views", Fails::device, trial);
+  failEach("vulkan: record views", Fails::memory, trial);
 }
 
 TEST_CASE("without memory of the device no mesh and no sensor comes, and the next scan is as before") {
