@@ -145,8 +145,10 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
         const Part& part = of.parts[i];
         record(recording, of, part, slot.runs[i]);
         for (const Shot& shot : part.shots) {
-          if (part.first) slot.scans.push_back({shot.frame, i, i});
-          if (!part.first) slot.scans.back().lastRun = i;
+          if (part.first)
+            slot.scans.push_back({shot.frame, i, i});
+          else
+            slot.scans.back().lastRun = i;
         }
       }
     }
