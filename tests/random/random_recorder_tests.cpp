@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests drawn at random: scans that an application records on its own device, against scans on a device of our own.
+#include <algorithm>
 #include <memory>
 
+#include "base/vector.hpp"
 #include "engine/recorded.hpp"
 #include "random/request.hpp"
 
@@ -24,6 +26,20 @@ RecordLayout layoutFor(const SensorRequest& request, uint32_t number) {
   RecordLayout layout = layoutOf(fields);
   layout.compact = number % 2 == 0;
   return layout;
+}
+
+/// Requires that the records have the rows of a scan, unless they are incomplete.
+void requireRows(const Results& results, const Scan& scan, const RecordLayout& layout) {
+  const RecordHeader& header = *results.header.as<RecordHeader>();
+  CHECK(results.records.guarded());
+  if (header.incomplete != 0) return;
+  const std::vector<std::byte> rows = rowsOf(scan, layout);
+  REQUIRE(header.rows * layout.stride == rows.size());
+  const auto bytes = std::as_const(results.records).bytes();
+  const auto at = std::mismatch(rows.begin(), rows.end(), bytes.begin()).first - rows.begin();
+  INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout.stride) << " of " << header.rows << ", byte "
+                                  << at % static_cast<ptrdiff_t>(layout.stride));
+  CHECK(at == static_cast<ptrdiff_t>(rows.size()));
 }
 
 /// The steps of a request recorded with two frames in flight. If `patient`, each is waited for, and recorded again
@@ -72,18 +88,38 @@ void requireRecorded(VulkanApp& app, uint32_t number) {
   for (VulkanApp::Frame& frame : frames) frame.wait();
   for (size_t i = 0; i < scans.size(); ++i) {
     INFO("shot " << i);
-    const RecordHeader& header = *results[i]->header.as<RecordHeader>();
-    CHECK(results[i]->records.guarded());
-    if (patient) CHECK(header.incomplete == 0);
-    if (header.incomplete != 0) continue;
-    const RecordLayout& layout = recordedSensors[request.steps[i].shot.sensor].layout;
-    const std::vector<std::byte> rows = rowsOf(scans[i], layout);
-    REQUIRE(header.rows * layout.stride == rows.size());
-    const auto bytes = std::as_const(results[i]->records).bytes();
-    const auto at = std::mismatch(rows.begin(), rows.end(), bytes.begin()).first - rows.begin();
-    INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout.stride) << " of " << header.rows << ", byte "
-                                    << at % static_cast<ptrdiff_t>(layout.stride));
-    CHECK(at == static_cast<ptrdiff_t>(rows.size()));
+    if (patient) CHECK(results[i]->header.as<RecordHeader>()->incomplete == 0);
+    requireRows(*results[i], scans[i], recordedSensors[request.steps[i].shot.sensor].layout);
+  }
+
+  // The last shot from several places, in one recording.
+  std::vector<Shot> together(5, request.steps.back().shot);
+  const RecordLayout& layout = recordedSensors[together[0].sensor].layout;
+  std::vector<std::unique_ptr<Results>> ofTogether;
+  std::vector<vulkan::RecordedShot> recordedShots;
+  scans.assign(together.size(), {});
+  for (size_t i = 0; i < together.size(); ++i) {
+    Shot& shot = together[i];
+    const Vec3 by = {0.13 * static_cast<double>(i), -0.07 * static_cast<double>(i), 0};
+    shot.frame += i;
+    shot.pose.position = shot.pose.position + by;
+    for (SensorMotion::Stamp& stamp : shot.motion.stamps) stamp.pose.position = stamp.pose.position + by;
+    expected.scanInto(shot, scans[i]);
+    ofTogether.push_back(std::make_unique<Results>(app, layout.bytesFor(scans[i].ranges.size())));
+    recordedShots.push_back({shot, ofTogether[i]->records.range(), ofTogether[i]->header.range()});
+  }
+  bool incomplete = true;
+  for (int attempt = 0; incomplete && attempt < 8; ++attempt) {
+    recorder.record(frames[0].begin(), 0, recordedShots);
+    frames[0].submit();
+    frames[0].wait();
+    incomplete = std::ranges::any_of(
+        ofTogether, [](const auto& of) { return of->header.template as<RecordHeader>()->incomplete != 0; });
+  }
+  CHECK_FALSE(incomplete);
+  for (size_t i = 0; i < together.size(); ++i) {
+    INFO("together, shot " << i);
+    requireRows(*ofTogether[i], scans[i], layout);
   }
 }
 
