@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
-// the records. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own, and
-// buffers of the caller. If several submissions project the beams of a shot, these passes run once, after the last one. If
-// the words of the beams tell their returns (see leavesWords()), the results come from them, and no stage stores points;
-// each shot is then one view.
+// the records. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own,
+// and buffers of the caller. If several submissions project the beams of a shot, these passes run once, after the last
+// one. If the words of the beams tell their returns (see leavesWords()), the results come from them, and no stage stores
+// points; each shot is then one view.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

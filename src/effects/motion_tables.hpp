@@ -21,7 +21,7 @@ Pose movedTo(const Vec3& point, const Pose& pose);
 
 /// Computes the tables of motion. The sensor moves by Shot::motion if that is given and `simulated`; otherwise only
 /// lasers away from the origin and moving instances count as motion, and nothing but `middle` depends on the pose. With
-/// `deskew` points are reported in the frame of the shot's pose. All else is seen from the lasers' centre.
+/// `deskew` points are reported in the frame of the shot's pose. Everything else is seen from the centre of the lasers.
 MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool simulated,
                               bool deskew);
 

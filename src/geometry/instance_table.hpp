@@ -79,8 +79,8 @@ class InstanceTable {
   /// Gives existing instances new transforms; of equal instances the last one counts.
   void move(std::span<const uint32_t> instances, std::span<const Transform> transforms);
 
-  /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set(). Every scan
-  /// places them, because only the device knows where they are.
+  /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set or moved.
+  /// Every scan places them, because only the device knows where they are.
   void setTransforms(const CallerTransforms& buffer);
   const TransformSources& transformSources() const { return transformSources_; }
   /// Writes what a device needs to compose these transforms with a pose: per buffer, and per instance.

@@ -61,7 +61,7 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
 
 /// Resolves the words of shots that were submitted together, each as one view, to places in which the entries of one
 /// scan follow those of the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone.
-/// `motions` are those of the shots, and empty for scans without motion.
+/// `motions` has the motion of each shot; it is empty for scans without motion.
 void readHits(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
               std::span<const Shot> shots, ShotMotions motions, const Places& to, Scan& sum);
 

@@ -23,8 +23,8 @@ struct Part {
 
 constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
 
-/// Divides shots into parts of at most `mostViews` views, whose lists of instances and clusters take no more than
-/// `listBytes` bytes on the device. `sensors` has the arrays by sensor. The parts refer to the shots and to the
+/// Divides shots into parts, each with at most `mostViews` views, and with lists of instances and clusters that take at
+/// most `listBytes` bytes on the device. `sensors` has the arrays by sensor. The parts refer to the shots and the
 /// sensors.
 std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors, const SceneArrays& scene,
                           uint64_t listBytes, size_t mostViews);

@@ -2,6 +2,7 @@
 // Scans recorded by an application, and their results as the application finds them in its buffers.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -29,6 +30,17 @@ inline std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layou
   std::vector<std::byte> bytes(layout.stride * scan.ranges.size());
   bytes.resize(layout.stride * pack(scan, layout, bytes));
   return bytes;
+}
+
+/// Requires that records are the rows of a scan.
+inline void requireRows(std::span<const std::byte> records, const Scan& scan, const RecordLayout& layout) {
+  const std::vector<std::byte> rows = rowsOf(scan, layout);
+  INFO(rows.size() / layout.stride << " rows");
+  REQUIRE(records.size() == rows.size());
+  const auto at = std::ranges::mismatch(records, rows).in1 - records.begin();
+  INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout.stride) << ", byte "
+                                  << at % static_cast<ptrdiff_t>(layout.stride));
+  REQUIRE(at == static_cast<ptrdiff_t>(rows.size()));
 }
 
 /// A simulator on the application's device with one sensor, two frames in flight, and the buffers for their results.

@@ -7,6 +7,7 @@
 
 #include "deformable.hpp"
 #include "effects/scan_support.hpp"
+#include "engine/counted_calls.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
 #include "vulkan/device_functions.hpp"
@@ -36,64 +37,6 @@ SimulatorOptions slabOptions() {
   return options;
 }
 
-/// The calls of the library to its entry points that allocate, submit or wait, counted by a table between the library
-/// and the loader.
-struct Calls {
-  PFN_vkGetInstanceProcAddr instance = nullptr;
-  PFN_vkGetDeviceProcAddr device = nullptr;
-  PFN_vkAllocateMemory allocate = nullptr;
-  PFN_vkFreeMemory release = nullptr;
-  int all = 0, memories = 0;
-} calls;
-
-const std::vector<std::string> kCounted = {"vkAllocateMemory",    "vkCreateBuffer",          "vkWaitForFences",
-                                           "vkQueueWaitIdle",     "vkQueueSubmit",           "vkMapMemory",
-                                           "vkCreateCommandPool", "vkCreateComputePipelines"};
-std::vector<PFN_vkVoidFunction> counted(kCounted.size());
-
-template <size_t kIndex, typename Function>
-struct Counter;
-template <size_t kIndex, typename Result, typename... Arguments>
-struct Counter<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
-  static VKAPI_ATTR Result VKAPI_CALL call(Arguments... arguments) {
-    ++calls.all;
-    return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(counted[kIndex])(arguments...);
-  }
-};
-
-template <size_t kIndex, typename Function>
-PFN_vkVoidFunction counting() {
-  return reinterpret_cast<PFN_vkVoidFunction>(Counter<kIndex, Function>::call);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingDevice(VkDevice device, const char* name) {
-  const PFN_vkVoidFunction real = calls.device(device, name);
-  const auto found = std::find(kCounted.begin(), kCounted.end(), name);
-  if (found == kCounted.end()) return real;
-  const auto index = static_cast<size_t>(found - kCounted.begin());
-  counted[index] = real;
-  const PFN_vkVoidFunction wrapped[] = {
-      counting<0, PFN_vkAllocateMemory>(),    counting<1, PFN_vkCreateBuffer>(),
-      counting<2, PFN_vkWaitForFences>(),     counting<3, PFN_vkQueueWaitIdle>(),
-      counting<4, PFN_vkQueueSubmit>(),       counting<5, PFN_vkMapMemory>(),
-      counting<6, PFN_vkCreateCommandPool>(), counting<7, PFN_vkCreateComputePipelines>()};
-  return wrapped[index];
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingInstance(VkInstance instance, const char* name) {
-  const PFN_vkVoidFunction real = calls.instance(instance, name);
-  if (std::string(name) != "vkGetDeviceProcAddr") return real;
-  calls.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
-  return reinterpret_cast<PFN_vkVoidFunction>(countingDevice);
-}
-
-PFN_vkGetInstanceProcAddr countingLookUp() {
-  calls = {};
-  calls.instance =
-      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
-  return countingInstance;
-}
-
 }  // namespace
 
 TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and wait for nothing", "[combinations]") {
@@ -118,7 +61,7 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
                                                VulkanApp::Buffer(app, 4 * inner.size())};
   Recorded recorded(app, scene, {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
                     pointLayout());
-  CHECK(calls.all > 20);
+  CHECK(callsOf(kCostlyCalls) > 20);
   Shot shot;
   const auto next = [&] {
     ++shot.frame;
@@ -138,12 +81,12 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
     for (const vulkan::RecordedScan& before : recorded.submit(shot)) CHECK(before.frame + 2 == shot.frame);
   };
   for (int i = 0; i < 8; ++i) next();
-  calls.all = 0;
+  forgetCalls();
   for (int i = 0; i < frames; ++i) next();
-  CHECK(calls.all == 0);
+  CHECK(callsOf(kCostlyCalls) == 0);
   // The count sees an allocation: a second sensor needs memory.
   recorded.simulator().addSensor({gridSensor(90, 4, -9, 9), Effects::none()});
-  CHECK(calls.all > 0);
+  CHECK(callsOf(kCostlyCalls) > 0);
 }
 
 TEST_CASE("a list that is too small is reported, grows before the next scan, and no buffer is overrun") {

@@ -4,6 +4,7 @@
 #include <catch2/generators/catch_generators.hpp>
 
 #include "base/vector.hpp"
+#include "engine/counted_calls.hpp"
 #include "engine/record_layouts.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
@@ -11,51 +12,6 @@
 
 namespace gnosphere::test {
 namespace {
-
-/// The functions of a device, with counts of the dispatches that are recorded, and of the buffers that are made.
-struct Counts {
-  PFN_vkGetInstanceProcAddr instance = nullptr;
-  PFN_vkGetDeviceProcAddr device = nullptr;
-  PFN_vkCmdDispatch direct = nullptr;
-  PFN_vkCmdDispatchIndirect indirect = nullptr;
-  PFN_vkCreateBuffer createBuffer = nullptr;
-  int dispatches = 0, buffers = 0;
-} counts;
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingOfDevice(VkDevice device, const char* name) {
-  const PFN_vkVoidFunction real = counts.device(device, name);
-  if (std::string(name) == "vkCreateBuffer") {
-    counts.createBuffer = reinterpret_cast<PFN_vkCreateBuffer>(real);
-    const PFN_vkCreateBuffer counting = [](VkDevice of, const VkBufferCreateInfo* create,
-                                           const VkAllocationCallbacks* callbacks, VkBuffer* buffer) {
-      ++counts.buffers;
-      return counts.createBuffer(of, create, callbacks, buffer);
-    };
-    return reinterpret_cast<PFN_vkVoidFunction>(counting);
-  }
-  if (std::string(name) == "vkCmdDispatch") {
-    counts.direct = reinterpret_cast<PFN_vkCmdDispatch>(real);
-    const PFN_vkCmdDispatch counting = [](VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
-      ++counts.dispatches;
-      counts.direct(commands, x, y, z);
-    };
-    return reinterpret_cast<PFN_vkVoidFunction>(counting);
-  }
-  if (std::string(name) != "vkCmdDispatchIndirect") return real;
-  counts.indirect = reinterpret_cast<PFN_vkCmdDispatchIndirect>(real);
-  const PFN_vkCmdDispatchIndirect counting = [](VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize place) {
-    ++counts.dispatches;
-    counts.indirect(commands, buffer, place);
-  };
-  return reinterpret_cast<PFN_vkVoidFunction>(counting);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingOfInstance(VkInstance instance, const char* name) {
-  const PFN_vkVoidFunction real = counts.instance(instance, name);
-  if (std::string(name) != "vkGetDeviceProcAddr") return real;
-  counts.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
-  return reinterpret_cast<PFN_vkVoidFunction>(countingOfDevice);
-}
 
 /// A simulator on the application's device whose records of all shots of a call lie in one buffer, one after the other.
 class RecordedViews {
@@ -112,15 +68,10 @@ class RecordedViews {
     for (size_t i = 0; i < shots.size(); ++i) {
       Scan scan;
       expected_->scanInto(shots[i], scan);
-      const std::vector<std::byte> rows = rowsOf(scan, layout_);
-      INFO("shot " << i << ", " << rows.size() / layout_.stride << " rows");
-      REQUIRE(headers()[i].rows == rows.size() / layout_.stride);
+      INFO("shot " << i);
       CHECK(headers()[i].frame == shots[i].frame);
-      const std::span found = std::as_const(records_).bytes().subspan(i * bytesOfShot_, rows.size());
-      const auto at = std::ranges::mismatch(found, rows).in1 - found.begin();
-      INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout_.stride) << ", byte "
-                                      << at % static_cast<ptrdiff_t>(layout_.stride));
-      REQUIRE(std::ranges::equal(found, rows));
+      const std::span records = std::as_const(records_).bytes().subspan(i * bytesOfShot_, bytesOfShot_);
+      requireRows(records.first(headers()[i].rows * layout_.stride), scan, layout_);
     }
     return count;
   }
@@ -211,33 +162,30 @@ TEST_CASE("recorded shots of a moving list with effects have the bytes of single
 }
 
 TEST_CASE(
-    "shots that are recorded together have the dispatches of a single one, and make no buffers once there is room") {
+    "shots that are recorded together have the dispatches of a single one, and allocate nothing once there is room") {
   needVulkan();
-  counts = {};
-  counts.instance =
-      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
-  VulkanApp app("", countingOfInstance);
+  VulkanApp app("", countingLookUp());
   const RecordLayout layout = layoutOf({Field::range});
   const std::vector<Shot> shots = shotsInTurn(64, false);
   RecordedViews views(app, roomOfWorlds(), {gridSensor(90, 8, -18, 9, 15), Effects::none()}, vulkanOptions(), layout,
                       shots.size());
   views.requireSame(shots);
   const auto countOf = [&](size_t count) {
-    counts.dispatches = 0;
+    forgetCalls();
     views.record(std::span(shots).first(count));
-    return counts.dispatches;
+    return callsOf(kDispatchCalls);
   };
   const int one = countOf(1);
   CHECK(one > 5);
   CHECK(countOf(2) == one);
   CHECK(countOf(64) == one);
-  counts.buffers = 0;
+  forgetCalls();
   std::vector<Shot> moved = shots;
   for (int round = 0; round < 10; ++round) {
     for (Shot& shot : moved) shot.pose.position.x += 0.01;
     views.record(moved);
   }
-  CHECK(counts.buffers == 0);
+  CHECK(callsOf(kCostlyCalls) == 0);
 }
 
 TEST_CASE("shots that are recorded together see vertices and transforms in buffers of the caller") {
