@@ -149,6 +149,11 @@ std::vector<Option<S>> makeSimulatorTable() {
            "driver's compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver "
            "that only compiles is enough. Only for Vulkan devices of the library's own."),
        machine},
+      {flag<&S::resultsOnDevice>(
+           "results_on_device",
+           "Results stay on the device: a BatchStream submits the scans, and the scan functions throw "
+           "Error(invalidArgument). Only for Vulkan devices of the library's own."),
+       machine},
   };
 }
 

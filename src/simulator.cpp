@@ -17,6 +17,7 @@
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
+#include "pipeline/result_ring.hpp"
 #include "scan/batch_arrays.hpp"
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
@@ -70,7 +71,7 @@ class Simulator::Impl {
     }
     for (const SensorRequest& given : sensors) {
       check(given);
-      const SensorRequest request = withFieldsOfLayout(given);
+      const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
       requests_.push_back(request);
@@ -84,6 +85,10 @@ class Simulator::Impl {
     if (options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is on a device of the caller; its scans are recorded by vulkan::Recorder");
+    if (options_.resultsOnDevice)
+      throw Error(ErrorCode::invalidArgument,
+                  "the results of this simulator stay on its device (results_on_device), so a BatchStream submits its "
+                  "scans");
     if (options_.compileOnly)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator only compiles, so it cannot scan; see SimulatorOptions::compileOnly");
@@ -149,7 +154,7 @@ class Simulator::Impl {
   }
 
   void record(Recording& recording) {
-    if (!options_.device.adopted)
+    if (!recording.streamed && !options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is not on a device of the caller, so it cannot record; see vulkan::adopt()");
     if (!recording.commands) return;
@@ -167,8 +172,8 @@ class Simulator::Impl {
 
   size_t addSensor(const SensorRequest& given) {
     check(given);
-    SensorRequest request = withFieldsOfLayout(given);
     const size_t index = sensors_.next();
+    SensorRequest request = completed(given, index);
     sensors_.reserve();
     auto plan = planner_.plan(scene_, request, index, false);
     ComputedColumns computed(request.sensor, request.fields);
@@ -366,6 +371,17 @@ class Simulator::Impl {
   }
 
   const Backend& backend() const { return *backend_; }
+  const SensorPlans& plans() const { return plans_; }
+  std::shared_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
+    if (!options_.resultsOnDevice || options_.compileOnly)
+      throw Error(ErrorCode::invalidArgument,
+                  "a BatchStream needs a simulator whose results stay on its device (results_on_device)");
+    if (!ring_.expired())
+      throw Error(ErrorCode::invalidArgument, "the simulator has a BatchStream already, and can have one at a time");
+    std::shared_ptr<ResultRing> ring = backend_->makeRing(buffers, bytes, hostBytes);
+    ring_ = ring;
+    return ring;
+  }
 
  private:
   void check(const SensorRequest& request) const {
@@ -373,11 +389,24 @@ class Simulator::Impl {
     for (const uint32_t instance : request.ignoredInstances)
       instances_.check(instance, "sensor '" + request.sensor.name + "': it ignores an instance, but ");
     if (request.layout.empty()) return;
-    if (!options_.device.adopted && !options_.compileOnly)
+    if (!options_.device.adopted && !options_.compileOnly && !options_.resultsOnDevice)
       throw Error(ErrorCode::invalidArgument,
                   "sensor '" + request.sensor.name +
-                      "': a layout is for results that stay on a device of the caller, see vulkan::adopt()");
+                      "': a layout is for results that stay on a device, see vulkan::adopt() and results_on_device");
     validate(request.layout);
+  }
+
+  // Returns the request with the fields of its layout, and with a layout if results stay on a device of our own.
+  SensorRequest completed(const SensorRequest& given, size_t index) {
+    SensorRequest request = given;
+    if (options_.resultsOnDevice && request.layout.empty()) {
+      request.layout = columnLayout({Field::range}, 0);
+      const uint64_t returns = planner_.plan(scene_, withFieldsOfLayout(request), index, false)->returns;
+      std::vector<Field> fields = request.fields;
+      fields.insert(fields.begin(), Field::range);
+      request.layout = columnLayout(fields, request.sensor.beamCount() * returns);
+    }
+    return withFieldsOfLayout(request);
   }
 
   void checkDeformation(size_t mesh, const Deformation& deformation, const std::string& which) const {
@@ -510,6 +539,7 @@ class Simulator::Impl {
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
   bool stale_ = false;  // true if the visible materials may have changed since the sensors were planned
   std::unique_ptr<Backend> backend_;
+  std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };
 
 Simulator::Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
@@ -553,6 +583,12 @@ void Simulator::record(Recording& recording) {
 }
 void Simulator::abandon(size_t frame) {
   impl_->abandon(frame);
+}
+const SensorPlans& Simulator::plans() const {
+  return impl_->plans();
+}
+std::shared_ptr<ResultRing> Simulator::makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
+  return impl_->makeRing(buffers, bytes, hostBytes);
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
   impl_->setVertices(mesh, buffer);

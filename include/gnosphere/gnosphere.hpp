@@ -4,6 +4,7 @@
 
 #include "gnosphere/animation.hpp"
 #include "gnosphere/batch.hpp"
+#include "gnosphere/batch_stream.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/options.hpp"

@@ -26,7 +26,10 @@ namespace vulkan {
 struct AdoptedDevice;
 class Recorder;
 }  // namespace vulkan
+class BatchStream;
+class ResultRing;
 struct Recording;
+struct SensorPlan;
 struct CallerVertices;
 struct CallerTransforms;
 
@@ -203,6 +206,9 @@ struct SimulatorOptions {
   /// compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver that only
   /// compiles is enough. Only for Vulkan devices of the library's own.
   bool compileOnly = false;
+  /// Results stay on the device: a BatchStream submits the scans, and the scan functions throw Error(invalidArgument).
+  /// Only for Vulkan devices of the library's own.
+  bool resultsOnDevice = false;
   Tuning tuning;
 };
 
@@ -210,13 +216,16 @@ struct SimulatorOptions {
 struct SensorRequest {
   Sensor sensor;
   Effects effects;  ///< by default those that the scene and the sensor call for; Effects::none() is geometry alone
-  /// The fields that scans hold beyond points, ranges, triangles and instances; read them with Scan::column().
+  /// The fields that scans hold beyond points, ranges, triangles and instances; read them with Scan::column(). With
+  /// SimulatorOptions::resultsOnDevice, the fields that batches hold beyond ranges.
   std::vector<Field> fields;
   /// If true, shots may set Shot::weather: fog, rain, snow and volumes are planned even if `effects` gives them no
   /// value, unless they are off.
   bool variableWeather = false;
-  /// On the caller's own Vulkan device (see vulkan::adopt()): what the recorded scans of the sensor leave in the
-  /// caller's buffers. Its fields need not be repeated in `fields`. Must be empty on any other device.
+  /// Results that stay on a device lie like this: in the caller's buffers on a device of the caller (see
+  /// vulkan::adopt()), and with SimulatorOptions::resultsOnDevice in those of a BatchStream, which has columns of
+  /// ranges and `fields` if the layout is empty. Its fields need not be repeated in `fields`. Without any of the two
+  /// the layout must be empty.
   RecordLayout layout;
   /// Indices of instances that the sensor does not see, for example the body of the robot that carries it: its scans
   /// are those of a scene without them. An index stays ignored if its instance is removed and another one gets it.
@@ -359,7 +368,10 @@ class GNOSPHERE_API Simulator {
 
  private:
   friend class vulkan::Recorder;
+  friend class BatchStream;
   class Impl;
+  const std::vector<std::shared_ptr<const SensorPlan>>& plans() const;
+  std::shared_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes);
   void record(Recording& recording);
   void abandon(size_t frame);
   void setVertices(size_t mesh, const CallerVertices& buffer);

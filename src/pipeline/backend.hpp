@@ -23,10 +23,14 @@ class Backend {
   /// other. Returns false, and does nothing, if scans of the sensor have more than nearest hits, or if the device has
   /// no better way than scanAll(). `sum` gets the counters and times of all scans together.
   virtual bool scanInto(std::span<const Shot> /*shots*/, const Places& /*places*/, Scan& /*sum*/) { return false; }
-  /// Records scans into the caller's command buffer; see vulkan::Recorder. Only a device of the caller does that.
+  /// Records scans into a command buffer; see vulkan::Recorder and BatchStream. Only called if results stay on the
+  /// device.
   virtual void record(Recording& /*recording*/) {}
   /// The commands of the last recording of this frame in flight will never run.
   virtual void abandon(size_t /*frame*/) {}
+  /// Makes buffers for the results of recorded scans, see Machine::makeRing(). The method is only called
+  /// with SimulatorOptions::resultsOnDevice.
+  virtual std::unique_ptr<ResultRing> makeRing(size_t /*buffers*/, uint64_t /*bytes*/, uint64_t /*hostBytes*/);
   /// In each of the following an index is an existing one, or the next one to add an entry; null or kNoMesh removes the
   /// entry. If a call throws, the scene and the sensors are unchanged.
   virtual void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) = 0;

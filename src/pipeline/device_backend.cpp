@@ -71,6 +71,10 @@ class DeviceBackend final : public Backend {
 
   void abandon(size_t frame) override { recorded_.abandon(frame); }
 
+  std::unique_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) override {
+    return machine_->makeRing(buffers, bytes, hostBytes);
+  }
+
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override {
     waitForAll();
     std::unique_ptr<SensorState> sensor;

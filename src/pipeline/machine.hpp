@@ -9,6 +9,7 @@
 #include "common/arrays.h"
 #include "gnosphere/simulator.hpp"
 #include "pipeline/device_memory.hpp"
+#include "pipeline/result_ring.hpp"
 #include "pipeline/steps.hpp"
 
 namespace gnosphere {
@@ -49,11 +50,11 @@ class Machine {
   /// Throws Error(device) with the messages of the validation layer, if it is on and there are any.
   virtual void throwOnMessages() {}
 
-  /// Whether the device is the caller's. Then nothing is submitted; scans are recorded between beginRecording() and
-  /// endRecording(). Memory that is destroyed stays until no recorded scan uses it, and what is written to memory of
-  /// the kind `device` arrives with the next recording.
+  /// Whether results stay on the device. Then submit() is not called; scans are recorded between beginRecording() and
+  /// endRecording(), into command buffers of the caller or of a ResultRing. Memory that is destroyed stays until no
+  /// recorded scan uses it, and what is written to memory of the kind `device` arrives with the next recording.
   virtual bool recordsOnly() const { return false; }
-  /// Begins to record into the caller's command buffer, as its frame in flight `frame`, whose commands have completed.
+  /// Begins to record into a command buffer, as its frame in flight `frame`, whose commands have completed.
   virtual void beginRecording(void* /*commands*/, size_t /*frame*/) {}
   /// Records the steps of a scan. `addresses` has room for gpu::Addresses and is of the kind `upload`; the commands
   /// that were recorded with it before have completed.
@@ -61,6 +62,11 @@ class Machine {
   virtual void endRecording() {}
   /// The commands of the last recording of this frame will never run.
   virtual void abandonRecording(size_t /*frame*/) noexcept {}
+  /// Makes buffers for the results of recorded scans on a device of our own, of so many bytes each, the first
+  /// `hostBytes` of which the host reads. The machine must outlive them.
+  virtual std::unique_ptr<ResultRing> makeRing(size_t /*buffers*/, uint64_t /*bytes*/, uint64_t /*hostBytes*/) {
+    return nullptr;
+  }
 };
 
 }  // namespace gnosphere

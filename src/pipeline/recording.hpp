@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One call that records scans into the caller's command buffer.
+// One call that records scans into a command buffer of the caller or of a stream of batches.
 #pragma once
 
 #include <vector>
@@ -30,6 +30,7 @@ struct Recording {
   void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all
   size_t frame = 0;          ///< in flight
   std::vector<Item> scans;
+  bool streamed = false;  ///< whether the command buffer is that of a BatchStream
   const ClassTable* classes = nullptr;
   std::vector<Result> results;  ///< of the scans recorded for this frame in flight the last time
 };

@@ -80,6 +80,25 @@ std::vector<Field> fieldsOf(const RecordLayout& layout) {
   return fields;
 }
 
+RecordLayout columnLayout(const std::vector<Field>& fields, uint64_t rows) {
+  RecordLayout layout;
+  const auto has = [&](Field field) {
+    return std::ranges::any_of(layout.values, [&](const auto& value) { return value.field == field; });
+  };
+  for (const Field field : fields) {
+    if (has(field)) continue;
+    constexpr Field kPoint[] = {Field::x, Field::y, Field::z};
+    const bool point = std::ranges::count(kPoint, field) > 0;
+    const FieldInfo info = fieldInfo(field);
+    const uint32_t components = point ? 3 : info.components;
+    const size_t size = sizeOf(info.type), start = layout.bytesFor(rows);
+    for (uint32_t i = 0; i < components; ++i)
+      layout.values.push_back(
+          {point ? kPoint[i] : field, point ? 0 : i, start + i * size, info.type, components * size});
+  }
+  return layout;
+}
+
 uint64_t RecordLayout::bytesFor(uint64_t rows) const {
   uint64_t bytes = wholeWords(rows * stride);
   for (const Value& value : values)

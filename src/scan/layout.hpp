@@ -26,6 +26,10 @@ std::vector<RecordLayout::Value> valuesOfRow(const RecordLayout& layout);
 /// Returns the fields that the layout needs, each once.
 std::vector<Field> fieldsOf(const RecordLayout& layout);
 
+/// Returns the layout in which so many values of each field follow one another, fields in the order given, each once;
+/// vectors have their components side by side, and x, y and z are one vector.
+RecordLayout columnLayout(const std::vector<Field>& fields, uint64_t rows);
+
 /// Returns how many rows fit into so many bytes of a device.
 uint64_t rowsIn(const RecordLayout& layout, uint64_t bytes);
 

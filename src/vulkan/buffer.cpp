@@ -41,22 +41,28 @@ void refuseLarger(const Device& device, const char* name, uint64_t bytes, uint64
 }
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind)
-    : Buffer(device, name, bytes, wishesFor(device, kind)) {}
+    : Buffer(device, name, bytes, wishesFor(device, kind), Place::any) {}
 
 Buffer Buffer::staging(const Device& device, uint64_t bytes, bool read) {
   static constexpr VkMemoryPropertyFlags kWritten[] = {kVisible | kCoherent, kVisible};
   static constexpr VkMemoryPropertyFlags kRead[] = {kVisible | kCached, kVisible};
-  return Buffer(device, "staging", bytes, read ? Wishes(kRead) : Wishes(kWritten), true);
+  return Buffer(device, "staging", bytes, read ? Wishes(kRead) : Wishes(kWritten), Place::host);
 }
 
-Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wanted, bool onHost)
+Buffer Buffer::exported(const Device& device, const char* name, uint64_t bytes) {
+  const Place place = device.capabilities().exportsMemory ? Place::exported : Place::any;
+  return Buffer(device, name, bytes, wishesFor(device, MemoryKind::device), place);
+}
+
+Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wanted, Place place)
     : device_(&device), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
   refuseLarger(device, name, bytes_, device.maxBufferBytes());
-  VkBufferCreateInfo create = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  const bool exported = place == Place::exported;
+  const VkExternalMemoryBufferCreateInfo external = {VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO, nullptr,
+                                                     kExportedAs};
+  VkBufferCreateInfo create = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, exported ? &external : nullptr};
   create.size = bytes_;
-  create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
-                 VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  create.usage = kBufferUsage;
   const DeviceFunctions& vk = device.vk();
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
@@ -66,10 +72,11 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wa
   std::vector<uint32_t> types = device.memoryTypes(requirements.memoryTypeBits, wanted);
   if (types.empty())
     throw Error(ErrorCode::device, "the device '" + device.capabilities().info.name + "' has no suitable memory");
-  if (onHost) std::stable_partition(types.begin(), types.end(), [&](uint32_t type) { return !device.isLocal(type); });
+  if (place == Place::host)
+    std::stable_partition(types.begin(), types.end(), [&](uint32_t type) { return !device.isLocal(type); });
   VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
   for (size_t i = 0; i < types.size() && result != VK_SUCCESS; ++i) {
-    result = take(requirements, types[i]);
+    result = take(requirements, types[i], exported);
     coherent_ = device.isCoherent(types[i]);
   }
   need(result);
@@ -81,7 +88,16 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wa
   device.name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer_.get()), name);
 }
 
-VkResult Buffer::take(const VkMemoryRequirements& requirements, uint32_t type) {
+std::pair<int, uint64_t> Buffer::fd() const {
+  VkMemoryGetFdInfoKHR info = {VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR};
+  info.memory = memory_.memory();
+  info.handleType = kExportedAs;
+  int fd = -1;
+  VK(device_->vk().vkGetMemoryFdKHR(device_->handle(), &info, &fd));
+  return {fd, memory_.size()};
+}
+
+VkResult Buffer::take(const VkMemoryRequirements& requirements, uint32_t type, bool exported) {
   const bool visible = device_->isHostVisible(type);
   const AdoptedDevice* const adopted = device_->adopted();
   if (adopted && adopted->allocator.allocate) {
@@ -91,9 +107,11 @@ VkResult Buffer::take(const VkMemoryRequirements& requirements, uint32_t type) {
     if (visible && !allocation.mapped) return VK_ERROR_MEMORY_MAP_FAILED;
   } else {
     MemoryBlocks::Piece piece;
-    const VkResult result = device_->blocks().take(requirements, type, visible, piece);
+    MemoryBlocks& blocks = device_->blocks();
+    const VkResult result = exported ? blocks.takeExported(requirements, type, visible, piece)
+                                     : blocks.take(requirements, type, visible, piece);
     if (result != VK_SUCCESS) return result;
-    memory_ = {device_->blocks(), piece};
+    memory_ = {blocks, piece};
   }
   mapped_ = visible ? memory_.mapped() : nullptr;
   return VK_SUCCESS;

@@ -26,6 +26,8 @@ class Buffer {
   /// A buffer in the host's memory from which, or with `read` to which, the device copies. Memory of the device that
   /// the host may write is scarce on some cards, and not for this.
   static Buffer staging(const Device& device, uint64_t bytes, bool read);
+  /// A buffer of kind `device` in memory of its own, which fd() hands out if the device exports memory.
+  static Buffer exported(const Device& device, const char* name, uint64_t bytes);
 
   VkBuffer handle() const { return buffer_.get(); }
   /// Address by which shaders access the buffer.
@@ -34,6 +36,9 @@ class Buffer {
   const char* name() const { return name_; }
   /// Returns the host address; null if the host cannot access the memory.
   void* mapped() const { return mapped_; }
+  /// Returns a new file descriptor of the memory, in which the buffer begins at 0, and the size of the memory. Only for
+  /// a buffer of exported() on a device that exports memory.
+  std::pair<int, uint64_t> fd() const;
   /// Makes device writes visible to the host, if the memory is not coherent.
   void invalidate() const;
   /// Makes host writes visible to the device.
@@ -74,9 +79,10 @@ class Buffer {
     MemoryBlocks::Piece piece_;
   };
 
+  enum class Place { any, host, exported };
   Buffer(const Device& device, const char* name, uint64_t bytes, std::span<const VkMemoryPropertyFlags> wanted,
-         bool onHost = false);
-  VkResult take(const VkMemoryRequirements& requirements, uint32_t type);
+         Place place);
+  VkResult take(const VkMemoryRequirements& requirements, uint32_t type, bool exported);
   void need(VkResult result) const;
   VkMappedMemoryRange mappedRange() const;
 

@@ -146,6 +146,19 @@ uint64_t largestBuffer(const InstanceFunctions& vk, VkPhysicalDevice physical) {
   return limits.maxBufferSize > 0 ? limits.maxBufferSize : UINT64_MAX;
 }
 
+// Returns whether buffers can be handed out as file descriptors, in memory that is not reserved for one of them.
+bool exportsBuffers(const InstanceFunctions& vk, VkPhysicalDevice physical) {
+  if (!offers(vk, physical, VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME)) return false;
+  VkPhysicalDeviceExternalBufferInfo info = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_BUFFER_INFO};
+  info.usage = kBufferUsage;
+  info.handleType = kExportedAs;
+  VkExternalBufferProperties properties = {VK_STRUCTURE_TYPE_EXTERNAL_BUFFER_PROPERTIES};
+  vk.vkGetPhysicalDeviceExternalBufferProperties(physical, &info, &properties);
+  const VkExternalMemoryFeatureFlags features = properties.externalMemoryProperties.externalMemoryFeatures;
+  return (features & VK_EXTERNAL_MEMORY_FEATURE_EXPORTABLE_BIT) &&
+         !(features & VK_EXTERNAL_MEMORY_FEATURE_DEDICATED_ONLY_BIT);
+}
+
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical) {
   Capabilities result;
   Offer offer;
@@ -199,6 +212,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   // Mesa's lavapipe pays for this with three more instructions in every min() and max(), a tenth of a scan, and keeps
   // these values in any case.
   result.keepsSpecialFloats = !result.cpu && floats.shaderSignedZeroInfNanPreserveFloat32;
+  result.exportsMemory = exportsBuffers(vk, physical);
   result.timestampBits = basic.limits.timestampPeriod > 0 ? timestampBits : 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
   result.reasons = reasonsAgainst(offer);

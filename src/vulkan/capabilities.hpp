@@ -31,6 +31,12 @@ std::vector<std::string> reasonsAgainst(const Offer& offer);
 /// Returns the first of these reasons; empty if there is none.
 std::string reasonAgainst(const Offer& offer);
 
+/// The buffers that are shared with other devices and processes, and the usages of all buffers of the library.
+inline constexpr auto kExportedAs = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+inline constexpr VkBufferUsageFlags kBufferUsage =
+    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+    VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+
 /// Returns whether the device has the extension.
 bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension);
 
@@ -56,6 +62,7 @@ struct Capabilities {
   /// Lanes that have parted meet again as soon as the source says so: VK_KHR_shader_subgroup_uniform_control_flow. On a
   /// device of the caller it stays off. Without it the kernels rely on what every driver so far has done.
   bool uniformControlFlow = false;
+  bool exportsMemory = false;       ///< storage buffers can be handed out as file descriptors
   bool keepsSpecialFloats = false;  ///< shaders may ask that -0, NaN and infinity keep their meaning
   uint32_t timestampBits = 0;       ///< number of valid low bits of a timestamp; 0 if there are no timestamps
   double timestampMs = 0;           ///< milliseconds per tick

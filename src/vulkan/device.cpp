@@ -67,6 +67,7 @@ Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : a
     physical_ = adopted_->physicalDevice;
     capabilities_ = capabilitiesOf(instanceFunctions_, physical_);
     capabilities_.queueFamily = adopted_->queueFamily;
+    capabilities_.exportsMemory = false;
     const Requirements& enabled = adopted_->enabled;
     capabilities_.int64Atomics = enabled.features.shaderInt64 && enabled.features12.shaderBufferInt64Atomics;
     capabilities_.float64 = enabled.features.shaderFloat64;
@@ -115,6 +116,7 @@ void Device::makeOwn() {
     needed.extensions.push_back(VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME);
     needed.subgroupSizeControl.pNext = &uniform;
   }
+  if (capabilities_.exportsMemory) needed.extensions.push_back(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
   if (statistics_) {
     executables.pNext = needed.subgroupSizeControl.pNext;
     needed.extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);

@@ -14,6 +14,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkEnumerateDeviceExtensionProperties) \
   FUNCTION(vkEnumeratePhysicalDevices) \
   FUNCTION(vkGetDeviceProcAddr) \
+  FUNCTION(vkGetPhysicalDeviceExternalBufferProperties) \
   FUNCTION(vkGetPhysicalDeviceFeatures2) \
   FUNCTION(vkGetPhysicalDeviceMemoryProperties) \
   FUNCTION(vkGetPhysicalDeviceProperties) \
@@ -61,6 +62,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkGetBufferDeviceAddress) \
   FUNCTION(vkGetBufferMemoryRequirements) \
   FUNCTION(vkGetDeviceQueue) \
+  FUNCTION(vkGetMemoryFdKHR) \
   FUNCTION(vkGetPipelineCacheData) \
   FUNCTION(vkGetPipelineExecutablePropertiesKHR) \
   FUNCTION(vkGetPipelineExecutableStatisticsKHR) \

@@ -11,6 +11,7 @@
 #include "vulkan/compiling_machine.hpp"
 #include "vulkan/memory.hpp"
 #include "vulkan/ready_device.hpp"
+#include "vulkan/result_ring.hpp"
 
 namespace gnosphere {
 namespace vulkan {
@@ -111,7 +112,8 @@ class VulkanMachine final : public Machine {
         warn_(options.warn),
         trace_(options.trace),
         traits_(traitsOf(device_.capabilities(), options.tuning)),
-        timesStages_(!traits_.cpu || options.tuning.stageTimes || trace_) {}
+        timesStages_(!traits_.cpu || options.tuning.stageTimes || trace_),
+        recordsOnly_(device_.adopted() || options.resultsOnDevice) {}
 
   const Traits& traits() const override { return traits_; }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) override {
@@ -149,7 +151,7 @@ class VulkanMachine final : public Machine {
     watched([&] { commands.submit(); });
   }
 
-  bool recordsOnly() const override { return device_.adopted() != nullptr; }
+  bool recordsOnly() const override { return recordsOnly_; }
 
   void beginRecording(void* commands, size_t frame) override {
     recorded_ = {device_, static_cast<VkCommandBuffer>(commands)};
@@ -165,6 +167,10 @@ class VulkanMachine final : public Machine {
   void endRecording() override { recorded_.fullBarrier(); }
 
   void abandonRecording(size_t frame) noexcept override { recordings_.abandon(frame); }
+
+  std::unique_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) override {
+    return std::make_unique<VulkanRing>(device_, lent_->failed, buffers, bytes, hostBytes);
+  }
 
  private:
   template <typename Call>
@@ -189,7 +195,7 @@ class VulkanMachine final : public Machine {
   Kernels& kernels_ = lent_->kernels;
   std::function<void(const std::string&)> warn_, trace_;
   Traits traits_;
-  bool timesStages_;
+  bool timesStages_, recordsOnly_;
   Transfer transfer_{device_, traits_.info.maxBufferBytes};
   Recordings recordings_{device_, traits_.info.maxBufferBytes};
   std::deque<Frame> frames_;

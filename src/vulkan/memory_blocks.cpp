@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "vulkan/capabilities.hpp"
+
 namespace gnosphere::vulkan {
 namespace {
 
@@ -42,6 +44,15 @@ VkResult MemoryBlocks::take(const VkMemoryRequirements& requirements, uint32_t t
   return result;
 }
 
+VkResult MemoryBlocks::takeExported(const VkMemoryRequirements& requirements, uint32_t type, bool visible,
+                                    Piece& piece) {
+  const VkDeviceSize size = roundedUp(requirements.size, kAlignment);
+  const std::lock_guard lock(mutex_);
+  const VkResult result = makeBlock(size, type, visible, true);
+  if (result == VK_SUCCESS) takeFrom(*blocks_.back(), size, kAlignment, piece);
+  return result;
+}
+
 void MemoryBlocks::giveBack(const Piece& piece) noexcept {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
@@ -73,9 +84,10 @@ void MemoryBlocks::giveBack(const Piece& piece) noexcept {
     insertRun(free, std::move(run), offset, end - offset);
 }
 
-VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible) {
+VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible, bool exported) {
   if (blocks_.size() >= most_) return VK_ERROR_TOO_MANY_OBJECTS;  // drivers need not notice
-  VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  const VkExportMemoryAllocateInfo exporting = {VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO, nullptr, kExportedAs};
+  VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, exported ? &exporting : nullptr};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   allocate.allocationSize = size;

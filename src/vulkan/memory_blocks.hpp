@@ -34,6 +34,8 @@ class MemoryBlocks {
   /// Takes memory of a type, which the host maps if `visible`. If there is none left, `piece` stays as it is, and the
   /// result is the driver's.
   VkResult take(const VkMemoryRequirements& requirements, uint32_t type, bool visible, Piece& piece);
+  /// As take(), for a block of its own that can be handed out as a file descriptor.
+  VkResult takeExported(const VkMemoryRequirements& requirements, uint32_t type, bool visible, Piece& piece);
   /// A block is freed with its last piece.
   void giveBack(const Piece& piece) noexcept;
   /// Allocations of the device that are in use.
@@ -53,7 +55,7 @@ class MemoryBlocks {
     Runs taken = {};  // its nodes become those of free runs, so that giving back needs no memory
   };
 
-  VkResult makeBlock(VkDeviceSize size, uint32_t type, bool visible);
+  VkResult makeBlock(VkDeviceSize size, uint32_t type, bool visible, bool exported = false);
   bool takeFrom(Block& block, VkDeviceSize size, VkDeviceSize alignment, Piece& piece);
   VkDeviceSize nextBlockSize(uint32_t type) const;
 

@@ -2,6 +2,7 @@
 // Uses of the results of recorded scans that an application makes by means of Vulkan alone: memory that others import,
 // and timeline semaphores. The buffers and the submissions are the application's, so the library has no part in it.
 #include <cstring>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -165,6 +166,40 @@ TEST_CASE("another device reads recorded results by a file descriptor, as each t
   timeline.wait(5);
   CHECK(std::memcmp(theirs[1].host(), rows[1].data(), bytes) == 0);
   CHECK(std::memcmp(theirs[0].host(), rows[0].data(), bytes) == 0);
+}
+
+TEST_CASE("another device reads the result buffers of a stream, batch after batch", "[second-driver]") {
+  needVulkan();
+  const std::string extension = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
+  TestOptions options = vulkanOptions();
+  Simulator expected(boxes(), {gridSensor(90, 8, -18, 9), Effects::none()}, options);
+  VulkanApp other(expected.device().name, nullptr, {extension});
+  if (!other.has(extension)) SKIP(other.deviceName() << " has no " << extension);
+  options.resultsOnDevice = true;
+  Simulator simulator(boxes(), {gridSensor(90, 8, -18, 9), Effects::none()}, options);
+  BatchStream stream(simulator, {3});
+  const ResultPlaces places = stream.places();
+  std::deque<SharedBuffer> theirs;
+  for (size_t buffer = 0; buffer < 2; ++buffer) {
+    const ExportedMemory memory = stream.exportMemory(buffer);
+    CHECK(memory.bytes >= places.bytes);
+    theirs.emplace_back(other, memory.bytes, memory.fd);
+  }
+  for (uint64_t number = 0; number < 5; ++number) {
+    std::vector<Shot> shots(3);
+    for (size_t i = 0; i < shots.size(); ++i) {
+      shots[i].pose.position.y = 0.1 * static_cast<double>(i + number);
+      shots[i].frame = 10 * number + i;
+    }
+    stream.wait(stream.submit(shots));
+    const Batch batch = expected.scanBatch(shots);
+    const auto* const bytes = static_cast<const std::byte*>(theirs[number % 2].host());
+    const auto* const headers = reinterpret_cast<const RecordHeader*>(bytes + places.headers);
+    for (size_t i = 0; i < shots.size(); ++i) {
+      CHECK(headers[i].frame == shots[i].frame);
+      CHECK(std::memcmp(bytes + places.records + i * places.bytesPerView, batch.ranges().data() + 720 * i, 2880) == 0);
+    }
+  }
 }
 
 }  // namespace gnosphere::test

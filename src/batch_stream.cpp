@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/batch_stream.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/limits.hpp"
+#include "effects/sensor_plan.hpp"
+#include "gnosphere/error.hpp"
+#include "pipeline/recording.hpp"
+#include "pipeline/result_ring.hpp"
+#include "shot_checks.hpp"
+
+namespace gnosphere {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::invalidArgument, why);
+}
+
+constexpr uint64_t kAlignment = 256;  // of the records in a buffer; that of views is 16
+
+uint64_t roundedUp(uint64_t value, uint64_t to) {
+  return (value + to - 1) / to * to;
+}
+
+}  // namespace
+
+class BatchStream::Impl {
+ public:
+  Impl(Simulator& simulator, const BatchStreamOptions& options) : simulator_(simulator), options_(options) {
+    if (options.views == 0) refuse("a BatchStream is made for 1 or more views, not for 0");
+    if (options.inFlight == 0 || options.inFlight > limits::kFrames.most)
+      refuse("a BatchStream has 1 to " + std::to_string(limits::kFrames.most) + " batches in flight, not " +
+             std::to_string(options.inFlight));
+    batches_.resize(options.inFlight);
+    for (size_t sensor = 0; sensor < simulator.plans().size(); ++sensor)
+      if (simulator.plans()[sensor]) bytes_ = std::max(bytes_, bytesFor(sensor));
+    ring_ = simulator.makeRing(options.inFlight, bytes_, options.toHost ? bytes_ : headerBytes());
+  }
+
+  uint64_t submit(std::span<const Shot> shots) {
+    if (shots.size() > options_.views)
+      refuse("the batch has " + std::to_string(shots.size()) + " shots; the stream is made for " +
+             std::to_string(options_.views));
+    checkSensorOfBatch(shots);
+    const size_t buffer = next_ % options_.inFlight, sensor = shots.empty() ? 0 : shots[0].sensor;
+    if (bytesFor(sensor) > bytes_)
+      refuse("sensor " + std::to_string(sensor) + " needs result buffers of " + std::to_string(bytesFor(sensor)) +
+             " bytes; those of the stream, which was made before the sensor was added, have " + std::to_string(bytes_));
+    Batch& batch = batches_[buffer];
+    if (batch.sensor != sensor) batch.fits = false;
+    ring_->wait(buffer);
+    // The lists of a buffer grow when its next batch is recorded, so a batch that finds them too small is made again
+    // before anything else can change the scene.
+    do {
+      start(shots, sensor, buffer);
+      batch = {next_, sensor, shots.size(), batch.fits};
+      if (batch.fits) break;
+      ring_->wait(buffer);
+      batch.fits = complete(batch);
+    } while (!batch.fits);
+    return next_++;
+  }
+
+  StreamedBatch wait(uint64_t number) {
+    if (number >= next_) refuse("no batch " + std::to_string(number) + " has been submitted");
+    const size_t buffer = number % options_.inFlight;
+    Batch& batch = batches_[buffer];
+    if (batch.number != number)  // also after a batch that failed when its lists had grown
+      refuse("the results of batch " + std::to_string(number) + " are gone, because the stream keeps those of " +
+             std::to_string(options_.inFlight) + " batches");
+    ring_->wait(buffer);
+    StreamedBatch result;
+    result.number = number;
+    result.buffer = buffer;
+    result.sensor = batch.sensor;
+    result.views = batch.views;
+    result.headers = headersOf(batch);
+    result.complete = batch.fits = complete(batch);
+    if (ring_->hostHasAll()) {
+      const ResultPlaces places = placesOf(batch.sensor);
+      result.records = {ring_->host(buffer) + places.records, batch.views * places.bytesPerView};
+    }
+    return result;
+  }
+
+  const RecordLayout& layout(size_t sensor) const { return planOf(sensor).layout; }
+
+  ResultPlaces placesOf(size_t sensor) const {
+    const SensorPlan& plan = planOf(sensor);
+    ResultPlaces places;
+    places.records = roundedUp(headerBytes(), kAlignment);
+    places.rowsPerView = plan.sensor.beamCount() * plan.returns;
+    places.bytesPerView = roundedUp(std::max<uint64_t>(plan.layout.bytesFor(places.rowsPerView), 4), 16);
+    places.bytes = bytes_;
+    return places;
+  }
+
+  ExportedMemory exportMemory(size_t buffer) const {
+    checkBuffer(buffer);
+    const auto [fd, bytes] = ring_->fd(buffer);
+    return {fd, bytes};
+  }
+
+  uint64_t cudaAddress(size_t buffer) {
+    checkBuffer(buffer);
+    return ring_->cudaAddress(buffer);
+  }
+
+ private:
+  struct Batch {
+    uint64_t number = 0;
+    size_t sensor = 0;
+    size_t views = 0;
+    bool fits = false;  // whether the lists of this buffer were large enough for its last batch
+  };
+
+  const SensorPlan& planOf(size_t sensor) const {
+    const auto& plans = simulator_.plans();
+    if (sensor >= plans.size() || !plans[sensor]) refuse("there is no sensor " + std::to_string(sensor));
+    return *plans[sensor];
+  }
+  void checkBuffer(size_t buffer) const {
+    if (buffer >= options_.inFlight)
+      refuse("there is no result buffer " + std::to_string(buffer) + "; the stream has " +
+             std::to_string(options_.inFlight));
+  }
+  uint64_t headerBytes() const { return options_.views * sizeof(RecordHeader); }
+  uint64_t bytesFor(size_t sensor) const {
+    const ResultPlaces places = placesOf(sensor);
+    return places.records + options_.views * places.bytesPerView;
+  }
+
+  void start(std::span<const Shot> shots, size_t sensor, size_t buffer) {
+    const ResultPlaces places = placesOf(sensor);
+    const uint64_t address = ring_->address(buffer);
+    Recording recording;
+    recording.streamed = true;
+    recording.commands = ring_->begin(buffer);
+    recording.frame = buffer;
+    for (size_t view = 0; view < shots.size(); ++view)
+      recording.scans.push_back({&shots[view],
+                                 {address + places.records + view * places.bytesPerView, places.bytesPerView},
+                                 {address + places.headers + view * sizeof(RecordHeader), sizeof(RecordHeader)}});
+    simulator_.record(recording);
+    try {
+      ring_->submit(buffer);
+    } catch (...) {
+      simulator_.abandon(buffer);
+      throw;
+    }
+  }
+
+  std::span<const RecordHeader> headersOf(const Batch& batch) const {
+    return {reinterpret_cast<const RecordHeader*>(ring_->host(batch.number % options_.inFlight)), batch.views};
+  }
+  bool complete(const Batch& batch) const {
+    return std::ranges::all_of(headersOf(batch), [](const RecordHeader& header) { return header.incomplete == 0; });
+  }
+
+  Simulator& simulator_;
+  BatchStreamOptions options_;
+  uint64_t bytes_ = 0;  // of a result buffer
+  uint64_t next_ = 0;   // number of the next batch
+  std::vector<Batch> batches_;
+  std::shared_ptr<ResultRing> ring_;
+};
+
+BatchStream::BatchStream(Simulator& simulator, const BatchStreamOptions& options)
+    : impl_(std::make_unique<Impl>(simulator, options)) {}
+BatchStream::~BatchStream() = default;
+BatchStream::BatchStream(BatchStream&&) noexcept = default;
+BatchStream& BatchStream::operator=(BatchStream&&) noexcept = default;
+
+uint64_t BatchStream::submit(std::span<const Shot> shots) {
+  return impl_->submit(shots);
+}
+StreamedBatch BatchStream::wait(uint64_t number) {
+  return impl_->wait(number);
+}
+const RecordLayout& BatchStream::layout(size_t sensor) const {
+  return impl_->layout(sensor);
+}
+ResultPlaces BatchStream::places(size_t sensor) const {
+  return impl_->placesOf(sensor);
+}
+ExportedMemory BatchStream::exportMemory(size_t buffer) const {
+  return impl_->exportMemory(buffer);
+}
+uint64_t BatchStream::cudaAddress(size_t buffer) {
+  return impl_->cudaAddress(buffer);
+}
+
+}  // namespace gnosphere

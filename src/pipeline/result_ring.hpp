@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Buffers of a device that get the results of batches in turn, and the submissions that fill them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace gnosphere {
+
+class ResultRing {
+ public:
+  virtual ~ResultRing() = default;
+  /// Begins the commands that fill a buffer, after wait() for the commands before. Returns the command buffer, for
+  /// Recording::commands.
+  virtual void* begin(size_t buffer) = 0;
+  /// Submits the commands, whose frame in flight is the number of the buffer.
+  virtual void submit(size_t buffer) = 0;
+  /// Waits until the buffer is filled; returns at once if nothing was submitted since the last call.
+  virtual void wait(size_t buffer) = 0;
+  /// Address by which kernels access the buffer.
+  virtual uint64_t address(size_t buffer) const = 0;
+  /// After wait(), the results as the host sees them: all of them if device and host share their memory, otherwise as
+  /// many bytes as the ring was made to copy.
+  virtual const std::byte* host(size_t buffer) const = 0;
+  /// Whether host() has all results.
+  virtual bool hostHasAll() const = 0;
+  /// Returns a new file descriptor of the buffer's memory, and the size of that memory. Throws Error(device) if the
+  /// device exports none.
+  virtual std::pair<int, uint64_t> fd(size_t buffer) const = 0;
+  /// Returns the buffer's address in CUDA's primary context of the same card. Throws Error(device) if there is none.
+  virtual uint64_t cudaAddress(size_t buffer) = 0;
+};
+
+}  // namespace gnosphere

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Buffers for the results of batches on our own device.
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <memory>
+
+#include "pipeline/result_ring.hpp"
+#include "vulkan/commands.hpp"
+#include "vulkan/cuda_memory.hpp"
+
+namespace gnosphere::vulkan {
+
+class VulkanRing final : public ResultRing {
+ public:
+  /// Makes buffers of so many bytes. The host gets the first `hostBytes` of each, or all if it shares the memory. A
+  /// call that throws sets `failed`.
+  VulkanRing(const Device& device, std::atomic<bool>& failed, size_t buffers, uint64_t bytes, uint64_t hostBytes);
+
+  void* begin(size_t buffer) override;
+  void submit(size_t buffer) override;
+  void wait(size_t buffer) override;
+  uint64_t address(size_t buffer) const override { return slots_[buffer].results.address(); }
+  const std::byte* host(size_t buffer) const override;
+  bool hostHasAll() const override;
+  std::pair<int, uint64_t> fd(size_t buffer) const override;
+  uint64_t cudaAddress(size_t buffer) override;
+
+ private:
+  struct Slot {
+    Slot(const Device& device, uint64_t bytes, uint64_t hostBytes);
+    const Buffer& onHost() const { return copy.handle() ? copy : results; }
+
+    Buffer results, copy;              // `copy` is without a handle if the host sees the results themselves
+    std::unique_ptr<CudaMemory> cuda;  // null until it is asked for
+    Commands commands;                 // last member, destroyed first: its destructor waits for the device
+  };
+
+  template <typename Call>
+  void watched(const Call& call);
+
+  const Device& device_;
+  std::atomic<bool>& failed_;
+  uint64_t hostBytes_;
+  std::deque<Slot> slots_;
+};
+
+}  // namespace gnosphere::vulkan

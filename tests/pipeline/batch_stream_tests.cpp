@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches whose results stay on the device, against batches of the same shots on the host.
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <deque>
+
+#include "effects/showroom.hpp"
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+
+constexpr uint32_t kWorlds = 6, kBoxes = 5;
+
+// A common ground, and boxes of each world.
+Scene worlds() {
+  Scene scene = sceneOf(soup(3, 700, 12, 3));
+  scene.meshes.push_back(soup(4, 40, 2, 1));
+  for (uint32_t i = 0; i < kWorlds * kBoxes; ++i) {
+    Instance instance;
+    instance.mesh = 1;
+    instance.world = 1 + i % kWorlds;
+    instance.transform = translation(3.0 + i % 7, i % 5 - 2.0, 0.1 * i);
+    scene.instances.push_back(instance);
+  }
+  return scene;
+}
+
+// Moves the boxes of all worlds.
+void moveTo(Simulator& simulator, double offset) {
+  std::vector<uint32_t> instances;
+  std::vector<double> poses;
+  for (uint32_t i = 0; i < kWorlds * kBoxes; ++i) {
+    instances.push_back(1 + i);
+    poses.insert(poses.end(), {3.0 + (i + offset) / 7, i % 5 - offset, 0.1 * i, 0, 0, 0, 1});
+  }
+  simulator.setTransforms(instances, std::span<const double>(poses));
+}
+
+std::vector<Shot> shotsFor(uint64_t batch, size_t count) {
+  std::vector<Shot> shots(count);
+  for (size_t i = 0; i < count; ++i) {
+    shots[i].pose.position = {0.2 * static_cast<double>(i), 0.1 * static_cast<double>(batch), 0.3};
+    shots[i].world = static_cast<uint32_t>(1 + (i + batch) % kWorlds);
+    shots[i].frame = 100 * batch + i;
+  }
+  return shots;
+}
+
+SimulatorOptions onDevice(const SimulatorOptions& options) {
+  SimulatorOptions result = options;
+  result.resultsOnDevice = true;
+  return result;
+}
+
+template <typename T>
+void requireColumn(const Batch& expected, const StreamedBatch& streamed, const ResultPlaces& places,
+                   const RecordLayout::Value& value) {
+  INFO("field " << fieldInfo(value.field).name << ", component " << value.component);
+  const ColumnView<T> column = expected.column<T>(value.field, value.component);
+  REQUIRE(column.size() == streamed.views * places.rowsPerView);
+  const size_t stride = value.stride > 0 ? value.stride : 0;
+  REQUIRE(stride > 0);
+  size_t wrong = 0;
+  for (size_t i = 0; i < column.size(); ++i) {
+    const size_t view = i / places.rowsPerView, row = i % places.rowsPerView;
+    const std::byte* at = streamed.records.data() + view * places.bytesPerView + value.offset + row * stride;
+    wrong += std::memcmp(&column[i], at, sizeof(T)) != 0;
+  }
+  CHECK(wrong == 0);
+}
+
+// Requires that every column of a stream has the bytes of a batch on the host.
+void requireSame(const Batch& expected, const StreamedBatch& streamed, const ResultPlaces& places,
+                 const RecordLayout& layout) {
+  REQUIRE(streamed.complete);
+  REQUIRE(streamed.views == expected.views);
+  REQUIRE(streamed.records.size() == streamed.views * places.bytesPerView);
+  for (const RecordLayout::Value& value : layout.values) {
+    switch (value.type) {
+      case ValueType::u8: requireColumn<uint8_t>(expected, streamed, places, value); break;
+      case ValueType::u16: requireColumn<uint16_t>(expected, streamed, places, value); break;
+      case ValueType::u32: requireColumn<uint32_t>(expected, streamed, places, value); break;
+      default: requireColumn<float>(expected, streamed, places, value);
+    }
+  }
+  for (const RecordHeader& header : streamed.headers) {
+    CHECK(header.rows == places.rowsPerView);
+    CHECK(header.wanted == places.rowsPerView);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("batches in flight have the results of batches on the host, whatever changes after their submission",
+          "[second-driver]") {
+  needVulkan();
+  const SensorRequest request = {gridSensor(60, 8, -30, 30),
+                                 Effects::none(),
+                                 {Field::y, Field::triangle, Field::instance, Field::classId, Field::ring}};
+  const TestOptions options = vulkanOptions();
+  Simulator host(worlds(), request, options), device(worlds(), request, onDevice(options));
+  BatchStream stream(device, {40, 3});
+  const ResultPlaces places = stream.places();
+  CHECK(places.rowsPerView == 480);
+  CHECK(places.bytesPerView % 16 == 0);
+  std::deque<std::pair<uint64_t, Batch>> running;
+  for (uint64_t number = 0; number < 8; ++number) {
+    moveTo(device, 0.25 * static_cast<double>(number));
+    moveTo(host, 0.25 * static_cast<double>(number));
+    const std::vector<Shot> shots = shotsFor(number, number % 2 == 0 ? 40 : 7);
+    CHECK(stream.submit(shots) == number);
+    running.emplace_back(number, host.scanBatch(shots));
+    if (running.size() < 3) continue;
+    INFO("batch " << running.front().first);
+    const StreamedBatch streamed = stream.wait(running.front().first);
+    CHECK(streamed.headers[3].frame == 100 * streamed.number + 3);
+    requireSame(running.front().second, streamed, places, stream.layout());
+    running.pop_front();
+  }
+  CHECK_THROWS_WITH(stream.wait(4), ContainsSubstring("the results of batch 4 are gone"));
+  CHECK_THROWS_WITH(stream.wait(8), ContainsSubstring("no batch 8"));
+}
+
+TEST_CASE("streamed batches of a head with all its effects, two returns and moving views are those of the host") {
+  needVulkan();
+  const Scene scene = showroom();
+  SensorRequest request = {smallSensor(), loud()};
+  request.fields = {Field::x, Field::intensity, Field::label, Field::returnNumber, Field::normal};
+  TestOptions options = vulkanOptions();
+  Simulator host(scene, request, options), device(scene, request, onDevice(options));
+  BatchStream stream(device, {3, 2, true});
+  CHECK(stream.places().rowsPerView == 3 * request.sensor.beamCount());
+  std::vector<Shot> shots(3);
+  for (size_t i = 0; i < shots.size(); ++i) {
+    shots[i] = shotOf(true);
+    shots[i].pose.position.y += 0.1 * static_cast<double>(i);
+    shots[i].frame = i;
+  }
+  const uint64_t number = stream.submit(shots);
+  requireSame(host.scanBatch(shots), stream.wait(number), stream.places(), stream.layout());
+}
+
+TEST_CASE("a stream takes turns among sensors, each with its own layout") {
+  needVulkan();
+  SensorRequest small = {gridSensor(16, 4, -10, 10), Effects::none()},
+                large = {gridSensor(90, 8, -20, 20), Effects::none()};
+  large.layout.values = {{Field::instance, 0, 0, ValueType::u32}, {Field::range, 0, 4, ValueType::f32}};
+  large.layout.stride = 8;
+  large.layout.compact = true;
+  const TestOptions options = vulkanOptions();
+  Simulator device(worlds(), {small, large}, onDevice(options));
+  large.layout = {};
+  Simulator host(worlds(), {small, large}, options);
+  BatchStream stream(device, {5, 1});
+  for (int turn = 0; turn < 3; ++turn) {
+    std::vector<Shot> shots = shotsFor(static_cast<uint64_t>(turn), 5);
+    requireSame(host.scanBatch(shots), stream.wait(stream.submit(shots)), stream.places(0), stream.layout(0));
+    for (Shot& shot : shots) shot.sensor = 1;
+    const StreamedBatch streamed = stream.wait(stream.submit(shots));
+    REQUIRE(streamed.complete);
+    size_t hits = 0;
+    for (size_t view = 0; view < shots.size(); ++view) {
+      Scan scan;
+      host.scanInto(shots[view], scan);
+      std::vector<std::byte> rows(8 * scan.ranges.size());
+      rows.resize(8 * pack(scan, stream.layout(1), rows));
+      CHECK(streamed.headers[view].rows == rows.size() / 8);
+      CHECK(std::memcmp(streamed.records.data() + view * stream.places(1).bytesPerView, rows.data(), rows.size()) == 0);
+      hits += rows.size();
+    }
+    CHECK(hits > 0);
+  }
+}
+
+TEST_CASE("a stream refuses what it cannot do, and goes on") {
+  needVulkan();
+  const SensorRequest request = {gridSensor(16, 4, -10, 10), Effects::none()};
+  SimulatorOptions options = vulkanOptions();
+  Simulator host(worlds(), request, options), device(worlds(), request, onDevice(options));
+  CHECK_THROWS_WITH(BatchStream(host, {4}), ContainsSubstring("results_on_device"));
+  CHECK_THROWS_WITH(BatchStream(device, {0}), ContainsSubstring("1 or more views"));
+  CHECK_THROWS_WITH(BatchStream(device, {4, 17}), ContainsSubstring("1 to 16 batches in flight, not 17"));
+  CHECK_THROWS_WITH(device.scan({}), ContainsSubstring("a BatchStream submits its scans"));
+  for (const DeviceChoice::Kind kind : {DeviceChoice::Kind::reference, DeviceChoice::Kind::cuda}) {
+    options.device.kind = kind;
+    CHECK_THROWS_WITH(Simulator(worlds(), request, onDevice(options)),
+                      ContainsSubstring("results_on_device is for a Vulkan device of the library's own"));
+  }
+  {
+    BatchStream stream(device, {4});
+    CHECK_THROWS_WITH(BatchStream(device, {4}), ContainsSubstring("has a BatchStream already"));
+    CHECK_THROWS_WITH(stream.submit(shotsFor(0, 5)), ContainsSubstring("has 5 shots; the stream is made for 4"));
+    std::vector<Shot> shots = shotsFor(0, 4);
+    shots[2].pose.position.x = NAN;
+    CHECK_THROWS_WITH(stream.submit(shots), ContainsSubstring("shot 2"));
+    shots[2].pose.position.x = 0;
+    shots[1].sensor = 1;
+    CHECK_THROWS_WITH(stream.submit(shots), ContainsSubstring("shot 1"));
+    CHECK_THROWS_WITH(stream.layout(1), ContainsSubstring("no sensor 1"));
+    CHECK_THROWS_WITH(stream.exportMemory(2), ContainsSubstring("no result buffer 2"));
+    device.addSensor({gridSensor(160, 8, -10, 10), Effects::none()});
+    for (Shot& shot : shots) shot.sensor = 1;
+    CHECK_THROWS_WITH(stream.submit(shots), ContainsSubstring("made before the sensor was added"));
+    for (Shot& shot : shots) shot.sensor = 0;
+    requireSame(host.scanBatch(shots), stream.wait(stream.submit(shots)), stream.places(), stream.layout());
+    CHECK(stream.wait(stream.submit({})).views == 0);
+  }
+  BatchStream another(device, {4});  // has room for the larger sensor
+  std::vector<Shot> shots = shotsFor(1, 4);
+  for (Shot& shot : shots) shot.sensor = 1;
+  CHECK(another.wait(another.submit(shots)).records.size() == 4 * another.places(1).bytesPerView);
+}
+
+TEST_CASE(
+    "lists that are too small for the first batch of a buffer grow before it is handed out, later ones are reported") {
+  needVulkan();
+  SensorRequest request = {gridSensor(200, 33, -60, 60), Effects::none()};
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::lists;
+  const Scene scene = sceneOf(soup(11, 1500, 40, 20));
+  Simulator host(scene, request, options), device(scene, request, onDevice(options));
+  BatchStream stream(device, {6, 1});
+  const auto shotsAt = [](double x) {
+    std::vector<Shot> shots(6);
+    for (size_t i = 0; i < shots.size(); ++i) shots[i].pose.position = {x, 0, 0.1 * static_cast<double>(i)};
+    return shots;
+  };
+  const auto scanned = [&](double x) { return stream.wait(stream.submit(shotsAt(x))); };
+  const auto requireComplete = [&](double x) {
+    requireSame(host.scanBatch(shotsAt(x)), scanned(x), stream.places(), stream.layout());
+  };
+  requireComplete(60);  // from there, few triangles are in range
+  requireComplete(60);
+  REQUIRE_FALSE(scanned(0).complete);
+  requireComplete(0);
+  requireComplete(0);
+}
+
+}  // namespace gnosphere::test
