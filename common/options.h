@@ -69,6 +69,8 @@ GNO_CONST uint kPassHeader = 1;
 GNO_CONST uint kPassEntries = 2;  // lists the entries with a return
 GNO_CONST uint kPassRecords = 3;
 GNO_CONST uint kPassLists = 4;  // only notes whether a list was too small for a group of beams that is not the last
+GNO_CONST uint kPassHeaderOfAll = 5;  // of results in which every entry has a record, which count the returns
+GNO_CONST uint kPassSample = 6;       // ranges, for the shells of later scans
 
 // Values of the specialization constant DEFORMED.
 GNO_CONST uint kDeformsNothing = 0;

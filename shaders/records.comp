@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
-// the records. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own,
+// the records. If every entry has a record, the pass that writes the records also counts the returns, and no pass before
+// it needs a barrier, for which CPU drivers pay in every workgroup. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own,
 // and buffers of the caller. If several submissions project the beams of a shot, these passes run once, after the last
 // one. If the words of the beams tell their returns (see leavesWords()), the results come from them, and no stage stores
 // points; each shot is then one view.
@@ -133,8 +134,30 @@ void noteLists() {
   recordHeader.at[6] = listsTooSmall() ? 1 : before;
 }
 
-// Runs in one workgroup; each lane processes a range of consecutive blocks.
-void sumBlocks() {
+// Lists the entries with a return of a block, behind those `before` it, and returns their number.
+uint listBlock(uint block, uint before) {
+  uint total;
+  uint at = before + sumBefore(returnsOfLane(block), total);
+  for (uint k = 0; k < kPerLane; ++k) {
+    uint entry = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
+    if (entry < plan.entries && returned(entry)) recordEntries.at[resultAt(at++)] = entry;
+  }
+  return total;
+}
+
+void writeHeader(uint wanted, uint hits) {
+  recordHeader.at[0] = min(wanted, plan.capacity);
+  recordHeader.at[1] = 1;
+  recordHeader.at[2] = 0;
+  recordHeader.at[3] = 0;
+  recordHeader.at[4] = wanted;
+  recordHeader.at[5] = hits;
+  noteLists();
+  recordHeader.at[7] = plan.frame;
+}
+
+// Runs in one workgroup; each lane processes a range of consecutive blocks, and returns the sum of all.
+uint sumBlocks() {
   uint run = (blockCount() + kLanes - 1) / kLanes, block = shot * blockCount();
   uint first = gl_LocalInvocationID.x * run, end = min(first + run, blockCount());
   uint sum = 0;
@@ -146,28 +169,19 @@ void sumBlocks() {
     recordBlocks.at[block + k] = start;
     start += count;
   }
+  return total;
+}
+
+// The only block of a shot was not counted before; its entries are listed at once.
+void writeHeaderOfReturns() {
+  uint total = blockCount() == 1 ? listBlock(0, 0) : sumBlocks();
   if (shot == 0) sampleRanges();
-  if (gl_LocalInvocationID.x > 0) return;
-  uint wanted = plan.organised != 0 ? plan.entries : total;
-  recordHeader.at[0] = min(wanted, plan.capacity);
-  recordHeader.at[1] = 1;
-  recordHeader.at[2] = 0;
-  recordHeader.at[3] = 0;
-  recordHeader.at[4] = wanted;
-  recordHeader.at[5] = total;
-  noteLists();
-  recordHeader.at[7] = plan.frame;
+  if (gl_LocalInvocationID.x == 0) writeHeader(total, total);
 }
 
 void listEntries() {
-  for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
-    uint total;
-    uint at = recordBlocks.at[shot * blockCount() + block] + sumBefore(returnsOfLane(block), total);
-    for (uint k = 0; k < kPerLane; ++k) {
-      uint entry = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-      if (entry < plan.entries && returned(entry)) recordEntries.at[resultAt(at++)] = entry;
-    }
-  }
+  for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x)
+    listBlock(block, recordBlocks.at[shot * blockCount() + block]);
 }
 
 // --- Values -------------------------------------------------------------------------------------------------------
@@ -349,8 +363,18 @@ void writeWords(uint record) {
   for (uint k = 0; k < plan.gaps; ++k) records.at[recordGaps.at[k].first + record * recordGaps.at[k].stride] = 0;
 }
 
+// Adds to the header the returns among the entries for which an invocation writes the records, and among those for which
+// the caller's buffer has no room.
+void countHits() {
+  uint hits = 0;
+  for (uint entry = gl_GlobalInvocationID.x; entry < plan.entries; entry += kLanes * gl_NumWorkGroups.x)
+    if (returned(entry)) ++hits;
+  if (hits > 0) atomicAdd(recordHeader.at[5], hits);
+}
+
 void writeRecords() {
   uint count = recordHeader.at[0];
+  if (plan.organised != 0) countHits();
   if ((RECORDS & kWholeWords) != 0) {
     for (uint record = gl_GlobalInvocationID.x; record < count; record += kLanes * gl_NumWorkGroups.x)
       writeWords(record);
@@ -367,7 +391,9 @@ void main() {
   beginShot();
   if (PASS == kPassLists && gl_LocalInvocationID.x == 0) noteLists();
   if (PASS == kPassCountReturns) countReturns();
-  if (PASS == kPassHeader) sumBlocks();
+  if (PASS == kPassHeader) writeHeaderOfReturns();
+  if (PASS == kPassHeaderOfAll && gl_LocalInvocationID.x == 0) writeHeader(plan.entries, 0);
+  if (PASS == kPassSample) sampleRanges();
   if (PASS == kPassEntries) listEntries();
   if (PASS == kPassRecords) writeRecords();
 }

@@ -59,8 +59,10 @@ std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
   }
   if (!keepsRecords()) return arrays;
   for (const Output& output : outputs_) arrays.push_back({output.array, entriesOf(views) * output.bytesPerBeam, {}});
-  arrays.push_back({Array::recordBlocks, shotsIn(views) * (entries() / gpu::kPrefixBlock + 1) * 4, {}});
-  if (plan_.layout.compact) arrays.push_back({Array::recordEntries, shotsIn(views) * entries() * 4, {}});
+  if (plan_.layout.compact) {
+    arrays.push_back({Array::recordBlocks, shotsIn(views) * (entries() / gpu::kPrefixBlock + 1) * 4, {}});
+    arrays.push_back({Array::recordEntries, shotsIn(views) * entries() * 4, {}});
+  }
   return arrays;
 }
 

@@ -183,9 +183,15 @@ class Steps {
       const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, input_.entries / entriesPerGroup + 1);
       dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number, input_.shots);
     };
-    pass(gpu::kPassCountReturns, gpu::kPrefixBlock);
-    dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader, input_.shots);
-    if (!input_.organised) pass(gpu::kPassEntries, gpu::kPrefixBlock);
+    if (input_.organised) {
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassSample);
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassHeaderOfAll, input_.shots);
+    } else {
+      const bool oneBlock = input_.entries <= gpu::kPrefixBlock;
+      if (!oneBlock) pass(gpu::kPassCountReturns, gpu::kPrefixBlock);
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader, input_.shots);
+      if (!oneBlock) pass(gpu::kPassEntries, gpu::kPrefixBlock);
+    }
     pass(gpu::kPassRecords, 256);
     finish("records");
   }

@@ -331,7 +331,7 @@ TEST_CASE("C: misuse of adopted devices and recorders is an error that says so")
   CHECK(refused(changed([](AdoptedInC& c) { c.device.release = nullptr; }), "only one of its two functions"));
   gno_options reference = gno_options_init();
   reference.device = "reference";
-  CHECK(refused(created(reference), "stay on a device of the caller"));
+  CHECK(refused(created(reference), "stay on a device, see vulkan::adopt()"));
   request.layout = nullptr;
   gno_vulkan_recorder recorder = nullptr;
   REQUIRE(created(reference) == GNO_OK);

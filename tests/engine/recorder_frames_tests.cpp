@@ -381,7 +381,7 @@ TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
   Simulator own(boxes(), request, plainOptions());
   CHECK_THROWS_WITH(vulkan::Recorder(own), ContainsSubstring("not on a device of the caller"));
   request.layout = pointLayout();
-  CHECK_THROWS_WITH(own.addSensor(request), ContainsSubstring("stay on a device of the caller"));
+  CHECK_THROWS_WITH(own.addSensor(request), ContainsSubstring("stay on a device, see vulkan::adopt()"));
 
   Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
   CHECK_THROWS_WITH(recorded.simulator().scan({}), ContainsSubstring("recorded by vulkan::Recorder"));
