@@ -518,6 +518,18 @@ typedef struct gno_layout {
   int32_t compact; /* not 0: only entries with a return become rows */
 } gno_layout;
 
+/* The header of results that stay on a device. The first four numbers are the arguments of an indirect draw with a
+ * vertex per row (VkDrawIndirectCommand). */
+typedef struct gno_record_header {
+  uint32_t rows;           /* in the buffer */
+  uint32_t instance_count; /* always 1 */
+  uint32_t first_vertex, first_instance;
+  uint32_t wanted;     /* rows that the scan has; more than `rows` if the buffer is too small */
+  uint32_t hits;       /* returns of all beams */
+  uint32_t incomplete; /* not 0 if a list was too small, so that hits may be missing */
+  uint32_t frame;      /* low 32 bits of gno_shot::frame */
+} gno_record_header;
+
 /* Rows of the fields without gaps. The values are valid until the same thread calls this function again. */
 GNO_API gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout);
 /* The bytes that so many rows need on a device. */
@@ -611,12 +623,14 @@ GNO_API gno_status gno_options_set(gno_options* options, const char* assignment)
 typedef struct gno_request {
   size_t struct_size;
   gno_sensor sensor;
-  gno_effects effects;     /* null: automatic */
-  const gno_field* fields; /* beyond x, y, z, range, triangle and instance */
+  gno_effects effects; /* null: automatic */
+  /* Beyond x, y, z, range, triangle and instance; with the option results_on_device, beyond range. */
+  const gno_field* fields;
   size_t field_count;
   int32_t variable_weather; /* not 0: shots may set their weather */
-  /* On a device of the caller: what the recorded scans leave in the caller's buffers. Its fields need not be repeated
-   * above. Must be null on any other device. */
+  /* Results that stay on a device lie like this: in the caller's buffers on a device of the caller, and with the option
+   * results_on_device in those of a gno_batch_stream, which has columns of ranges and `fields` if this is null. Its
+   * fields need not be repeated above. Without any of the two it must be null. */
   const gno_layout* layout;
   /* Instances that the sensor does not see, for example the body of the robot that carries it. An index stays ignored
    * if its instance is removed and another one gets it. */

@@ -82,17 +82,7 @@ typedef struct gno_vulkan_range {
   VkDeviceSize bytes;
 } gno_vulkan_range;
 
-/* What a recorded scan tells about its results, in device memory. The first four numbers are the arguments of an
- * indirect draw with a vertex per row (VkDrawIndirectCommand). */
-typedef struct gno_vulkan_record_header {
-  uint32_t rows;           /* in the buffer */
-  uint32_t instance_count; /* always 1 */
-  uint32_t first_vertex, first_instance;
-  uint32_t wanted;     /* rows that the scan has; more than `rows` if the buffer is too small */
-  uint32_t hits;       /* returns of all beams */
-  uint32_t incomplete; /* not 0 if a list was too small, so that hits may be missing */
-  uint32_t frame;      /* low 32 bits of gno_shot::frame */
-} gno_vulkan_record_header;
+typedef gno_record_header gno_vulkan_record_header;
 
 /* A scan to be recorded, and the buffers for its results. */
 typedef struct gno_vulkan_recorded_shot {

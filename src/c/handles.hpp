@@ -287,7 +287,10 @@ AlphaImage alphaImageOf(const gno_alpha_image* image);
 Instance instanceOf(const gno_instance* instance);
 std::vector<Field> fieldsOf(const gno_field* fields, size_t count);
 RecordLayout recordLayoutOf(const gno_layout* layout);
+/// Gives a layout, whose values `values` keeps.
+void give(const RecordLayout& layout, std::vector<gno_layout_value>& values, gno_layout& to);
 Shot shotOf(const gno_shot* shot);
+std::vector<Shot> shotsOf(const gno_shot* shots, size_t count);
 /// Adopts a Vulkan device of the caller.
 DeviceChoice deviceOf(const gno_vulkan_adopted_device& device);
 void describe(const DeviceInfo& device, gno_device_info& info);

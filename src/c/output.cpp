@@ -15,6 +15,17 @@ RecordLayout recordLayoutOf(const gno_layout* layout) {
   return result;
 }
 
+void give(const RecordLayout& layout, std::vector<gno_layout_value>& values, gno_layout& to) {
+  values.clear();
+  for (const RecordLayout::Value& value : layout.values)
+    values.push_back({static_cast<gno_field>(value.field), value.component, value.offset,
+                      static_cast<gno_value_type>(value.type), value.stride});
+  to.values = values.data();
+  to.value_count = values.size();
+  to.stride = layout.stride;
+  to.compact = layout.compact;
+}
+
 }  // namespace gnosphere::c
 
 using namespace gnosphere;
@@ -26,15 +37,7 @@ gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout
   return guard([&] {
     const Out to(layout, GNO_TYPE(gno_layout));
     thread_local std::vector<gno_layout_value> values;
-    const RecordLayout from = layoutOf(fieldsOf(fields, field_count));
-    values.clear();
-    for (const RecordLayout::Value& value : from.values)
-      values.push_back({static_cast<gno_field>(value.field), value.component, value.offset,
-                        static_cast<gno_value_type>(value.type), value.stride});
-    to->values = values.data();
-    to->value_count = values.size();
-    to->stride = from.stride;
-    to->compact = from.compact;
+    give(layoutOf(fieldsOf(fields, field_count)), values, *to);
   });
 }
 

@@ -8,6 +8,17 @@
 
 #include "c/handles.hpp"
 
+namespace gnosphere::c {
+
+std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
+  std::vector<Shot> result;
+  result.reserve(count);
+  for (const gno_shot& shot : sizedArray(shots, count, GNO_TYPE(gno_shot), "shots")) result.push_back(shotOf(&shot));
+  return result;
+}
+
+}  // namespace gnosphere::c
+
 using namespace gnosphere;
 using namespace gnosphere::c;
 
@@ -115,13 +126,6 @@ gno_status add(gno_simulator simulator, size_t* index, Add how) {
     const size_t added = how(*idle.operator->());
     if (index) *index = added;
   });
-}
-
-std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
-  std::vector<Shot> result;
-  result.reserve(count);
-  for (const gno_shot& shot : sizedArray(shots, count, GNO_TYPE(gno_shot), "shots")) result.push_back(shotOf(&shot));
-  return result;
 }
 
 /// Calls work(simulator, result) for the object of a handle, which is created if the handle is null.

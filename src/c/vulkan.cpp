@@ -11,7 +11,7 @@ namespace gnosphere::c {
 
 namespace {
 
-static_assert(sizeof(gno_vulkan_record_header) == sizeof(RecordHeader));
+static_assert(sizeof(gno_record_header) == sizeof(RecordHeader));
 
 /// A recorder, which refers to its simulator as long as the handle is that of a live one.
 struct RecorderObject {

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// gno_batch_stream: batches whose results stay on the device.
+#include <gnosphere_stream.h>
+
+#include "c/handles.hpp"
+
+namespace gnosphere::c {
+
+namespace {
+
+/// A stream, and its simulator, which lives at least as long.
+struct StreamObject {
+  Shared<gno_simulator> simulator;
+  BatchStream stream;
+  std::vector<gno_layout_value> layout;  ///< what gno_batch_stream_get_layout() last handed out
+};
+
+}  // namespace
+
+GNO_HELD(gno_batch_stream, StreamObject, "batch stream")
+
+}  // namespace gnosphere::c
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+extern "C" {
+
+gno_status gno_batch_stream_create(gno_simulator simulator, const gno_batch_stream_options* options,
+                                   gno_batch_stream* stream) {
+  return guard([&] {
+    the(stream, "stream");
+    const gno_batch_stream_options from = sized(options, GNO_TYPE(gno_batch_stream_options));
+    Idle idle(simulator);
+    *stream = make<gno_batch_stream>(
+        {find(simulator), BatchStream(*idle.operator->(), {from.views, from.in_flight, from.to_host != 0}), {}});
+  });
+}
+
+gno_status gno_batch_stream_destroy(gno_batch_stream stream) {
+  return guard([&] { destroy(stream); });
+}
+
+gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_shot* shots, size_t shot_count,
+                                   uint64_t* number) {
+  return guard([&] {
+    const std::vector<Shot> wanted = shotsOf(shots, shot_count);
+    Locked locked(stream);
+    const std::scoped_lock lock(locked->simulator->mutex);
+    const uint64_t submitted = locked->stream.submit(wanted);
+    if (number) *number = submitted;
+  });
+}
+
+gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_streamed_batch* batch) {
+  return guard([&] {
+    const Out to(batch, GNO_TYPE(gno_streamed_batch));
+    Locked locked(stream);
+    const StreamedBatch from = locked->stream.wait(number);
+    to->number = from.number;
+    to->buffer = from.buffer;
+    to->sensor = from.sensor;
+    to->views = from.views;
+    to->complete = from.complete;
+    to->headers = reinterpret_cast<const gno_record_header*>(from.headers.data());
+    to->records = from.records.data();
+  });
+}
+
+gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, gno_layout* layout) {
+  return guard([&] {
+    const Out to(layout, GNO_TYPE(gno_layout));
+    Locked locked(stream);
+    const std::scoped_lock lock(locked->simulator->mutex);
+    give(locked->stream.layout(sensor), locked->layout, *to);
+  });
+}
+
+gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, gno_result_places* places) {
+  return guard([&] {
+    const Out to(places, GNO_TYPE(gno_result_places));
+    Locked locked(stream);
+    const std::scoped_lock lock(locked->simulator->mutex);
+    const ResultPlaces from = locked->stream.places(sensor);
+    to->headers = from.headers;
+    to->records = from.records;
+    to->bytes_per_view = from.bytesPerView;
+    to->rows_per_view = from.rowsPerView;
+    to->bytes = from.bytes;
+  });
+}
+
+gno_status gno_batch_stream_export(gno_batch_stream stream, size_t buffer, gno_exported_memory* memory) {
+  return guard([&] {
+    const Out to(memory, GNO_TYPE(gno_exported_memory));
+    const ExportedMemory from = Locked(stream)->stream.exportMemory(buffer);
+    to->fd = from.fd;
+    to->bytes = from.bytes;
+  });
+}
+
+gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address) {
+  return guard([&] { the(address, "address") = Locked(stream)->stream.cudaAddress(buffer); });
+}
+
+}  // extern "C"

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches of the C interface whose results stay on the device have the values of batches on the host.
+#include <gnosphere_stream.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+const float kWall[] = {5, -20, -20, 5, 20, -20, 5, 20, 20, 5, -20, 20};
+const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
+
+// A simulator of a wall for a sensor of 90 beams.
+gno_simulator simulatorWith(const gno_options& options) {
+  gno_scene scene = nullptr;
+  REQUIRE(gno_scene_create(&scene) == GNO_OK);
+  const gno_material material = gno_material_init();
+  gno_mesh mesh = gno_mesh_init();
+  mesh.positions = kWall;
+  mesh.vertex_count = 4;
+  mesh.indices = kSquare;
+  mesh.triangle_count = 2;
+  const gno_instance instance = gno_instance_init();
+  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_from_json(toJson(gridSensor(30, 3, -5, 5)).c_str(), &sensor) == GNO_OK);
+  gno_effects effects = nullptr;
+  REQUIRE(gno_effects_preset("clean", &effects) == GNO_OK);
+  const gno_field fields[] = {GNO_FIELD_INSTANCE};
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  request.effects = effects;
+  request.fields = fields;
+  request.field_count = 1;
+  gno_simulator simulator = nullptr;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_effects_destroy(effects) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+  return simulator;
+}
+
+bool refused(gno_status status, const char* words) {
+  INFO(gno_last_error());
+  CHECK(std::strstr(gno_last_error(), words) != nullptr);
+  return status == GNO_INVALID_ARGUMENT;
+}
+
+}  // namespace
+
+TEST_CASE("C: streamed batches have the values of batches on the host, also after the simulator's handle is gone") {
+  needVulkan();
+  gno_options options = gno_options_init();
+  options.cache = "off";
+  const gno_simulator host = simulatorWith(options);
+  REQUIRE(gno_options_set(&options, "results_on_device=true") == GNO_OK);
+  const gno_simulator device = simulatorWith(options);
+  gno_batch_stream_options many = gno_batch_stream_options_init();
+  many.views = 3;
+  gno_batch_stream stream = nullptr;
+  CHECK(refused(gno_batch_stream_create(host, &many, &stream), "results_on_device"));
+  REQUIRE(gno_batch_stream_create(device, &many, &stream) == GNO_OK);
+
+  gno_shot shots[3] = {gno_shot_init(), gno_shot_init(), gno_shot_init()};
+  for (int i = 0; i < 3; ++i) shots[i].pose.position[0] = 0.5 * i;
+  gno_batch batch = nullptr;
+  REQUIRE(gno_simulator_scan_batch(host, shots, 3, nullptr, 0, &batch) == GNO_OK);
+  uint64_t number = 7;
+  REQUIRE(gno_batch_stream_submit(stream, shots, 3, &number) == GNO_OK);
+  CHECK(number == 0);
+  CHECK(gno_simulator_destroy(device) == GNO_OK);
+  gno_streamed_batch streamed = gno_streamed_batch_init();
+  REQUIRE(gno_batch_stream_wait(stream, number, &streamed) == GNO_OK);
+  CHECK(streamed.views == 3);
+  CHECK(streamed.complete != 0);
+  REQUIRE(streamed.records != nullptr);
+  gno_result_places places = gno_result_places_init();
+  REQUIRE(gno_batch_stream_get_places(stream, 0, &places) == GNO_OK);
+  CHECK(places.rows_per_view == 90);
+  gno_layout layout = gno_layout_init();
+  REQUIRE(gno_batch_stream_get_layout(stream, 0, &layout) == GNO_OK);
+  REQUIRE(layout.value_count == 2);
+  for (size_t value = 0; value < 2; ++value) {
+    gno_column column = gno_column_init();
+    REQUIRE(gno_batch_get_column(batch, layout.values[value].field, &column) == GNO_OK);
+    for (size_t view = 0; view < 3; ++view)
+      CHECK(std::memcmp(
+                static_cast<const char*>(column.values) + 360 * view,
+                static_cast<const char*>(streamed.records) + view * places.bytes_per_view + layout.values[value].offset,
+                360) == 0);
+  }
+  CHECK(streamed.headers[1].rows == 90);
+  CHECK(streamed.headers[1].hits > 5);
+
+  gno_exported_memory memory = gno_exported_memory_init();
+  if (gno_batch_stream_export(stream, 1, &memory) == GNO_OK) {
+    CHECK(memory.bytes >= places.bytes);
+    CHECK(close(memory.fd) == 0);
+  }
+  uint64_t address = 0;
+  CHECK(gno_batch_stream_get_cuda_address(stream, 0, &address) != GNO_OK);
+  CHECK(std::strstr(gno_last_error(), "CUDA cannot have the results") != nullptr);
+  CHECK(refused(gno_batch_stream_wait(stream, 1, &streamed), "no batch 1"));
+  shots[2].pose.position[1] = std::nan("");
+  CHECK(refused(gno_batch_stream_submit(stream, shots, 3, &number), "shot 2"));
+  CHECK(gno_batch_destroy(batch) == GNO_OK);
+  CHECK(gno_batch_stream_destroy(stream) == GNO_OK);
+  CHECK(gno_batch_stream_destroy(stream) == GNO_INVALID_ARGUMENT);
+  CHECK(gno_simulator_destroy(host) == GNO_OK);
+}
+
+}  // namespace gnosphere::test
