@@ -70,9 +70,10 @@ GNO_API gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t s
 GNO_API gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, gno_result_places* places);
 /* Hands out the memory of a result buffer, to be imported by Vulkan or CUDA as an opaque file descriptor. */
 GNO_API gno_status gno_batch_stream_export(gno_batch_stream stream, size_t buffer, gno_exported_memory* memory);
-/* Gives the address of a result buffer in CUDA's primary context of the same card. The memory is imported once and is
- * valid as long as the stream. */
-GNO_API gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address);
+/* Gives the address of a result buffer in CUDA's primary context of the same card, and the card's number in CUDA
+ * (`device` may be null). The memory is imported once and is valid as long as the stream. */
+GNO_API gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address,
+                                                     int32_t* device);
 
 /* ---------------------------------------------------------------------------------------- default values */
 

@@ -104,9 +104,10 @@ class BatchStream::Impl {
     return {fd, bytes};
   }
 
-  uint64_t cudaAddress(size_t buffer) {
+  CudaAddress cudaAddress(size_t buffer) {
     checkBuffer(buffer);
-    return ring_->cudaAddress(buffer);
+    const auto [address, device] = ring_->cudaAddress(buffer);
+    return {address, device};
   }
 
  private:
@@ -189,7 +190,7 @@ ResultPlaces BatchStream::places(size_t sensor) const {
 ExportedMemory BatchStream::exportMemory(size_t buffer) const {
   return impl_->exportMemory(buffer);
 }
-uint64_t BatchStream::cudaAddress(size_t buffer) {
+CudaAddress BatchStream::cudaAddress(size_t buffer) {
   return impl_->cudaAddress(buffer);
 }
 

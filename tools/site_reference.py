@@ -15,7 +15,8 @@ from pathlib import Path
 
 FENCE = "```"
 # The headers whose names `gnosphere` itself has in Python.
-CORE = ("scene", "animation", "sensor", "effects", "simulator", "plan", "scan", "batch", "output", "layout", "error")
+CORE = ("scene", "animation", "sensor", "effects", "simulator", "plan", "scan", "batch", "batch_stream", "output", "layout",
+        "error")
 # Lines of a header that declare nothing.
 _SKIPPED = re.compile(r"#(?!define GNO_(?!API)\w+ )|namespace|extern|public:|\}")
 _NAMES = (

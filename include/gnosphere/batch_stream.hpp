@@ -50,6 +50,12 @@ struct ExportedMemory {
   uint64_t bytes = 0;  ///< size of the memory, which imports must state
 };
 
+/// A result buffer in CUDA.
+struct CudaAddress {
+  uint64_t address = 0;  ///< of the first byte, a CUdeviceptr in the primary context, which PyTorch uses as well
+  int device = 0;        ///< the number by which CUDA knows the card
+};
+
 /// Batches of a simulator whose results stay on its device (SimulatorOptions::resultsOnDevice). Batches are submitted
 /// and waited for apart, so that the device works on one while the program works on the results of another. Other users
 /// of the device, in this process or in another, read the result buffers where they are: by a file descriptor, or in
@@ -80,9 +86,9 @@ class GNOSPHERE_API BatchStream {
   /// content is a batch's as soon as wait() has returned for the batch. Throws Error(device) if the device exports
   /// none.
   ExportedMemory exportMemory(size_t buffer) const;
-  /// Returns the address of a result buffer in the primary context of the same card in CUDA, which PyTorch uses as
-  /// well. The memory is imported once and is valid as long as the stream. Throws Error(device) that gives the reason.
-  uint64_t cudaAddress(size_t buffer);
+  /// Imports a result buffer in CUDA, once; it is valid as long as the stream. Throws Error(device) that gives the
+  /// reason if CUDA cannot have it.
+  CudaAddress cudaAddress(size_t buffer);
 
  private:
   class Impl;

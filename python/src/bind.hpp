@@ -33,6 +33,7 @@ void bindMaterials(nb::module_& m);
 void bindPlan(nb::module_& m);
 void bindScan(nb::module_& m);
 void bindBatch(nb::module_& m);
+void bindBatchStream(nb::module_& m);
 void bindOutput(nb::module_& m);
 void bindDevices(nb::module_& m);
 void bindOptions(nb::module_& m);

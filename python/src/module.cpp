@@ -24,6 +24,7 @@ NB_MODULE(_gnosphere, m) {
   bindDevices(m);
   bindOptions(m);
   bindSimulator(m);
+  bindBatchStream(m);
   bindDrive(m);
   bindRos2(m);
   bindCommandLine(m);

@@ -26,9 +26,11 @@ void bindRequest(nb::module_& m) {
               "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
       .def_rw("variable_weather", &SensorRequest::variableWeather,
               pythonText(requestOption("variable_weather").parameter.doc).c_str());
-  readWriteTuple(request, "fields", &SensorRequest::fields,
-                 "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
-                 "Scan.column(). A tuple, assigned whole.");
+  readWriteTuple(
+      request, "fields", &SensorRequest::fields,
+      "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
+      "Scan.column(). With SimulatorOptions.results_on_device, the fields that batches hold beyond ranges. A "
+      "tuple, assigned whole.");
   readWriteTuple(request, "ignored_instances", &SensorRequest::ignoredInstances,
                  (pythonText(requestOption("ignored_instances").parameter.doc) + " A tuple, assigned whole.").c_str());
 }
@@ -138,7 +140,7 @@ void bindSimulatorOptions(nb::module_& m) {
           "__init__",
           [](SimulatorOptions* self, const DeviceChoice& device, Accuracy accuracy, std::optional<AccuracyParts> parts,
              ReflectingFaces faces, const MaterialTable& materials, std::string cache, Function warn, bool validation,
-             const Tuning& tuning, Function trace, bool compileOnly) {
+             const Tuning& tuning, Function trace, bool compileOnly, bool resultsOnDevice) {
             SimulatorOptions made;
             made.device = device;
             made.accuracy = accuracy;
@@ -148,6 +150,7 @@ void bindSimulatorOptions(nb::module_& m) {
             made.cache = std::move(cache);
             made.validation = validation;
             made.compileOnly = compileOnly;
+            made.resultsOnDevice = resultsOnDevice;
             made.tuning = tuning;
             setFunction<&SimulatorOptions::warn>(made, std::move(warn));
             setFunction<&SimulatorOptions::trace>(made, std::move(trace));
@@ -155,7 +158,8 @@ void bindSimulatorOptions(nb::module_& m) {
           },
           "device"_a = DeviceChoice(), "accuracy"_a = Accuracy::standard, "accuracy_parts"_a = nb::none(),
           "faces"_a = ReflectingFaces::material, "materials"_a = MaterialTable(), "cache"_a = "", "warn"_a = nb::none(),
-          "validation"_a = false, "tuning"_a = Tuning(), "trace"_a = nb::none(), "compile_only"_a = false)
+          "validation"_a = false, "tuning"_a = Tuning(), "trace"_a = nb::none(), "compile_only"_a = false,
+          "results_on_device"_a = false)
       .def_rw("accuracy", &SimulatorOptions::accuracy, pythonText(optionNamed("accuracy").doc).c_str())
       .def_rw("faces", &SimulatorOptions::faces, pythonText(optionNamed("faces").doc).c_str())
       .def_prop_rw("warn", &functionOf<&SimulatorOptions::warn>, &setFunction<&SimulatorOptions::warn>,

@@ -1,39 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds the simulator of gnosphere/simulator.hpp.
-#include <atomic>
+#include "simulator.hpp"
 
-#include "arrays.hpp"
 #include "batch.hpp"
 
 namespace gnosphere::python {
 namespace {
-
-/// A Simulator that refuses a second thread, and calls from within its own calls, while it is at work.
-class SimulatorOfOneThread {
- public:
-  SimulatorOfOneThread(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
-      : simulator_(scene, sensors, options) {}
-
-  /// Calls work(simulator) without the GIL.
-  template <typename Work>
-  auto use(Work&& work) {
-    if (busy_.exchange(true))
-      refuse(
-          "the simulator is at work: one thread at a time may use it, and the function given to scan_all() may not; "
-          "make "
-          "a simulator for each thread");
-    struct Release {
-      std::atomic<bool>& busy;
-      ~Release() { busy = false; }
-    } const release{busy_};
-    const nb::gil_scoped_release released;
-    return work(simulator_);
-  }
-
- private:
-  Simulator simulator_;
-  std::atomic<bool> busy_ = false;
-};
 
 using Self = SimulatorOfOneThread;
 
@@ -90,9 +62,6 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
   });
 }
 
-using ShotsLike = std::variant<std::vector<Shot>, ArrayLike>;
-using NumbersLike = std::variant<uint32_t, ArrayLike>;
-
 // One number for all of `count` entries, or a number for each.
 std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const std::string& name) {
   if (const auto* all = std::get_if<uint32_t>(&given)) return std::vector<uint32_t>(count, *all);
@@ -103,24 +72,9 @@ std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const st
   return each.copy();
 }
 
-std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame) {
-  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) return *shots;
-  const auto poses = arrayOf<double>(std::get<ArrayLike>(given), "scan_batch: shots", 7);
-  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.rows(), "scan_batch: worlds");
-  std::vector<Shot> shots(poses.rows());
-  for (size_t i = 0; i < shots.size(); ++i) {
-    const double* v = poses.values().data() + 7 * i;
-    shots[i].pose = {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
-    shots[i].sensor = sensor;
-    shots[i].frame = frame + i;
-    shots[i].world = numbers[i];
-  }
-  return shots;
-}
-
 SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                       const std::vector<Field>& fields) {
-  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame);
+  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "scan_batch");
   SharedBatch result;
   self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields); });
   return result;
@@ -128,7 +82,7 @@ SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const N
 
 void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size_t sensor, const NumbersLike& worlds,
                    uint64_t frame, const std::vector<Field>& fields) {
-  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame);
+  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "scan_batch");
   Taken taken(result);
   self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields); });
 }
@@ -313,6 +267,22 @@ void bindAnswers(nb::class_<Self>& simulator) {
 }
 
 }  // namespace
+
+std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
+                          const std::string& name) {
+  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) return *shots;
+  const auto poses = arrayOf<double>(std::get<ArrayLike>(given), name + ": shots", 7);
+  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.rows(), name + ": worlds");
+  std::vector<Shot> shots(poses.rows());
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const double* v = poses.values().data() + 7 * i;
+    shots[i].pose = {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
+    shots[i].sensor = sensor;
+    shots[i].frame = frame + i;
+    shots[i].world = numbers[i];
+  }
+  return shots;
+}
 
 void bindSimulator(nb::module_& m) {
   nb::class_<Self> simulator(

@@ -99,8 +99,14 @@ gno_status gno_batch_stream_export(gno_batch_stream stream, size_t buffer, gno_e
   });
 }
 
-gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address) {
-  return guard([&] { the(address, "address") = Locked(stream)->stream.cudaAddress(buffer); });
+gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address,
+                                             int32_t* device) {
+  return guard([&] {
+    the(address, "address");
+    const CudaAddress from = Locked(stream)->stream.cudaAddress(buffer);
+    *address = from.address;
+    if (device) *device = from.device;
+  });
 }
 
 }  // extern "C"

@@ -28,8 +28,9 @@ class ResultRing {
   /// Returns a new file descriptor of the buffer's memory, and the size of that memory. Throws Error(device) if the
   /// device exports none.
   virtual std::pair<int, uint64_t> fd(size_t buffer) const = 0;
-  /// Returns the buffer's address in CUDA's primary context of the same card. Throws Error(device) if there is none.
-  virtual uint64_t cudaAddress(size_t buffer) = 0;
+  /// Returns the buffer's address in CUDA's primary context of the same card, and the card's number there. Throws
+  /// Error(device) if there is none.
+  virtual std::pair<uint64_t, int> cudaAddress(size_t buffer) = 0;
 };
 
 }  // namespace gnosphere

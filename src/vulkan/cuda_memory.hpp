@@ -23,6 +23,7 @@ class CudaMemory {
 
   /// The address of the first byte in CUDA.
   uint64_t address() const { return address_; }
+  int device() const { return number_; }
 
  private:
   int number_;                // CUdevice

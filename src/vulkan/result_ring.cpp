@@ -68,7 +68,7 @@ std::pair<int, uint64_t> VulkanRing::fd(size_t buffer) const {
   return slots_[buffer].results.fd();
 }
 
-uint64_t VulkanRing::cudaAddress(size_t buffer) {
+std::pair<uint64_t, int> VulkanRing::cudaAddress(size_t buffer) {
   Slot& slot = slots_[buffer];
   if (!slot.cuda) {
     const DeviceInfo& info = device_.capabilities().info;
@@ -76,7 +76,7 @@ uint64_t VulkanRing::cudaAddress(size_t buffer) {
     const auto [fd, bytes] = this->fd(buffer);
     slot.cuda = std::make_unique<CudaMemory>(info, number, fd, bytes);
   }
-  return slot.cuda->address();
+  return {slot.cuda->address(), slot.cuda->device()};
 }
 
 }  // namespace gnosphere::vulkan

@@ -25,7 +25,7 @@ class VulkanRing final : public ResultRing {
   const std::byte* host(size_t buffer) const override;
   bool hostHasAll() const override;
   std::pair<int, uint64_t> fd(size_t buffer) const override;
-  uint64_t cudaAddress(size_t buffer) override;
+  std::pair<uint64_t, int> cudaAddress(size_t buffer) override;
 
  private:
   struct Slot {

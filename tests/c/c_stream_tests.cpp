@@ -104,7 +104,7 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
     CHECK(close(memory.fd) == 0);
   }
   uint64_t address = 0;
-  CHECK(gno_batch_stream_get_cuda_address(stream, 0, &address) != GNO_OK);
+  CHECK(gno_batch_stream_get_cuda_address(stream, 0, &address, nullptr) != GNO_OK);
   CHECK(std::strstr(gno_last_error(), "CUDA cannot have the results") != nullptr);
   CHECK(refused(gno_batch_stream_wait(stream, 1, &streamed), "no batch 1"));
   shots[2].pose.position[1] = std::nan("");

@@ -60,10 +60,11 @@ TEST_CASE("CUDA imports each result buffer once, and a call of its driver that f
   }
   cuda.failAt = 0;
   CHECK(failed == 8);
-  const uint64_t first = stream.cudaAddress(0), second = stream.cudaAddress(1);
+  const uint64_t first = stream.cudaAddress(0).address, second = stream.cudaAddress(1).address;
   CHECK(first >= kFakeAddress);
   CHECK(second > first);
-  CHECK(stream.cudaAddress(0) == first);
+  CHECK(stream.cudaAddress(0).address == first);
+  CHECK(stream.cudaAddress(0).device == 1);
   CHECK(cuda.mapped == 2);
   CHECK(cuda.imported == 2);
   CHECK(cuda.pushed == 0);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Simulator as Python holds it, and the shots of a batch as Python writes them.
+#pragma once
+
+#include <atomic>
+
+#include "arrays.hpp"
+
+namespace gnosphere::python {
+
+/// A Simulator that refuses a second thread, and calls from within its own calls, while it is at work.
+class SimulatorOfOneThread {
+ public:
+  SimulatorOfOneThread(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
+      : simulator_(scene, sensors, options) {}
+
+  /// Calls work(simulator) without the GIL.
+  template <typename Work>
+  auto use(Work&& work) {
+    if (busy_.exchange(true))
+      refuse(
+          "the simulator is at work: one thread at a time may use it, and the function given to scan_all() may not; "
+          "make a simulator for each thread");
+    struct Release {
+      std::atomic<bool>& busy;
+      ~Release() { busy = false; }
+    } const release{busy_};
+    const nb::gil_scoped_release released;
+    return work(simulator_);
+  }
+
+ private:
+  Simulator simulator_;
+  std::atomic<bool> busy_ = false;
+};
+
+/// Shots, or their poses as an array of shape (n, 7).
+using ShotsLike = std::variant<std::vector<Shot>, ArrayLike>;
+/// One number for all, or one for each.
+using NumbersLike = std::variant<uint32_t, ArrayLike>;
+
+/// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots stay as they are. Throws
+/// Error(invalidArgument) that begins with `name`.
+std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
+                          const std::string& name);
+
+}  // namespace gnosphere::python
