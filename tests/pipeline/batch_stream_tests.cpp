@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Batches whose results stay on the device, against batches of the same shots on the host.
+#include <dlfcn.h>
+
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <deque>
 
@@ -172,6 +175,39 @@ TEST_CASE("a stream takes turns among sensors, each with its own layout") {
     }
     CHECK(hits > 0);
   }
+}
+
+TEST_CASE("CUDA sees in its own address space what the host gets, buffer after buffer") {
+  needVulkan();
+  const SensorRequest request = {gridSensor(60, 8, -30, 30), Effects::none()};
+  Simulator simulator(worlds(), request, onDevice(vulkanOptions()));
+  BatchStream stream(simulator, {20, 2, true});
+  const ResultPlaces places = stream.places();
+  CudaAddress there[2];
+  try {
+    for (size_t buffer = 0; buffer < 2; ++buffer) there[buffer] = stream.cudaAddress(buffer);
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::device);
+    SKIP(error.what());
+  }
+  void* const library = dlopen("libcuda.so.1", RTLD_NOW);
+  const auto retain = reinterpret_cast<int (*)(void**, int)>(dlsym(library, "cuDevicePrimaryCtxRetain"));
+  const auto release = reinterpret_cast<int (*)(int)>(dlsym(library, "cuDevicePrimaryCtxRelease_v2"));
+  const auto push = reinterpret_cast<int (*)(void*)>(dlsym(library, "cuCtxPushCurrent_v2"));
+  const auto pop = reinterpret_cast<int (*)(void**)>(dlsym(library, "cuCtxPopCurrent_v2"));
+  const auto copy = reinterpret_cast<int (*)(void*, uint64_t, size_t)>(dlsym(library, "cuMemcpyDtoH_v2"));
+  if (!copy) SKIP("this driver of CUDA is that of the tests");
+  void* context = nullptr;
+  REQUIRE(retain(&context, there[0].device) == 0);
+  REQUIRE(push(context) == 0);
+  for (uint64_t number = 0; number < 5; ++number) {
+    const StreamedBatch batch = stream.wait(stream.submit(shotsFor(number, 20)));
+    std::vector<std::byte> bytes(batch.records.size());
+    REQUIRE(copy(bytes.data(), there[batch.buffer].address + places.records, bytes.size()) == 0);
+    CHECK(std::ranges::equal(bytes, batch.records));
+  }
+  pop(&context);
+  release(there[0].device);
 }
 
 TEST_CASE("a stream refuses what it cannot do, and goes on") {
