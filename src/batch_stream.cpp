@@ -25,6 +25,10 @@ uint64_t roundedUp(uint64_t value, uint64_t to) {
   return (value + to - 1) / to * to;
 }
 
+bool movesDuringScan(const Shot& shot) {
+  return !shot.motion.stamps.empty() || !shot.instanceMotions.empty() || !shot.meshMotions.empty();
+}
+
 }  // namespace
 
 class BatchStream::Impl {
@@ -50,17 +54,22 @@ class BatchStream::Impl {
       refuse("sensor " + std::to_string(sensor) + " needs result buffers of " + std::to_string(bytesFor(sensor)) +
              " bytes; those of the stream, which was made before the sensor was added, have " + std::to_string(bytes_));
     Batch& batch = batches_[buffer];
-    if (batch.sensor != sensor) batch.fits = false;
+    const bool moves = std::ranges::any_of(shots, &movesDuringScan);
+    const bool likeOneThatFits =
+        batch.sensor == sensor && shots.size() <= batch.viewsThatFit && (batch.movingFits || !moves);
     ring_->wait(buffer);
     // The lists of a buffer grow when its next batch is recorded, so a batch that finds them too small is made again
     // before anything else can change the scene.
     do {
       start(shots, sensor, buffer);
-      batch = {next_, sensor, shots.size(), batch.fits};
-      if (batch.fits) break;
+      batch = {next_, sensor, shots.size(), batch.viewsThatFit, batch.movingFits};
+      if (likeOneThatFits) break;
       ring_->wait(buffer);
-      batch.fits = complete(batch);
-    } while (!batch.fits);
+    } while (!complete(batch));
+    if (!likeOneThatFits) {
+      batch.viewsThatFit = shots.size();
+      batch.movingFits = moves;
+    }
     return next_++;
   }
 
@@ -78,7 +87,8 @@ class BatchStream::Impl {
     result.sensor = batch.sensor;
     result.views = batch.views;
     result.headers = headersOf(batch);
-    result.complete = batch.fits = complete(batch);
+    result.complete = complete(batch);
+    if (!result.complete) batch.viewsThatFit = 0;
     if (ring_->hostHasAll()) {
       const ResultPlaces places = placesOf(batch.sensor);
       result.records = {ring_->host(buffer) + places.records, batch.views * places.bytesPerView};
@@ -115,7 +125,10 @@ class BatchStream::Impl {
     uint64_t number = 0;
     size_t sensor = 0;
     size_t views = 0;
-    bool fits = false;  // whether the lists of this buffer were large enough for its last batch
+    // Batches of this sensor with up to so many views, and if so also moving ones, have found large enough lists in
+    // this buffer.
+    size_t viewsThatFit = 0;
+    bool movingFits = false;
   };
 
   const SensorPlan& planOf(size_t sensor) const {

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many views in one call, beside scans one by one and Embree: a town from random poses, and worlds whose boxes move
-// between two steps.
+// Many views in one call, with their results on the host or on the device, beside scans one by one and Embree: a town
+// from random poses, and worlds whose boxes move between two steps.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <random>
 #include <tuple>
 
 #include "cases.hpp"
 #include "gnosphere/batch.hpp"
+#include "gnosphere/batch_stream.hpp"
 #include "gnosphere/error.hpp"
 #include "rivals/embree.hpp"
 #include "variants.hpp"
@@ -30,7 +32,7 @@ constexpr Field kRange[] = {Field::range};
 struct BatchRow {
   std::string what;
   size_t views = 0, beams = 0;
-  std::vector<double> batch, moving, single, embree, renewing;
+  std::vector<double> batch, streamed, moving, single, embree, renewing;
   uint64_t memoryBytes = 0;
 
   double perView(const std::vector<double>& ms) const { return spreadOf(ms).median / static_cast<double>(views); }
@@ -107,6 +109,29 @@ Transform movedBy(double x, double y, double z) {
   return transform;
 }
 
+/// Our simulator, and another one of the same scene whose results stay on the device.
+class Ours {
+ public:
+  Ours(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options, size_t views)
+      : host(scene, request, options) {
+    if (options.device.kind != DeviceChoice::Kind::vulkan) return;
+    SimulatorOptions onDevice = options;
+    onDevice.resultsOnDevice = true;
+    device.emplace(scene, request, onDevice);
+    stream.emplace(*device, BatchStreamOptions{views});
+  }
+
+  /// Adds instances to both.
+  std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
+    if (device) device->addInstances(instances);
+    return host.addInstances(instances);
+  }
+
+  Simulator host;
+  std::optional<Simulator> device;
+  std::optional<BatchStream> stream;
+};
+
 class BatchMeasurement {
  public:
   explicit BatchMeasurement(Session& session) : session_(session) {}
@@ -123,13 +148,15 @@ class BatchMeasurement {
   Report report() const {
     Report report;
     Table& table = report.tables.emplace_back();
-    table.rows = {{"scene", "views", "batch ms/view", "one by one", "Embree", "ours, M rays/s", "Embree's", "MB"}};
+    table.rows = {
+        {"scene", "views", "batch ms/view", "on device", "one by one", "Embree", "ours, M rays/s", "Embree's", "MB"}};
     report.panel = {rows_[0].what, "views in one call", "ms per view, median", {}};
     report.panel.series = {{"together", cli::Marker::circle, "#009e73", "", 4, {}},
+                           {"on the device", cli::Marker::square, "#cc79a7", "", 4, {}},
                            {"one by one", cli::Marker::cross, "#d55e00", "", 4, {}},
                            {"Embree", cli::Marker::triangle, "#0072b2", "", 4, {}}};
     for (const BatchRow& row : rows_) {
-      const std::vector<double>* const columns[] = {&row.batch, &row.single, &row.embree};
+      const std::vector<double>* const columns[] = {&row.batch, &row.streamed, &row.single, &row.embree};
       cli::TableRow cells = {row.what, cli::grouped(row.views)};
       for (size_t i = 0; i < std::size(columns); ++i) {
         const double ms = row.perView(*columns[i]);
@@ -145,7 +172,8 @@ class BatchMeasurement {
     }
     table.note =
         "Medians. Rays per second count the movement of all boxes and the renewal of Embree's trees, times per view do "
-        "not. All give ranges alone, but scans one by one also points and owners. MB: device memory of the scene, the "
+        "not. All give ranges alone, but scans one by one also points and owners. On device: the ranges stay there. "
+        "MB: device memory of the scene, the "
         "sensor and their lists after the batch";
     return report;
   }
@@ -154,8 +182,8 @@ class BatchMeasurement {
   void town() {
     const Scene scene = doubleSidedTown();
     const Sensor sensor = session_.options().sensor.empty() ? headOf(360, 100) : session_.sensors({})[0];
-    Simulator ours(scene, {sensor, Effects::none()}, session_.simulatorOptions());
-    session_.setDevice(ours.device());
+    Ours ours(scene, {sensor, Effects::none()}, session_.simulatorOptions(), session_.options().frames);
+    session_.setDevice(ours.host.device());
     const std::unique_ptr<EmbreeRival> embree = embreeFor(scene, EmbreeWay::flat);
     std::mt19937 random(1);
     for (size_t views = 1; views <= session_.options().frames; views = views == 512    ? 1024
@@ -182,7 +210,7 @@ class BatchMeasurement {
         {"town, Mid-40", builtinSensor("Mid-40"), Effects::none()},
         {"town, Puck of 360 columns, default", real, Effects()}};
     for (const auto& [what, sensor, effects] : cases) {
-      Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
+      Ours ours(scene, {sensor, effects}, session_.simulatorOptions(), views);
       measureTown(what, ours, sensor, shots, nullptr);
       if (sensor.name != real.name) continue;
       std::vector<Shot> moving = shots;
@@ -208,9 +236,9 @@ class BatchMeasurement {
     return shots;
   }
 
-  void measureTown(const std::string& what, Simulator& ours, const Sensor& sensor, const std::vector<Shot>& shots,
+  void measureTown(const std::string& what, Ours& ours, const Sensor& sensor, const std::vector<Shot>& shots,
                    EmbreeRival* embree) {
-    BatchRow row = {what, shots.size(), sensor.beamCount(), {}, {}, {}, {}, {}};
+    BatchRow row = {what, shots.size(), sensor.beamCount(), {}, {}, {}, {}, {}, {}};
     for (uint32_t run = 0; run <= session_.options().runs; ++run) step(run, ours, sensor, shots, shots, embree, row);
     rows_.push_back(row);
   }
@@ -253,11 +281,11 @@ class BatchMeasurement {
     }
     Effects effects = Effects::none();
     if (during) effects.objectMotion.use = EffectUse::on;
-    Simulator ours(scene, {sensor, effects}, session_.simulatorOptions());
+    Ours ours(scene, {sensor, effects}, session_.simulatorOptions(), count);
     const std::vector<uint32_t> numbers = ours.addInstances(boxes);
     const std::unique_ptr<EmbreeRival> embree = during ? nullptr : embreeFor(apart, EmbreeWay::placed);
     const std::string what = formatted("%zu worlds, %s%s", count, sensor.name.c_str(), during ? ", moving" : "");
-    BatchRow row = {what, count, sensor.beamCount(), {}, {}, {}, {}, {}};
+    BatchRow row = {what, count, sensor.beamCount(), {}, {}, {}, {}, {}, {}};
     for (uint32_t run = 0; run <= session_.options().runs; ++run) {
       for (size_t i = 0; i < moved.size(); ++i) {
         for (size_t axis = 0; axis < 2; ++axis) places[7 * i + axis] += walk(random);
@@ -269,8 +297,9 @@ class BatchMeasurement {
         motions.push_back({numbers[i], movedBy(places[7 * i] + walk(random), places[7 * i + 1] + walk(random), 0.3)});
       }
       const double start = cli::nowMs();
-      ours.setTransforms(numbers, std::span<const double>(places));
+      ours.host.setTransforms(numbers, std::span<const double>(places));
       if (run > 0) row.moving.push_back(cli::nowMs() - start);
+      if (ours.device) ours.device->setTransforms(numbers, std::span<const double>(places));
       if (embree) {
         const double ms = embree->update(moved);
         if (run > 0) row.renewing.push_back(ms);
@@ -293,17 +322,26 @@ class BatchMeasurement {
 
   /// Scans the shots together, the first of them one by one, and traces all with Embree. Run 0 compares the results;
   /// the others are timed.
-  void step(uint32_t run, Simulator& ours, const Sensor& sensor, const std::vector<Shot>& shots,
+  void step(uint32_t run, Ours& ours, const Sensor& sensor, const std::vector<Shot>& shots,
             const std::vector<Shot>& shotsOfEmbree, EmbreeRival* embree, BatchRow& row) {
     double start = cli::nowMs();
-    ours.scanBatchInto(shots, batch_, kRange);
+    ours.host.scanBatchInto(shots, batch_, kRange);
     const double batchMs = cli::nowMs() - start;
-    row.memoryBytes = ours.memory().scene + ours.memory().sensor + ours.memory().work;
+    const MemoryUse memory = ours.host.memory();
+    row.memoryBytes = memory.scene + memory.sensor + memory.work;
+    if (ours.stream) {
+      start = cli::nowMs();
+      const StreamedBatch streamed = ours.stream->wait(ours.stream->submit(shots));
+      if (run > 0)
+        row.streamed.push_back(cli::nowMs() - start);
+      else
+        requireSame(streamed);
+    }
     const size_t singles = std::min(shots.size(), kSingles);
     double singleMs = 0;
     for (size_t i = 0; i < singles; ++i) {
       start = cli::nowMs();
-      ours.scanInto(shots[i], scan_);
+      ours.host.scanInto(shots[i], scan_);
       singleMs += cli::nowMs() - start;
       const size_t entries = scan_.ranges.size();
       if (run == 0 && std::memcmp(scan_.ranges.data(), &batch_.ranges()[i * entries], 4 * entries) != 0)
@@ -335,6 +373,19 @@ class BatchMeasurement {
     if (run > 0) row.embree.push_back(embreeMs);
   }
 
+  /// Compares the returns of each view on the device with those on the host.
+  void requireSame(const StreamedBatch& streamed) const {
+    const size_t entries = batch_.entries() / batch_.views;
+    for (size_t view = 0; view < streamed.views; ++view) {
+      const std::span<const float> ranges = batch_.ranges().subspan(view * entries, entries);
+      const auto hits = std::ranges::count_if(ranges, [](float range) { return !std::isnan(range); });
+      if (!streamed.complete || streamed.headers[view].hits != static_cast<uint64_t>(hits))
+        throw Error(ErrorCode::device, formatted("wrong: view %zu has %u returns on the device, %zu on the host%s",
+                                                 view, streamed.headers[view].hits, static_cast<size_t>(hits),
+                                                 streamed.complete ? "" : ", and a list was too small"));
+    }
+  }
+
   static uint64_t unlike(const float* ours, const float* theirs, size_t count) {
     uint64_t differ = 0;
     for (size_t i = 0; i < count; ++i)
@@ -355,6 +406,7 @@ class BatchMeasurement {
                       {"batch_ms", times(row.batch)},
                       {"one_by_one_ms", times(row.single)},
                       {"memory_bytes", row.memoryBytes}};
+    if (!row.streamed.empty()) json["on_device_ms"] = times(row.streamed);
     if (!row.moving.empty()) json["move_ms"] = times(row.moving);
     if (!row.embree.empty()) json["embree_ms"] = times(row.embree);
     if (!row.renewing.empty()) json["embree_renew_ms"] = times(row.renewing);

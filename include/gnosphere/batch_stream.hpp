@@ -71,9 +71,10 @@ class GNOSPHERE_API BatchStream {
   BatchStream& operator=(BatchStream&&) noexcept;
 
   /// Starts the scans of shots of one sensor, and returns the number of the batch: 0, then 1, and so on. Changes of the
-  /// simulator before the call count, those after it do not. Waits for the batch that has used the same result buffer,
-  /// and, while lists grow in the first batches, for this one. Throws Error(invalidArgument) as Simulator::scanBatch()
-  /// does, in which case nothing has changed, Error(outOfMemory) and Error(device).
+  /// simulator before the call count, those after it do not. Waits for the batch that has used the same result buffer;
+  /// and for this one, so that lists can grow, if it has more views than the batches before it in this buffer, or is
+  /// the first in motion. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case nothing has
+  /// changed, Error(outOfMemory) and Error(device).
   uint64_t submit(std::span<const Shot> shots);
   /// Waits until a batch is done. Throws Error(invalidArgument) if there is none of this number, or if its buffer has
   /// been used again, and Error(device).

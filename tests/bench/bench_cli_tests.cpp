@@ -153,6 +153,7 @@ TEST_CASE("the case batches measures views and worlds together, one by one and b
   CHECK(rows.at(7).at("scene") == "2 worlds, 16 x 300");
   CHECK(rows.at(8).at("scene") == "2 worlds, 16 x 300, moving");
   for (const json& row : rows) CHECK(row.at("batch_ms").at("median") > 0);
+  for (const json& row : rows) CHECK(row.at("on_device_ms").at("median") > 0);
   for (const size_t moving : {6, 7, 8}) CHECK(rows.at(moving).at("move_ms").at("median") > 0);
   CHECK_THAT(place.get("out"), ContainsSubstring("| 8 worlds, height scan "));
 }

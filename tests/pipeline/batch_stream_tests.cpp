@@ -249,29 +249,53 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
   CHECK(another.wait(another.submit(shots)).records.size() == 4 * another.places(1).bytesPerView);
 }
 
-TEST_CASE(
-    "lists that are too small for the first batch of a buffer grow before it is handed out, later ones are reported") {
-  needVulkan();
-  SensorRequest request = {gridSensor(200, 33, -60, 60), Effects::none()};
-  TestOptions options = vulkanOptions();
-  options.tuning.binning = Binning::lists;
-  const Scene scene = sceneOf(soup(11, 1500, 40, 20));
-  Simulator host(scene, request, options), device(scene, request, onDevice(options));
-  BatchStream stream(device, {6, 1});
-  const auto shotsAt = [](double x) {
-    std::vector<Shot> shots(6);
-    for (size_t i = 0; i < shots.size(); ++i) shots[i].pose.position = {x, 0, 0.1 * static_cast<double>(i)};
+namespace {
+
+/// A simulator with one result buffer whose lists are too small for views in the middle of the scene.
+struct Crowded {
+  Crowded() : host(scene(), request(), options()), device(scene(), request(), onDevice(options())) {}
+  static Scene scene() { return sceneOf(soup(11, 1500, 40, 20)); }
+  static SensorRequest request() { return {gridSensor(200, 33, -60, 60), Effects::none()}; }
+  static TestOptions options() {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = Binning::lists;
+    return options;
+  }
+  static std::vector<Shot> shotsAt(double x, size_t count) {
+    std::vector<Shot> shots(count);
+    for (size_t i = 0; i < count; ++i) shots[i].pose.position = {x, 0, 0.1 * static_cast<double>(i)};
     return shots;
-  };
-  const auto scanned = [&](double x) { return stream.wait(stream.submit(shotsAt(x))); };
-  const auto requireComplete = [&](double x) {
-    requireSame(host.scanBatch(shotsAt(x)), scanned(x), stream.places(), stream.layout());
-  };
-  requireComplete(60);  // from there, few triangles are in range
-  requireComplete(60);
-  REQUIRE_FALSE(scanned(0).complete);
-  requireComplete(0);
-  requireComplete(0);
+  }
+  StreamedBatch scan(double x, size_t count) { return stream.wait(stream.submit(shotsAt(x, count))); }
+  void requireComplete(double x, size_t count) {
+    requireSame(host.scanBatch(shotsAt(x, count)), scan(x, count), stream.places(), stream.layout());
+  }
+
+  Simulator host, device;
+  BatchStream stream{device, {6, 1}};
+};
+
+constexpr double kFarAway = 60;  // from there, few triangles are in range
+
+}  // namespace
+
+TEST_CASE("lists that are too small for the first batch of a buffer, or for more views, grow before it is handed out") {
+  needVulkan();
+  Crowded first;
+  first.requireComplete(0, 6);
+  Crowded more;
+  more.requireComplete(kFarAway, 2);
+  more.requireComplete(0, 6);
+}
+
+TEST_CASE("lists that become too small later are reported, and have grown for the next batch of the buffer") {
+  needVulkan();
+  Crowded crowded;
+  crowded.requireComplete(kFarAway, 6);
+  crowded.requireComplete(kFarAway, 6);
+  REQUIRE_FALSE(crowded.scan(0, 6).complete);
+  crowded.requireComplete(0, 6);
+  crowded.requireComplete(0, 6);
 }
 
 }  // namespace gnosphere::test
