@@ -121,7 +121,7 @@ class Ours {
     stream.emplace(*device, BatchStreamOptions{views});
   }
 
-  /// Adds instances to both.
+  /// Adds instances to both simulators, and returns their indices.
   std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
     if (device) device->addInstances(instances);
     return host.addInstances(instances);
