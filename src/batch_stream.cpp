@@ -20,6 +20,7 @@ namespace {
 }
 
 constexpr uint64_t kAlignment = 256;  // of the records in a buffer; that of views is 16
+constexpr uint64_t kNoBatch = UINT64_MAX;
 
 uint64_t roundedUp(uint64_t value, uint64_t to) {
   return (value + to - 1) / to * to;
@@ -34,7 +35,9 @@ bool movesDuringScan(const Shot& shot) {
 class BatchStream::Impl {
  public:
   Impl(Simulator& simulator, const BatchStreamOptions& options) : simulator_(simulator), options_(options) {
-    if (options.views == 0) refuse("a BatchStream is made for 1 or more views, not for 0");
+    if (options.views == 0 || options.views > limits::kMostNumber)
+      refuse("a BatchStream is made for 1 to " + std::to_string(limits::kMostNumber) + " views, not for " +
+             std::to_string(options.views));
     if (options.inFlight == 0 || options.inFlight > limits::kFrames.most)
       refuse("a BatchStream has 1 to " + std::to_string(limits::kFrames.most) + " batches in flight, not " +
              std::to_string(options.inFlight));
@@ -57,14 +60,15 @@ class BatchStream::Impl {
     const bool moves = std::ranges::any_of(shots, &movesDuringScan);
     const bool likeOneThatFits =
         batch.sensor == sensor && shots.size() <= batch.viewsThatFit && (batch.movingFits || !moves);
-    ring_->wait(buffer);
+    waitFor(buffer);
     // The lists of a buffer grow when its next batch is recorded, so a batch that finds them too small is made again
     // before anything else can change the scene.
     do {
-      start(shots, sensor, buffer);
-      batch = {next_, sensor, shots.size(), batch.viewsThatFit, batch.movingFits};
+      const ResultPlaces places = placesOf(sensor);
+      start(shots, places, buffer);
+      batch = {next_, sensor, shots.size(), places, batch.viewsThatFit, batch.movingFits};
       if (likeOneThatFits) break;
-      ring_->wait(buffer);
+      waitFor(buffer);
     } while (!complete(batch));
     if (!likeOneThatFits) {
       batch.viewsThatFit = shots.size();
@@ -77,10 +81,10 @@ class BatchStream::Impl {
     if (number >= next_) refuse("no batch " + std::to_string(number) + " has been submitted");
     const size_t buffer = number % options_.inFlight;
     Batch& batch = batches_[buffer];
-    if (batch.number != number)  // also after a batch that failed when its lists had grown
+    if (batch.number != number)  // also after a batch that failed
       refuse("the results of batch " + std::to_string(number) + " are gone, because the stream keeps those of " +
              std::to_string(options_.inFlight) + " batches");
-    ring_->wait(buffer);
+    waitFor(buffer);
     StreamedBatch result;
     result.number = number;
     result.buffer = buffer;
@@ -89,10 +93,8 @@ class BatchStream::Impl {
     result.headers = headersOf(batch);
     result.complete = complete(batch);
     if (!result.complete) batch.viewsThatFit = 0;
-    if (ring_->hostHasAll()) {
-      const ResultPlaces places = placesOf(batch.sensor);
-      result.records = {ring_->host(buffer) + places.records, batch.views * places.bytesPerView};
-    }
+    if (ring_->hostHasAll())
+      result.records = {ring_->host(buffer) + batch.places.records, batch.views * batch.places.bytesPerView};
     return result;
   }
 
@@ -122,9 +124,10 @@ class BatchStream::Impl {
 
  private:
   struct Batch {
-    uint64_t number = 0;
+    uint64_t number = kNoBatch;
     size_t sensor = 0;
     size_t views = 0;
+    ResultPlaces places = {};
     // Batches of this sensor with up to so many views, and if so also moving ones, have found large enough lists in
     // this buffer.
     size_t viewsThatFit = 0;
@@ -144,11 +147,21 @@ class BatchStream::Impl {
   uint64_t headerBytes() const { return options_.views * sizeof(RecordHeader); }
   uint64_t bytesFor(size_t sensor) const {
     const ResultPlaces places = placesOf(sensor);
-    return places.records + options_.views * places.bytesPerView;
+    const uint64_t most = (UINT64_MAX >> 1) / places.bytesPerView;  // more is refused as too large all the same
+    return places.records + std::min<uint64_t>(options_.views, most) * places.bytesPerView;
   }
 
-  void start(std::span<const Shot> shots, size_t sensor, size_t buffer) {
-    const ResultPlaces places = placesOf(sensor);
+  // Waits for the batch of a buffer, which has no results if the device fails.
+  void waitFor(size_t buffer) {
+    try {
+      ring_->wait(buffer);
+    } catch (...) {
+      batches_[buffer].number = kNoBatch;
+      throw;
+    }
+  }
+
+  void start(std::span<const Shot> shots, const ResultPlaces& places, size_t buffer) {
     const uint64_t address = ring_->address(buffer);
     Recording recording;
     recording.streamed = true;

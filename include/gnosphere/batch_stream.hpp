@@ -31,7 +31,7 @@ struct StreamedBatch {
   /// grown when the next batch in the same buffer begins.
   bool complete = true;
   std::span<const RecordHeader> headers;  ///< one per view
-  /// The records of all views, BatchStream::bytesPerView() bytes for each; empty if the host does not have them.
+  /// The records of all views, ResultPlaces::bytesPerView bytes for each; empty if the host does not have them.
   std::span<const std::byte> records;
 };
 

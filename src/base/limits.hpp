@@ -57,7 +57,8 @@ inline constexpr Limit kLayers = {"surfaces that a sub-ray passes or hits", 4,
                                   "What lies behind them is not seen; `Counters::lostEchoes` counts the echoes."};
 inline constexpr Limit kEchoes = {"echoes per beam", 6,
                                   "The farthest ones are dropped; `Counters::lostEchoes` counts them."};
-inline constexpr Limit kFrames = {"frames in flight of a recorder", 16, "The recorder is refused."};
+inline constexpr Limit kFrames = {"frames of a recorder, or batches of a stream, in flight", 16,
+                                  "The recorder, or the stream, is refused."};
 inline constexpr Limit kEntries = {
     "entries of an array on a device", kMostNumber,
     "The call that needs them throws Error(outOfMemory), which names the array; the simulator stays usable."};

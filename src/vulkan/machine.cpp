@@ -169,6 +169,7 @@ class VulkanMachine final : public Machine {
   void abandonRecording(size_t frame) noexcept override { recordings_.abandon(frame); }
 
   std::unique_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) override {
+    refuseLarger(device_, kResultsName, bytes, traits_.info.maxBufferBytes);
     return std::make_unique<VulkanRing>(device_, lent_->failed, buffers, bytes, hostBytes);
   }
 

@@ -4,14 +4,9 @@
 #include "gnosphere/error.hpp"
 
 namespace gnosphere::vulkan {
-namespace {
-
-constexpr const char* kName = "results of batches";
-
-}  // namespace
 
 VulkanRing::Slot::Slot(const Device& device, uint64_t bytes, uint64_t hostBytes)
-    : results(Buffer::exported(device, kName, bytes)), commands(device) {
+    : results(Buffer::exported(device, kResultsName, bytes)), commands(device) {
   if (!results.mapped()) copy = Buffer::staging(device, hostBytes, true);
 }
 

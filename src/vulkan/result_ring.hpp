@@ -12,6 +12,8 @@
 
 namespace gnosphere::vulkan {
 
+inline constexpr const char* kResultsName = "results of batches";
+
 class VulkanRing final : public ResultRing {
  public:
   /// Makes buffers of so many bytes. The host gets the first `hostBytes` of each, or all if it shares the memory. A

@@ -95,7 +95,7 @@ TEST_CASE("docs/limits.md has the table of limits, and the kernels keep to it") 
 TEST_CASE("a count beyond a limit is an error that names whose it is and the limit") {
   CHECK_NOTHROW(limits::kFrames.check(16, "it has"));
   CHECK_THROWS_MATCHES(limits::kFrames.check(17, "it has"), Error,
-                       Message("it has 17 frames in flight of a recorder; the limit is 16"));
+                       Message("it has 17 frames of a recorder, or batches of a stream, in flight; the limit is 16"));
 }
 
 TEST_CASE("every option can be read, and every word of a choice set") {

@@ -216,7 +216,9 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
   SimulatorOptions options = vulkanOptions();
   Simulator host(worlds(), request, options), device(worlds(), request, onDevice(options));
   CHECK_THROWS_WITH(BatchStream(host, {4}), ContainsSubstring("results_on_device"));
-  CHECK_THROWS_WITH(BatchStream(device, {0}), ContainsSubstring("1 or more views"));
+  CHECK_THROWS_WITH(BatchStream(device, {0}), ContainsSubstring("1 to 2147483647 views, not for 0"));
+  CHECK_THROWS_WITH(BatchStream(device, {SIZE_MAX}), ContainsSubstring("1 to 2147483647 views"));
+  CHECK_THROWS_WITH(BatchStream(device, {0x7fffffff}), ContainsSubstring("'results of batches' needs one buffer of"));
   CHECK_THROWS_WITH(BatchStream(device, {4, 17}), ContainsSubstring("1 to 16 batches in flight, not 17"));
   CHECK_THROWS_WITH(device.scan({}), ContainsSubstring("a BatchStream submits its scans"));
   for (const DeviceChoice::Kind kind : {DeviceChoice::Kind::reference, DeviceChoice::Kind::cuda}) {
@@ -242,6 +244,14 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
     for (Shot& shot : shots) shot.sensor = 0;
     requireSame(host.scanBatch(shots), stream.wait(stream.submit(shots)), stream.places(), stream.layout());
     CHECK(stream.wait(stream.submit({})).views == 0);
+    // A batch keeps its results, whatever becomes of its sensor.
+    const Batch expected = host.scanBatch(shots);
+    const uint64_t number = stream.submit(shots);
+    const ResultPlaces places = stream.places();
+    const RecordLayout layout = stream.layout();
+    device.removeSensor(0);
+    requireSame(expected, stream.wait(number), places, layout);
+    CHECK_THROWS_WITH(stream.places(), ContainsSubstring("no sensor 0"));
   }
   BatchStream another(device, {4});  // has room for the larger sensor
   std::vector<Shot> shots = shotsFor(1, 4);
