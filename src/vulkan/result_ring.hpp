@@ -28,6 +28,7 @@ class VulkanRing final : public ResultRing {
   bool hostHasAll() const override;
   std::pair<int, uint64_t> fd(size_t buffer) const override;
   std::pair<uint64_t, int> cudaAddress(size_t buffer) override;
+  const Buffer& results(size_t buffer) const { return slots_[buffer].results; }
 
  private:
   struct Slot {

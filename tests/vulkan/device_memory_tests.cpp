@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory of a device: blocks that buffers share, heaps that are full, and types as graphics cards have them.
 #include <algorithm>
+#include <atomic>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <deque>
 
 #include "support.hpp"
 #include "vulkan/buffer.hpp"
 #include "vulkan/device_functions.hpp"
+#include "vulkan/result_ring.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -180,6 +183,34 @@ size_t allocationsOf(Type type) {
 }
 
 }  // namespace
+
+TEST_CASE("results of batches on a card are copied to the host as far as it asks for them") {
+  needVulkan();
+  vulkan::Device device({}, true);
+  becomeCard(device, 0);
+  const uint64_t bytes = 4096, hostBytes = GENERATE(96, 4096);
+  std::atomic<bool> failed = false;
+  {
+    vulkan::VulkanRing ring(device, failed, 2, bytes, hostBytes);
+    CHECK(allocationsOf(local) == 2);
+    CHECK(allocationsOf(cached) == 1);  // small buffers share it
+    CHECK(ring.hostHasAll() == (hostBytes == bytes));
+    for (uint32_t batch = 0; batch < 4; ++batch) {
+      const size_t at = batch % 2;
+      ring.wait(at);
+      vulkan::CommandBuffer commands(device, static_cast<VkCommandBuffer>(ring.begin(at)));
+      commands.fill(ring.results(at), 0, VK_WHOLE_SIZE, 0x1000 + batch);
+      commands.fullBarrier();
+      ring.submit(at);
+      ring.wait(at);
+      const auto* const words = reinterpret_cast<const uint32_t*>(ring.host(at));
+      CHECK(std::all_of(words, words + hostBytes / 4, [&](uint32_t word) { return word == 0x1000 + batch; }));
+    }
+  }
+  CHECK(card.copies == 4);
+  CHECK_FALSE(failed);
+  device.throwOnMessages();
+}
 
 TEST_CASE("a card whose visible memory is full gives the host's, and staging never takes the card's") {
   needVulkan();
