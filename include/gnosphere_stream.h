@@ -31,6 +31,7 @@ typedef struct gno_result_places {
   uint64_t records;        /* of the first view */
   uint64_t bytes_per_view; /* from the records of one view to those of the next; a multiple of 16 */
   uint64_t rows_per_view;  /* entries of a view: beams * returns */
+  uint32_t returns;        /* entries per beam */
   uint64_t bytes;          /* of the whole buffer */
 } gno_result_places;
 

@@ -104,6 +104,7 @@ class BatchStream::Impl {
     const SensorPlan& plan = planOf(sensor);
     ResultPlaces places;
     places.records = roundedUp(headerBytes(), kAlignment);
+    places.returns = plan.returns;
     places.rowsPerView = plan.sensor.beamCount() * plan.returns;
     places.bytesPerView = roundedUp(std::max<uint64_t>(plan.layout.bytesFor(places.rowsPerView), 4), 16);
     places.bytes = bytes_;

@@ -41,6 +41,7 @@ struct ResultPlaces {
   uint64_t records = 0;       ///< bytes from the start of the buffer to the records of the first view
   uint64_t bytesPerView = 0;  ///< from the records of one view to those of the next; a multiple of 16
   uint64_t rowsPerView = 0;   ///< entries of a view: beams * returns
+  uint32_t returns = 1;       ///< entries per beam
   uint64_t bytes = 0;         ///< of the whole buffer
 };
 
@@ -82,13 +83,14 @@ class GNOSPHERE_API BatchStream {
 
   /// The layout of a sensor's records. Throws Error(invalidArgument) for an unknown sensor.
   const RecordLayout& layout(size_t sensor = 0) const;
+  /// Where a sensor's results are in a result buffer. Throws Error(invalidArgument) for an unknown sensor.
   ResultPlaces places(size_t sensor = 0) const;
   /// Hands out the memory of a result buffer, to be imported by Vulkan or CUDA as an opaque file descriptor. Its
   /// content is a batch's as soon as wait() has returned for the batch. Throws Error(device) if the device exports
   /// none.
   ExportedMemory exportMemory(size_t buffer) const;
-  /// Imports a result buffer in CUDA, once; it is valid as long as the stream. Throws Error(device) that gives the
-  /// reason if CUDA cannot have it.
+  /// Imports a result buffer in CUDA at the first call; the address is valid as long as the stream. Throws
+  /// Error(device) that gives the reason if CUDA cannot have the buffer.
   CudaAddress cudaAddress(size_t buffer);
 
  private:

@@ -20,7 +20,6 @@ struct Streamed {
   StreamedBatch batch;
   ResultPlaces places;
   RecordLayout layout;
-  size_t returns = 1;
   std::vector<uint32_t> hits;
   nb::object stream;
 };
@@ -29,11 +28,10 @@ Streamed wait(nb::handle self, uint64_t number) {
   auto& of = nb::cast<Stream&>(self);
   Streamed result;
   result.stream = nb::borrow(self);
-  of.simulator.use([&](Simulator& simulator) {
+  of.simulator.use([&](Simulator&) {
     result.batch = of.stream.wait(number);
     result.places = of.stream.places(result.batch.sensor);
     result.layout = of.stream.layout(result.batch.sensor);
-    result.returns = simulator.plan(result.batch.sensor).returns;
     for (const RecordHeader& header : result.batch.headers) result.hits.push_back(header.hits);
   });
   return result;
@@ -53,11 +51,11 @@ const RecordLayout::Value& valueOf(const Streamed& self, Field field) {
 /// An array of shape (views, beams[, returns][, components]) of values that begin with `first`.
 template <typename T>
 nb::object arrayOf(const Streamed& self, const RecordLayout::Value& first, size_t components, Where where) {
-  std::vector<size_t> shape = {self.batch.views, self.places.rowsPerView / self.returns};
+  std::vector<size_t> shape = {self.batch.views, self.places.rowsPerView / self.places.returns};
   const auto stride = static_cast<int64_t>(first.stride / sizeof(T));
   std::vector<int64_t> strides = {static_cast<int64_t>(self.places.bytesPerView / sizeof(T)),
-                                  stride * static_cast<int64_t>(self.returns)};
-  if (self.returns > 1) shape.push_back(self.returns), strides.push_back(stride);
+                                  stride * static_cast<int64_t>(self.places.returns)};
+  if (self.places.returns > 1) shape.push_back(self.places.returns), strides.push_back(stride);
   if (components > 1) shape.push_back(components), strides.push_back(1);
   if (where == Where::cuda) {
     auto& of = nb::cast<Stream&>(self.stream);
@@ -100,9 +98,10 @@ void bindStreamed(nb::module_& m) {
   batch.def_prop_ro(
       "views", [](const Streamed& self) { return self.batch.views; }, "The number of shots.");
   batch.def_prop_ro(
-      "beams", [](const Streamed& self) { return self.places.rowsPerView / self.returns; }, "Beams of each view.");
+      "beams", [](const Streamed& self) { return self.places.rowsPerView / self.places.returns; },
+      "Beams of each view.");
   batch.def_prop_ro(
-      "returns", [](const Streamed& self) { return self.returns; }, "Entries per beam.");
+      "returns", [](const Streamed& self) { return self.places.returns; }, "Entries per beam.");
   batch.def_prop_ro(
       "complete", [](const Streamed& self) { return self.batch.complete; },
       "False if a list was too small for some view, so that it may lack hits. The list has grown when the next batch "
@@ -150,6 +149,7 @@ void bindBatchStream(nb::module_& m) {
       .def_ro("records", &ResultPlaces::records, "Bytes from the start of the buffer to the records of the first view.")
       .def_ro("bytes_per_view", &ResultPlaces::bytesPerView, "From the records of one view to those of the next.")
       .def_ro("rows_per_view", &ResultPlaces::rowsPerView, "Entries of a view: beams * returns.")
+      .def_ro("returns", &ResultPlaces::returns, "Entries per beam.")
       .def_ro("bytes", &ResultPlaces::bytes, "Of the whole buffer.");
   nb::class_<ExportedMemory>(m, "ExportedMemory",
                              "A file descriptor for the memory of a result buffer, which begins at byte 0 of that "

@@ -86,6 +86,7 @@ gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, g
     to->records = from.records;
     to->bytes_per_view = from.bytesPerView;
     to->rows_per_view = from.rowsPerView;
+    to->returns = from.returns;
     to->bytes = from.bytes;
   });
 }

@@ -7,12 +7,12 @@
 #include <cstring>
 #include <gnosphere/gnosphere.hpp>
 
+#include "c/wall.hpp"
+
 using namespace gnosphere;
+using namespace gnosphere::test;
 
 namespace {
-
-const float kWall[] = {5, -20, -20, 5, 20, -20, 5, 20, 20, 5, -20, 20};
-const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
 
 Sensor ahead() {
   Sensor sensor;
@@ -37,16 +37,7 @@ Scene wall() {
 }
 
 gno_simulator makeSimulator() {
-  gno_scene scene = nullptr;
-  REQUIRE(gno_scene_create(&scene) == GNO_OK);
-  const gno_material material = gno_material_init();
-  gno_mesh mesh = gno_mesh_init();
-  mesh.positions = kWall;
-  mesh.vertex_count = 4;
-  mesh.indices = kSquare;
-  mesh.triangle_count = 2;
-  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
+  const gno_scene scene = sceneWithWall();
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_from_json(toJson(ahead()).c_str(), &sensor) == GNO_OK);
   gno_effects effects = nullptr;

@@ -6,27 +6,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "c/wall.hpp"
 #include "support.hpp"
 
 namespace gnosphere::test {
 namespace {
 
-const float kWall[] = {5, -20, -20, 5, 20, -20, 5, 20, 20, 5, -20, 20};
-const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
-
 // A simulator of a wall for a sensor of 90 beams.
 gno_simulator simulatorWith(const gno_options& options) {
-  gno_scene scene = nullptr;
-  REQUIRE(gno_scene_create(&scene) == GNO_OK);
-  const gno_material material = gno_material_init();
-  gno_mesh mesh = gno_mesh_init();
-  mesh.positions = kWall;
-  mesh.vertex_count = 4;
-  mesh.indices = kSquare;
-  mesh.triangle_count = 2;
+  const gno_scene scene = sceneWithWall();
   const gno_instance instance = gno_instance_init();
-  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
   REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_from_json(toJson(gridSensor(30, 3, -5, 5)).c_str(), &sensor) == GNO_OK);

@@ -85,7 +85,7 @@ TEST_CASE("a batch that fails for lack of memory loses no upload, and the next o
   };
   const auto submit = [&] { subject.stream->submit(subject.shots); };
   CHECK(failEach("stream: submit", Fails::memory, {submit, {}, check}) > 0);
-  // Of more shots than before, which need room on the device.
+  // The first batch of a stream needs room on the device.
   subject.stream.reset();
   CHECK(failEach("stream: first batch", Fails::device,
                  {[&] {
