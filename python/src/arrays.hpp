@@ -81,6 +81,17 @@ using Column = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
 template <typename T, size_t width>
 using Rows = nb::ndarray<nb::numpy, T, nb::shape<-1, width>>;
 
+/// Returns the array that make.operator()<T>() makes, where T is the type of a field's values.
+template <typename Make>
+nb::object arrayOfType(ValueType type, const Make& make) {
+  switch (type) {
+    case ValueType::u8: return make.template operator()<uint8_t>();
+    case ValueType::u16: return make.template operator()<uint16_t>();
+    case ValueType::u32: return make.template operator()<uint32_t>();
+    default: return make.template operator()<float>();
+  }
+}
+
 /// For properties that return arrays, which have their owner already.
 inline constexpr auto kOwned = nb::rv_policy::reference;
 

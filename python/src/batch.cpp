@@ -29,12 +29,7 @@ nb::object column(const SharedBatch& self, Field field) {
     const size_t axis = static_cast<size_t>(field) - static_cast<size_t>(Field::x);
     return columnOf<float>(self, Field::x, 3).attr("__getitem__")(nb::make_tuple(nb::ellipsis(), axis));
   }
-  switch (info.type) {
-    case ValueType::u8: return columnOf<uint8_t>(self, field, info.components);
-    case ValueType::u16: return columnOf<uint16_t>(self, field, info.components);
-    case ValueType::u32: return columnOf<uint32_t>(self, field, info.components);
-    default: return columnOf<float>(self, field, info.components);
-  }
+  return arrayOfType(info.type, [&]<typename T>() { return columnOf<T>(self, field, info.components); });
 }
 
 template <typename T>

@@ -74,12 +74,7 @@ nb::object arrayOf(const Streamed& self, const RecordLayout::Value& first, size_
 nb::object column(const Streamed& self, Field field, Where where) {
   const FieldInfo info = fieldInfo(field);
   const RecordLayout::Value& first = valueOf(self, field);
-  switch (info.type) {
-    case ValueType::u8: return arrayOf<uint8_t>(self, first, info.components, where);
-    case ValueType::u16: return arrayOf<uint16_t>(self, first, info.components, where);
-    case ValueType::u32: return arrayOf<uint32_t>(self, first, info.components, where);
-    default: return arrayOf<float>(self, first, info.components, where);
-  }
+  return arrayOfType(info.type, [&]<typename T>() { return arrayOf<T>(self, first, info.components, where); });
 }
 
 void bindStreamed(nb::module_& m) {

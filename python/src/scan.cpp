@@ -26,12 +26,7 @@ nb::object columnOf(const SharedScan& self, Field field, size_t components) {
 
 nb::object column(const SharedScan& self, Field field) {
   const FieldInfo info = fieldInfo(field);
-  switch (info.type) {
-    case ValueType::u8: return columnOf<uint8_t>(self, field, info.components);
-    case ValueType::u16: return columnOf<uint16_t>(self, field, info.components);
-    case ValueType::u32: return columnOf<uint32_t>(self, field, info.components);
-    default: return columnOf<float>(self, field, info.components);
-  }
+  return arrayOfType(info.type, [&]<typename T>() { return columnOf<T>(self, field, info.components); });
 }
 
 std::vector<std::string> namesOfFields(const Scan& scan) {
