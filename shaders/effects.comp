@@ -44,6 +44,7 @@ float hitRange;  // NaN if there is no hit
 uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
+Echo hitEcho;  // of a beam with a hit, if `echoes` does not have it
 uint hits, causeCounts[kCauses];  // counted by this invocation
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
@@ -64,11 +65,8 @@ bool isDead(uint beam) {
 
 #include "common/effects/signal.h"
 
-Echo loadEcho(uint k) {
-  if (many) {
-    vec4 echo = echoes.at[echoPlace(wordIndex, k)];
-    return Echo(echo.x, echo.y, echo.z, echo.w, k);
-  }
+// Computes the echo of the hit of a beam that has no others. Its energy needs the material, many loads on a CPU.
+Echo echoOfHit() {
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
     vec3 direction = lightDirection;
@@ -77,6 +75,12 @@ Echo loadEcho(uint k) {
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
   return Echo(hitRange, energy, planned.pulseWidth, cosIncidence, 0);
+}
+
+Echo loadEcho(uint k) {
+  if (!many) return hitEcho;
+  vec4 echo = echoes.at[echoPlace(wordIndex, k)];
+  return Echo(echo.x, echo.y, echo.z, echo.w, k);
 }
 
 // Returns the velocity of the point of a deformed triangle that the beam meets, in the column's frame; `point` is as
@@ -159,7 +163,10 @@ bool isHit() { return floatBitsToUint(hitRange) <= 0x7f800000u; }
 // Computes the returns of one beam.
 void judge() {
   uint count = isHit() ? 1 : 0, returned;
-  if (many) count = echoCounts.at[resultOf(beamIndex)];
+  if (many)
+    count = echoCounts.at[resultOf(beamIndex)];
+  else if (count > 0)
+    hitEcho = echoOfHit();
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
