@@ -42,6 +42,17 @@ bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
 }
 
+// Returns the largest tangent of the elevation of a beam; not infinite for a beam to a pole, since 0 times it is 0.
+double steepestOf(const Sensor& sensor) {
+  double steepest = 0;
+  for (const Channel& channel : sensor.channels)
+    steepest = std::max(steepest, std::abs(std::tan(channel.elevationDeg * std::numbers::pi / 180)));
+  for (const BeamList& list : sensor.patterns)
+    for (const Vec3& direction : list.directions)
+      steepest = std::max(steepest, std::abs(direction.z) / std::max(std::hypot(direction.x, direction.y), 1e-9));
+  return steepest;
+}
+
 // Light that deviates by the tangents u and v to the left and up, from an axis of elevation E, is in azimuth
 // atan(u / (cos E - v sin E)) away. In elevation it is atan(v) away, less at most u^2 tan(E) / 2 for small angles.
 // Where angles are not small beside the distance from a pole, both are bounded by the angle between light and axis.
@@ -50,7 +61,8 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   const bool strays = plan.has(gpu::kStrays);
   const double azimuth = strays ? gpu::kAngleCutOff * noise.azimuth : 0;
   const double elevation = strays ? gpu::kAngleCutOff * noise.elevation : 0;
-  double angle = 0, across = 0, up = 0, steepest = 0;
+  const double steepest = steepestOf(plan.sensor);
+  double angle = 0, across = 0, up = 0;
   for (const SubRay& ray : plan.subRays) {
     angle = std::max(angle, std::hypot(double{ray.u}, double{ray.v}));
     across = std::max(across, std::abs(double{ray.u}));
@@ -59,8 +71,6 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   angle += std::hypot(azimuth, elevation);
   across += azimuth;
   up += elevation;
-  for (const Channel& channel : plan.sensor.channels)
-    steepest = std::max(steepest, std::abs(std::tan(channel.elevationDeg * std::numbers::pi / 180)));
   if (up * steepest > 0.04 || across * std::hypot(1, steepest) > 0.25)
     across = up = angle;
   else

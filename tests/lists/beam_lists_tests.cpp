@@ -157,6 +157,31 @@ TEST_CASE("effects and motion of a list equal the reference") {
     CHECK(requireEffects(variedList(), first, (first + 9) % effectNames().size()) > 0.2);
 }
 
+// Light that deviates to the side changes its elevation, the more the steeper the beam is.
+TEST_CASE("wide beams and angle errors of a list near the poles equal the reference") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.quad({-5, -5, 3}, {0, 10, 0}, {5.06, 0, 0});
+  builder.quad({0.06, -5, 2.9}, {0, 10, 0}, {5, 0, 0});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0].doubleSided = true;
+  Sensor grid{"steep", 180, {}, 0, 10};
+  for (const double elevation : {90.0, 89.999, 89.9, 89.0, 87.0, 80.0}) grid.channels.push_back({elevation, 0});
+  TestOptions wide = vulkanOptions(), astray = vulkanOptions();
+  wide.effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 0.1, 0.02};
+  astray.effects.angleNoise = {EffectUse::on, 0.05, 0, Effects::AngleNoise::At::beam};
+  for (TestOptions options : {wide, astray}) {
+    options.effects.intensity.use = EffectUse::automatic;
+    const Scan found = scanOf(scene, asList(grid), {}, options);
+    options.device = DeviceChoice::Kind::reference;
+    const Differences result = differences(scanOf(scene, asList(grid), {}, options), found, {0, 1e-3, 2e-3});
+    INFO(result.all() << " differences, first: " << result.first);
+    CHECK(result.all() == 0);
+    CHECK(result.ties < result.beams / 10);
+    CHECK(found.counters.hits > found.counters.beams - 10);
+  }
+}
+
 TEST_CASE("heads far apart in one list have the hits of each head alone") {
   needVulkan();
   const Scene scene = coveredTown();
