@@ -93,12 +93,12 @@ vec3 deformedVelocityAt(uvec2 owner, vec3 point) {
   return rotated(beamMotion.row0, beamMotion.row1, beamMotion.row2, velocity);
 }
 
-// Stores the surface's velocity and its radial speed. Without motion both are 0.
+// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0.
 void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    vec3 point = beamDirection * range + beamOrigin;
+    vec3 point = lightDirection * range + beamOrigin;
     if (owner.x != kNone && motion.instances != 0) {
       InstanceMotion moving = instanceMotions.at[owner.y];
       if (DEFORMED != kDeformsNothing && moving.bound.z != 0.0)

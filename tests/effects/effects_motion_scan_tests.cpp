@@ -207,6 +207,34 @@ TEST_CASE("the velocity of a fast turning plate is that of the point that the be
   CHECK(hits > 300);
 }
 
+TEST_CASE("the velocity of a turning plate is that of the point that a deviating beam meets") {
+  Scene scene = sceneOf(plate(0, 12));
+  scene.instances[0].transform = translation(15, 0, 0);
+  const double c = std::cos(1.5), s = std::sin(1.5);
+  Shot shot;
+  shot.instanceMotions = {{0, {{c, -s, 0, 15, s, c, 0, 0, 0, 0, 1, 0}}}};
+  TestOptions options = optionsOn("auto");
+  options.effects.objectMotion.use = options.effects.intensity.use = EffectUse::automatic;
+  options.effects.radialSpeed.use = EffectUse::automatic;
+  options.effects.angleNoise = {EffectUse::on, 5e-3, 5e-3, Effects::AngleNoise::At::beam};
+  options.fields = {Field::velocity, Field::radialSpeed};
+  Scan found, expected;
+  makeSimulator(scene, spinning(), options).scanInto(shot, found);
+  options.device = deviceByName("reference");
+  makeSimulator(scene, spinning(), options).scanInto(shot, expected);
+  size_t hits = 0;
+  for (size_t i = 0; i < found.beamCount(); ++i) {
+    if (!found.hit(i) || !expected.hit(i)) continue;
+    ++hits;
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      CHECK(found.column<float>(Field::velocity, axis)[i] ==
+            Approx(expected.column<float>(Field::velocity, axis)[i]).margin(2e-3));
+    CHECK(found.column<float>(Field::radialSpeed)[i] ==
+          Approx(expected.column<float>(Field::radialSpeed)[i]).margin(2e-3));
+  }
+  CHECK(hits > 200);
+}
+
 TEST_CASE("a sensor that moves with its target measures no speed and no distortion") {
   const std::string device = ON_EVERY_DEVICE;
   Scene scene = sceneOf(plate(0, 12));
