@@ -25,7 +25,13 @@ def _shown(value: Any) -> str:
 
 
 def _properties(thing: Any) -> dict[str, str]:
-    values = {name: getattr(thing, name) for name, kind in vars(type(thing)).items() if isinstance(kind, property)}
+    values = {}
+    for name, kind in vars(type(thing)).items():
+        if isinstance(kind, property):
+            try:
+                values[name] = getattr(thing, name)
+            except _gnosphere.Error:  # it has no such array
+                pass
     return {name: _shown(value) for name, value in values.items() if not hasattr(value, "__len__") or len(value)}
 
 

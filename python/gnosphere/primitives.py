@@ -136,7 +136,8 @@ def capsule(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
 def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: float) -> Triangles:
     """A block from z = -base up to heights in metres, shape (rows along y, columns along x), over a rectangle.
 
-    A cell is divided from its corner of the least x and y to the opposite one.
+    A cell is divided from its corner of the least x and y to the opposite one. The sides have no corners below but those
+    of the base, so that the base has two triangles.
     """
     z = np.asarray(heights, np.float64)
     rows, columns = z.shape
@@ -144,14 +145,31 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
     top = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     number = np.arange(rows * columns).reshape(rows, columns)
     cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
-    rim = np.concatenate([number[0, :-1], number[:-1, -1], number[-1, :0:-1], number[:0:-1, 0]])
-    below = np.column_stack([top[rim, :2], np.full(len(rim), -base)])
-    here = len(top) + np.arange(len(rim))
-    after = np.roll(here, -1)
-    sides = np.stack([here, after, np.roll(rim, -1), rim], axis=1)
-    bottom = np.stack([np.full(len(rim), len(top) + len(rim)), after, here], axis=1)
-    faces = np.concatenate([_quads(cells), _quads(sides), bottom])
-    return _result(np.concatenate([top, below, [[0, 0, -base]]]), faces)
+    rims = [number[0, :], number[:, -1], number[-1, ::-1], number[::-1, 0]]  # against the clock, seen from above
+    below = np.column_stack([top[[rim[0] for rim in rims], :2], np.full(4, -base)])
+    corners = len(top) + np.arange(4)
+    faces = [_quads(cells), corners[[[0, 2, 1], [0, 3, 2]]]]
+    vertices = np.concatenate([top, below])
+    for here, after, rim in zip(corners, np.roll(corners, -1), rims):
+        chain = np.concatenate([[here], rim, [after]])
+        along = np.linalg.norm(vertices[chain, :2] - vertices[here, :2], axis=1)
+        faces.append(chain[_under(np.column_stack([along, vertices[chain, 2]]))])
+    return _result(vertices, np.concatenate(faces))
+
+
+def _under(chain: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """The triangles between a chain of points (x, y) whose x never falls and the line from its first point to its last,
+    which no other point lies below. Every corner that is convex can be cut off (a monotone mountain)."""
+    kept: list[int] = []
+    found = []
+    for c in range(len(chain)):
+        while len(kept) > 1:
+            (ux, uy), (vx, vy) = chain[kept[-1]] - chain[kept[-2]], chain[c] - chain[kept[-1]]
+            if ux * vy >= uy * vx:
+                break
+            found.append((c, kept.pop(), kept[-1]))
+        kept.append(c)
+    return np.array(found, np.int64).reshape(-1, 3)
 
 
 def ears(polygon: npt.ArrayLike) -> npt.NDArray[np.int64]:

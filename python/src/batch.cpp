@@ -47,9 +47,9 @@ void bindBatch(nb::module_& m) {
       "(views, beams, returns) if a beam may have several, and vectors have their components as a last dimension. An "
       "entry has the bytes that it has in the Scan of the shot. A batch always has ranges; it has the other fields if "
       "it was asked for them.\n\nThe arrays are NumPy arrays of the library's memory, which each keeps alive; "
-      "torch.from_dlpack() and its like take them without a copy. While one is held, scan_batch(into=...) takes new "
+      "torch.from_dlpack() and its like take them without a copy. While one is held, scan_batch_into() takes new "
       "memory, so the values of an array change only if you write to them.");
-  batch.def(nb::init<>(), "An empty batch, for Simulator.scan_batch(into=...).");
+  batch.def(nb::init<>(), "An empty batch, for Simulator.scan_batch_into().");
   readMember(batch, "sensor", &Batch::sensor, "The sensor's name.");
   readMember(batch, "columns", &Batch::columns, "Columns of the organised cloud of a view.");
   readMember(batch, "channels", &Batch::channels, "Rows of the organised cloud of a view.");

@@ -10,9 +10,13 @@ namespace {
 /// A stream and its simulator, which the Python object keeps alive.
 struct Stream {
   Stream(SimulatorOfOneThread& of, const BatchStreamOptions& options)
-      : simulator(of), stream(of.use([&](Simulator& simulator) { return BatchStream(simulator, options); })) {}
+      : simulator(of),
+        stream(of.use([&](Simulator& simulator) { return BatchStream(simulator, options); })),
+        inFlight(options.inFlight) {}
   SimulatorOfOneThread& simulator;
   BatchStream stream;
+  size_t inFlight;
+  uint64_t submitted = 0;  // the number of batches
 };
 
 /// A batch, with the Python object of its stream, which keeps the memory.
@@ -40,6 +44,13 @@ Streamed wait(nb::handle self, uint64_t number) {
 /// Where arrays are.
 enum class Where { host, cuda };
 
+void requireCurrent(const Streamed& self) {
+  const auto& of = nb::cast<Stream&>(self.stream);
+  if (of.submitted > self.batch.number + of.inFlight)
+    refuse("the results of batch " + std::to_string(self.batch.number) +
+           " are gone, because the stream keeps those of " + std::to_string(of.inFlight) + " batches");
+}
+
 const RecordLayout::Value& valueOf(const Streamed& self, Field field) {
   const auto found = std::ranges::find(self.layout.values, field, &RecordLayout::Value::field);
   if (found == self.layout.values.end())
@@ -51,6 +62,7 @@ const RecordLayout::Value& valueOf(const Streamed& self, Field field) {
 /// An array of shape (views, beams[, returns][, components]) of values that begin with `first`.
 template <typename T>
 nb::object arrayOf(const Streamed& self, const RecordLayout::Value& first, size_t components, Where where) {
+  requireCurrent(self);
   std::vector<size_t> shape = {self.batch.views, self.places.rowsPerView / self.places.returns};
   const auto stride = static_cast<int64_t>(first.stride / sizeof(T));
   std::vector<int64_t> strides = {static_cast<int64_t>(self.places.bytesPerView / sizeof(T)),
@@ -83,7 +95,8 @@ void bindStreamed(nb::module_& m) {
       "The results of a batch that has been waited for. Arrays have the shape (views, beams), or (views, beams, "
       "returns) if a beam may have several, and vectors have their components as a last dimension. They are views of "
       "the stream's result buffer, which they keep alive: the values change when the stream uses the buffer again, for "
-      "the batch that is submitted `in_flight` later. Copy what you keep longer.");
+      "the batch that is submitted `in_flight` later. From then on this object hands out no arrays. Copy what you keep "
+      "longer.");
   batch.def_prop_ro(
       "number", [](const Streamed& self) { return self.batch.number; }, "As BatchStream.submit() has returned it.");
   batch.def_prop_ro(
@@ -123,7 +136,9 @@ void bindStreamed(nb::module_& m) {
           "cuda_column", [](const Streamed& self, Field field) { return column(self, field, Where::cuda); }, "field"_a,
           nb::sig("def cuda_column(self, field: Field) -> typing.Any"),
           "Returns the values of a field as an object that torch.from_dlpack() and its like take without a copy, on "
-          "the CUDA device. Raises Error(device) that gives the reason if CUDA cannot have them.")
+          "the CUDA device. Work on them in CUDA must have ended (torch.cuda.synchronize()) before the batch is "
+          "submitted "
+          "that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have them.")
       .def(
           "has",
           [](const Streamed& self, Field field) {
@@ -175,13 +190,18 @@ void bindBatchStream(nb::module_& m) {
           "submit",
           [](Stream& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame) {
             const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "submit");
-            return self.simulator.use([&](Simulator&) { return self.stream.submit(shots); });
+            const uint64_t number = self.simulator.use([&](Simulator&) { return self.stream.submit(shots); });
+            self.submitted = number + 1;
+            return number;
           },
           "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
           "Starts the scans of shots of one sensor, given as for Simulator.scan_batch(), and returns the number of the "
           "batch. Changes of the simulator before the call count, those after it do not. The call waits for the batch "
-          "that has used the same result buffer. Raises Error(invalid_argument) that names the first shot which is not "
-          "valid, before anything runs.")
+          "that has used the same result buffer; and for this one, so that lists can grow, if the sensor's batches so "
+          "far "
+          "had fewer views, or none was in motion. Raises Error(invalid_argument) that names the first shot which is "
+          "not "
+          "valid, before anything runs, Error(out_of_memory) and Error(device).")
       .def("wait", &wait, "number"_a, nb::sig("def wait(self, number: int) -> StreamedBatch"),
            "Waits until a batch is done, and returns its results. Raises Error(invalid_argument) if there is none of "
            "this number, or if its buffer has been used again.")
@@ -190,13 +210,16 @@ void bindBatchStream(nb::module_& m) {
           [](Stream& self, size_t sensor) {
             return self.simulator.use([&](Simulator&) { return RecordLayout(self.stream.layout(sensor)); });
           },
-          "sensor"_a = 0, "How the records of a view lie in memory: a column per value.")
+          "sensor"_a = 0,
+          "How the records of a view lie in memory: a column per value. Raises Error(invalid_argument) for an unknown "
+          "sensor.")
       .def(
           "places",
           [](Stream& self, size_t sensor) {
             return self.simulator.use([&](Simulator&) { return self.stream.places(sensor); });
           },
-          "sensor"_a = 0, "Where the results of a sensor are in a result buffer.")
+          "sensor"_a = 0,
+          "Where the results of a sensor are in a result buffer. Raises Error(invalid_argument) for an unknown sensor.")
       .def(
           "export_memory",
           [](Stream& self, size_t buffer) {

@@ -15,6 +15,7 @@
 
 #include <gnosphere/gnosphere.hpp>
 
+#include "gil.hpp"
 #include "vectors.hpp"
 
 namespace nb = nanobind;
@@ -42,7 +43,7 @@ void bindDrive(nb::module_& m);
 void bindRos2(nb::module_& m);
 void bindCommandLine(nb::module_& m);
 
-using WithoutGil = nb::call_guard<nb::gil_scoped_release>;
+using WithoutGil = nb::call_guard<ReleasedGil>;
 
 [[noreturn]] inline void refuse(const std::string& sentence) {
   throw Error(ErrorCode::invalidArgument, sentence);

@@ -106,7 +106,7 @@ void bindDevices(nb::module_& m) {
         std::string problem;
         std::vector<DeviceInfo> devices;
         {
-          const nb::gil_scoped_release released;
+          const ReleasedGil released;
           devices = listDevices(&problem);
         }
         if (vulkanProblem && !problem.empty()) vulkanProblem->append(problem);

@@ -62,7 +62,7 @@ void bindDrive(nb::module_& parent) {
       "run",
       [](const Drive& of, const RunOptions& options) {
         const RunOptions chosen = options;
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         return drive::run(of, chosen);
       },
       "drive"_a, "options"_a,

@@ -11,6 +11,7 @@ NB_MODULE(_gnosphere, m) {
   gnosphere::vulkan::driverAdvice = "pip install 'gnosphere[cpu]' brings one that runs on the CPU";
   m.doc() = "A LiDAR simulator that never casts a ray.";
   m.attr("__version__") = GNOSPHERE_VERSION;
+  watchEnd();
   bindErrors(m);
   bindScene(m);  // with bindMesh and bindAnimation
   bindStates(m);

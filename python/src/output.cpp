@@ -63,7 +63,7 @@ void bindLayout(nb::module_& m) {
         const std::shared_ptr<Scan> shared = scan.value;
         const RecordLayout chosen = of;
         const WritableBytes memory(out);
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         return pack(*shared, chosen, memory.bytes());
       },
       "scan"_a, "layout"_a, "out"_a, nb::sig("def pack(scan: Scan, layout: RecordLayout, out: typing.Any) -> int"),
@@ -103,7 +103,7 @@ void bindComparison(nb::module_& m) {
       "compare",
       [](const SharedScan& reference, const SharedScan& other, double tolerance) {
         const std::shared_ptr<Scan> truth = reference.value, compared = other.value;
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         return compare(*truth, *compared, tolerance);
       },
       "reference"_a, "other"_a, "tolerance"_a = 1e-3,
@@ -142,7 +142,7 @@ void bindOutput(nb::module_& m) {
       [](const SharedScan& scan, const std::filesystem::path& file, const CloudOptions& of) {
         const std::shared_ptr<Scan> shared = scan.value;
         const CloudOptions chosen = of;
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         writeCloud(*shared, file, chosen);
       },
       "scan"_a, "file"_a, "options"_a = CloudOptions(),
@@ -155,7 +155,7 @@ void bindOutput(nb::module_& m) {
       "write_picture",
       [](const SharedScan& scan, const std::filesystem::path& file) {
         const std::shared_ptr<Scan> shared = scan.value;
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         writePicture(*shared, file);
       },
       "scan"_a, "file"_a,
@@ -165,7 +165,7 @@ void bindOutput(nb::module_& m) {
   m.def(
       "read_cloud",
       [](const std::filesystem::path& file) {
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         return SharedScan{std::make_shared<Scan>(readCloud(file))};
       },
       "file"_a,

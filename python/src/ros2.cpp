@@ -119,7 +119,7 @@ void bindPublisher(nb::module_& m) {
           "__init__",
           [](Publisher* self, MessageType type, const std::string& topic, const Qos& qos,
              std::optional<uint32_t> domain, std::optional<bool> localhostOnly) {
-            const nb::gil_scoped_release released;
+            const ReleasedGil released;
             new (self) Publisher(type, topic, {qos, domain, localhostOnly});
           },
           "type"_a, "topic"_a, "qos"_a = Qos(), "domain"_a = nb::none(), "localhost_only"_a = nb::none(),

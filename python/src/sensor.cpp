@@ -246,7 +246,7 @@ void bindSensorFiles(nb::module_& m) {
       "read_sensor_file",
       [](nb::bytes content, const std::string& name, const SensorFileOptions& options) {
         const SensorFileOptions chosen = options;
-        const nb::gil_scoped_release released;
+        const ReleasedGil released;
         return readSensorFile(std::string_view(content.c_str(), content.size()), name, chosen);
       },
       "content"_a, "name"_a, "options"_a = SensorFileOptions(),

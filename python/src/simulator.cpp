@@ -12,7 +12,7 @@ using Self = SimulatorOfOneThread;
 // Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the
 // originals.
 void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
-  const nb::gil_scoped_release released;
+  const ReleasedGil released;
   new (self) Self(scene, sensors, options);
 }
 
@@ -65,6 +65,8 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
 // One number for all of `count` entries, or a number for each.
 std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const std::string& name) {
   if (const auto* all = std::get_if<uint32_t>(&given)) return std::vector<uint32_t>(count, *all);
+  uint32_t number = 0;  // an array without dimensions, and NumPy's numbers
+  if (nb::try_cast(std::get<ArrayLike>(given).object, number, true)) return std::vector<uint32_t>(count, number);
   const auto each = arrayOf<uint32_t>(std::get<ArrayLike>(given), name);
   if (each.rows() != count)
     refuse(name + " has " + std::to_string(each.rows()) + " entries; it must be one number, or have " +
@@ -270,7 +272,12 @@ void bindAnswers(nb::class_<Self>& simulator) {
 
 std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                           const std::string& name) {
-  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) return *shots;
+  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) {
+    const uint32_t* const world = std::get_if<uint32_t>(&worlds);
+    if (sensor != 0 || frame != 0 || !world || *world != 0)
+      refuse(name + ": each Shot has its own sensor, world and frame; `sensor`, `worlds` and `frame` are for poses");
+    return *shots;
+  }
   const auto poses = arrayOf<double>(std::get<ArrayLike>(given), name + ": shots", 7);
   const std::vector<uint32_t> numbers = numbersOf(worlds, poses.rows(), name + ": worlds");
   std::vector<Shot> shots(poses.rows());

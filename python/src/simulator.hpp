@@ -2,13 +2,16 @@
 // A Simulator as Python holds it, and the shots of a batch as Python writes them.
 #pragma once
 
+#include <unistd.h>
+
 #include <atomic>
 
 #include "arrays.hpp"
 
 namespace gnosphere::python {
 
-/// A Simulator that refuses a second thread, and calls from within its own calls, while it is at work.
+/// A Simulator that refuses a second thread, calls from within its own calls while it is at work, and processes that
+/// were forked since it was made, in which the threads of its driver are not.
 class SimulatorOfOneThread {
  public:
   SimulatorOfOneThread(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
@@ -17,6 +20,10 @@ class SimulatorOfOneThread {
   /// Calls work(simulator) without the GIL.
   template <typename Work>
   auto use(Work&& work) {
+    if (process_ != getpid())
+      refuse(
+          "the simulator was made by another process, whose threads this one does not have; make a simulator after "
+          "the fork, or start processes with 'spawn'");
     if (busy_.exchange(true))
       refuse(
           "the simulator is at work: one thread at a time may use it, and the function given to scan_all() may not; "
@@ -25,13 +32,14 @@ class SimulatorOfOneThread {
       std::atomic<bool>& busy;
       ~Release() { busy = false; }
     } const release{busy_};
-    const nb::gil_scoped_release released;
+    const ReleasedGil released;
     return work(simulator_);
   }
 
  private:
   Simulator simulator_;
   std::atomic<bool> busy_ = false;
+  pid_t process_ = getpid();
 };
 
 /// Shots, or their poses as an array of shape (n, 7).
@@ -39,7 +47,7 @@ using ShotsLike = std::variant<std::vector<Shot>, ArrayLike>;
 /// One number for all, or one for each.
 using NumbersLike = std::variant<uint32_t, ArrayLike>;
 
-/// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots stay as they are. Throws
+/// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots have their own. Throws
 /// Error(invalidArgument) that begins with `name`.
 std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                           const std::string& name);

@@ -84,6 +84,15 @@ def test_flat_shapes():
     heights = np.random.default_rng(1).uniform(0, 2, (4, 6))
     field = primitives.height_field(heights, 3, 2, 0.5)
     assert is_closed(field)
+    assert np.sum(np.all(field[0][field[1]][:, :, 2] == -0.5, axis=1)) == 2  # triangles of the base
+    corners = field[0][field[1]]  # no side is folded where its rim has dips
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    for axis, size, length, edges in ((1, 2, 6, heights[[0, -1]]), (0, 3, 4, heights[:, [0, -1]].T)):
+        for sign, edge in zip((-1, 1), edges):
+            side = np.all(corners[:, :, axis] == sign * size, axis=1)
+            assert np.all(sign * normals[side, axis] > 0)
+            area = length * np.mean((edge[1:] + edge[:-1]) / 2 + 0.5)
+            assert np.sum(sign * normals[side, axis]) == pytest.approx(area)
     cells = 4 * 3 * 2 / (5 * 3)
     lower = (heights[:-1, :-1] + heights[:-1, 1:] + heights[1:, 1:]) / 6
     upper = (heights[:-1, :-1] + heights[1:, 1:] + heights[1:, :-1]) / 6

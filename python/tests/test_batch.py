@@ -91,3 +91,25 @@ def test_errors_name_the_shot(simulator):
         simulator.scan_batch(poses[:2], fields=[Field.intensity])
     with pytest.raises(gnosphere.Error, match="mesh 4 does not exist"):
         simulator.add_instances(4, poses[:2])
+
+
+def test_numbers_of_numpy_are_numbers(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (2, 1))
+    simulator.add_instances(np.int64(0), poses + [-4, 0, 0, 0, 0, 0, 0], worlds=np.array(3), class_ids=np.uint16(2))
+    expected = simulator.scan_batch(poses, worlds=3).ranges.tobytes()
+    for world in (np.int64(3), np.uint8(3), np.array(3), [3, 3]):
+        assert simulator.scan_batch(poses, worlds=world).ranges.tobytes() == expected
+    for wrong in (-1, 2**32, 1.5, "a"):
+        with pytest.raises((gnosphere.Error, TypeError)):
+            simulator.scan_batch(poses, worlds=wrong)
+
+
+def test_shots_have_their_own_sensor_world_and_frame(simulator):
+    for more in ({"sensor": 1}, {"worlds": 2}, {"worlds": [2]}, {"frame": 9}):
+        with pytest.raises(gnosphere.Error, match="scan_batch: each Shot has its own sensor, world and frame"):
+            simulator.scan_batch([Shot()], **more)
+
+
+def test_a_batch_shows_the_fields_that_it_has(simulator):
+    text = repr(simulator.scan_batch(np.array([[0, 0, 0, 0, 0, 0, 1.0]]), fields=[Field.range]))
+    assert text.startswith("Batch(") and "ranges=<1 x 120 float32>" in text and "points" not in text

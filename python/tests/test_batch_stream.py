@@ -64,8 +64,18 @@ def test_batches_in_flight_are_those_of_the_host(scene, request_of_normals, opti
             assert batch.column(field).tobytes() == host.column(field).tobytes(), field
     with pytest.raises(gnosphere.Error, match="the results of batch 3 are gone"):
         stream.wait(3)
+    assert batch.number == 4 and batch.ranges.shape == (5, 120)
+    assert "hits=<5 uint32>" in repr(batch) and "points=" in repr(batch)
+    last = stream.wait(5)
+    for frame in (60, 70):
+        stream.submit(poses(5, 0), frame=frame)
+    for stale in (batch, last):  # their buffers have later batches
+        with pytest.raises(gnosphere.Error, match=f"the results of batch {stale.number} are gone"):
+            stale.column(Field.range)
+        assert "ranges" not in repr(stale)
+    assert stream.wait(6).ranges.shape == (5, 120)
     with pytest.raises(gnosphere.Error, match="does not have the field 'intensity'"):
-        stream.wait(5).column(Field.intensity)
+        stream.wait(7).column(Field.intensity)
 
 
 def test_an_array_keeps_its_memory(scene, request_of_normals, options):

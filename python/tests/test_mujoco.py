@@ -335,6 +335,45 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     lidar.record(data)
     with pytest.raises(ValueError, match="ends at the time"):
         lidar.scan(data)
+    assert lidar.scan(data).ranges.tobytes() == still.ranges.tobytes()  # the record is gone
+
+
+def test_records_end_with_their_episode(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><site name="lidar"/><body name="wall" pos="5 0 0"><joint name="wall" type="slide"
+        axis="1 0 0"/><geom type="box" size=".5 50 50"/></body></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.rotation_period = 100, 0.1
+    sensor.patterns = [gnosphere.BeamList([[1.0, 0, 0]], times=[0.05])]
+    lidar = gm.Lidar(model, sensor, site="lidar", options=options(device))
+
+    def begin(time: float, place: float) -> None:
+        mujoco.mj_resetData(model, data)
+        data.joint("wall").qpos, data.time = place, time
+        mujoco.mj_forward(model, data)
+
+    for records in (0, 1):  # of the next episode
+        begin(0.3, 0)
+        lidar.record(data)
+        data.time = 0.4
+        lidar.record(data)
+        begin(0.1, 4)
+        for _ in range(records):
+            lidar.record(data)
+            data.time = 0.2
+        assert lidar.scan(data).ranges == pytest.approx([8.5])
+    begin(0.5, 0)
+    lidar.record(data)
+    lidar.reset()
+    begin(0.6, 4)
+    assert lidar.scan(data).ranges == pytest.approx([8.5])
+    for body in (-2, 2):
+        with pytest.raises(ValueError, match=f"no body {body} to exclude; the model has 2 bodies"):
+            gm.Lidar(model, sensor, site="lidar", bodyexclude=body)
+    everything = gm.Lidar(model, sensor, site="lidar", bodyexclude=-1, treeexclude=-1, options=options(device))
+    assert everything.scan(data).ranges == pytest.approx([8.5])
 
 
 def test_materials_classes_and_the_alpha_of_textures(device, tmp_path):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Threads: no call holds the GIL while it works, and a simulator belongs to one thread at a time."""
 
+import os
+import subprocess
 import sys
 import threading
 import time
@@ -108,3 +110,32 @@ def test_warn_gets_what_is_no_error(town, device, tmp_path, monkeypatch):
         monkeypatch.setattr(sys, "unraisablehook", printed.append)
         gnosphere.Simulator(town, request, options)
         assert [type(of.exc_value) for of in printed] == [ValueError]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork()")
+def test_a_forked_process_cannot_use_the_simulators_of_its_parent(slow, pose):
+    child = os.fork()
+    if child == 0:
+        try:
+            slow[0].scan(pose)
+        except gnosphere.Error as error:
+            os._exit(7 if "make a simulator after the fork" in str(error) else 8)
+        os._exit(9)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+
+
+def test_a_process_may_end_while_a_daemon_thread_scans():
+    program = """
+import threading, time, gnosphere
+scene = gnosphere.Scene([gnosphere.Material()], [], [])
+request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), gnosphere.Effects.none())
+simulator = gnosphere.Simulator(scene, request, gnosphere.SimulatorOptions(gnosphere.device_by_name("reference")))
+def scan():
+    while True:
+        simulator.scan(gnosphere.Pose())
+threading.Thread(target=scan, daemon=True).start()
+time.sleep(0.2)
+"""
+    for _ in range(4):
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+        assert (done.returncode, done.stderr) == (0, "")

@@ -21,7 +21,11 @@ PoseSource = Union[gno.Pose, Callable[[Any], gno.Pose]]
 
 def body_ids(model: Any, bodies: Bodies) -> list[int]:
     listed = [bodies] if isinstance(bodies, (str, int, np.integer)) else list(bodies)
-    return [model.body(body).id if isinstance(body, str) else int(body) for body in listed]
+    found = [model.body(body).id if isinstance(body, str) else int(body) for body in listed if body != -1]
+    for body in found:
+        if not 0 <= body < model.nbody:
+            raise ValueError(f"there is no body {body} to exclude; the model has {model.nbody} bodies, and -1 is none")
+    return found
 
 
 class Mount:
@@ -72,7 +76,7 @@ class Lidar(adapter.Lidar):
         site: the site that carries the sensor, by name or number. Without it the sensor is at `pose` in the world.
         pose: a Pose of the sensor in the frame of the site; without a site in the world, or a function of MjData that
             returns it.
-        bodyexclude: bodies, by names or numbers, whose geoms the sensor does not see.
+        bodyexclude: bodies, by names or numbers, whose geoms the sensor does not see; -1 is none.
         treeexclude: bodies that it does not see with all that hang from them, such as the robot that carries it.
         effects, fields: as in SensorRequest; fields also by name, such as "intensity,class".
         geomgroup: six flags: which groups of geoms, flexes and skins there are. None for all. By default those that
@@ -138,23 +142,35 @@ class Lidar(adapter.Lidar):
     def record(self, data: Any) -> None:
         """Notes where the sensors and geoms are, for a scan during which they move: call it at the start of the scan
         and after each step of it; the next scan() ends where `data` then is. Flexes and skins stay as they are at its
-        end."""
+        end. Records of a later time, from before mj_resetData(), are dropped."""
+        self._drop_later(data)
         if self._start is None:
             self._middle = self.pose(data).position
             self._place(data, self._middle)
             self._start = self._rows.copy()
         self._records.append((float(data.time), [self.pose(data, number) for number in range(len(self._mounts))]))
 
+    def _drop_later(self, data: Any) -> None:
+        if self._records and data.time < self._records[-1][0]:
+            self.reset()
+
+    def reset(self) -> None:
+        """Drops the records, so that the next scan() is one of a standing model."""
+        self._records, self._start = [], None
+
     def scan(self, data: Any, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the model as `data` has it. Points are in the frame of the sensor; those of a scan with record() each
         in its frame at the time of the point, or with Effects.sensor_motion.deskew in its frame at the end. Give a Scan
         of before as `into` and its memory is used again."""
+        self._drop_later(data)
         if not self._records:
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
             return self.cast(gno.Shot(pose, sensor, self.frame), into)
-        shot = self._moving_shot(data, sensor)
-        self._records, self._start = [], None
+        try:
+            shot = self._moving_shot(data, sensor)
+        finally:
+            self.reset()
         return self.cast(shot, into)
 
     def _moving_shot(self, data: Any, sensor: int) -> gno.Shot:

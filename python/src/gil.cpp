@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gil.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace gnosphere::python {
+namespace {
+
+std::atomic<bool> ending = false;  // the interpreter
+std::atomic<int> returning = 0;    // threads that are about to take the GIL back
+std::thread::id endingThread;
+
+}  // namespace
+
+ReleasedGil::~ReleasedGil() {
+  ++returning;
+  if (ending && std::this_thread::get_id() != endingThread) {
+    --returning;
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+  PyEval_RestoreThread(state_);
+  --returning;
+}
+
+void watchEnd() {
+  nanobind::module_::import_("atexit").attr("register")(nanobind::cpp_function([] {
+    endingThread = std::this_thread::get_id();
+    ending = true;
+    PyThreadState* const state = PyEval_SaveThread();
+    while (returning > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    PyEval_RestoreThread(state);
+  }));
+}
+
+}  // namespace gnosphere::python
