@@ -60,19 +60,25 @@ GNO_API gno_status gno_batch_stream_create(gno_simulator simulator, const gno_ba
 GNO_API gno_status gno_batch_stream_destroy(gno_batch_stream stream);
 /* Starts the scans of shots of one sensor, and gives the number of the batch: 0, then 1, and so on. Changes of the
  * simulator before the call count, those after it do not. The call waits for the batch that has used the same result
- * buffer. */
+ * buffer; and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many
+ * views, or was in motion if this one is. It does not wait for other users of the buffer, such as CUDA.
+ * GNO_INVALID_ARGUMENT for shots that are not valid, in which case nothing has changed; GNO_OUT_OF_MEMORY;
+ * GNO_DEVICE. */
 GNO_API gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_shot* shots, size_t shot_count,
                                            uint64_t* number);
-/* Waits until a batch is done. */
+/* Waits until a batch is done. GNO_INVALID_ARGUMENT if there is none of this number, or if its buffer has been used
+ * again; GNO_DEVICE. */
 GNO_API gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_streamed_batch* batch);
 /* The layout of a sensor's records: gno_request::layout, or columns of ranges and of gno_request::fields if that is
  * null. The values are valid until this function is called again for this stream. */
 GNO_API gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, gno_layout* layout);
+/* Where a sensor's results are in a result buffer. GNO_INVALID_ARGUMENT for an unknown sensor. */
 GNO_API gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, gno_result_places* places);
 /* Hands out the memory of a result buffer, to be imported by Vulkan or CUDA as an opaque file descriptor. */
 GNO_API gno_status gno_batch_stream_export(gno_batch_stream stream, size_t buffer, gno_exported_memory* memory);
 /* Gives the address of a result buffer in CUDA's primary context of the same card, and the card's number in CUDA
- * (`device` may be null). The memory is imported once and is valid as long as the stream. */
+ * (`device` may be null). The memory is imported once and is valid as long as the stream. Work of CUDA on it must have
+ * completed before the batch is submitted that uses the buffer again. GNO_DEVICE if CUDA cannot have it. */
 GNO_API gno_status gno_batch_stream_get_cuda_address(gno_batch_stream stream, size_t buffer, uint64_t* address,
                                                      int32_t* device);
 

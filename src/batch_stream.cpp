@@ -26,10 +26,6 @@ uint64_t roundedUp(uint64_t value, uint64_t to) {
   return (value + to - 1) / to * to;
 }
 
-bool movesDuringScan(const Shot& shot) {
-  return !shot.motion.stamps.empty() || !shot.instanceMotions.empty() || !shot.meshMotions.empty();
-}
-
 }  // namespace
 
 class BatchStream::Impl {
@@ -57,23 +53,16 @@ class BatchStream::Impl {
       refuse("sensor " + std::to_string(sensor) + " needs result buffers of " + std::to_string(bytesFor(sensor)) +
              " bytes; those of the stream, which was made before the sensor was added, have " + std::to_string(bytes_));
     Batch& batch = batches_[buffer];
-    const bool moves = std::ranges::any_of(shots, &movesDuringScan);
-    const bool likeOneThatFits =
-        batch.sensor == sensor && shots.size() <= batch.viewsThatFit && (batch.movingFits || !moves);
     waitFor(buffer);
-    // The lists of a buffer grow when its next batch is recorded, so a batch that finds them too small is made again
+    // The lists grow when the next batch of the buffer is recorded, so a batch that finds them too small is made again
     // before anything else can change the scene.
+    bool mayOverflow;
     do {
       const ResultPlaces places = placesOf(sensor);
-      start(shots, places, buffer);
-      batch = {next_, sensor, shots.size(), places, batch.viewsThatFit, batch.movingFits};
-      if (likeOneThatFits) break;
-      waitFor(buffer);
-    } while (!complete(batch));
-    if (!likeOneThatFits) {
-      batch.viewsThatFit = shots.size();
-      batch.movingFits = moves;
-    }
+      mayOverflow = start(shots, places, buffer);
+      batch = {next_, sensor, shots.size(), places};
+      if (mayOverflow) waitFor(buffer);
+    } while (mayOverflow && !complete(batch));
     return next_++;
   }
 
@@ -92,8 +81,7 @@ class BatchStream::Impl {
     result.views = batch.views;
     result.headers = headersOf(batch);
     result.complete = complete(batch);
-    if (!result.complete) batch.viewsThatFit = 0;
-    if (ring_->hostHasAll())
+    if (ring_->hostHasAll(buffer))
       result.records = {ring_->host(buffer) + batch.places.records, batch.views * batch.places.bytesPerView};
     return result;
   }
@@ -129,10 +117,6 @@ class BatchStream::Impl {
     size_t sensor = 0;
     size_t views = 0;
     ResultPlaces places = {};
-    // Batches of this sensor with up to so many views, and if so also moving ones, have found large enough lists in
-    // this buffer.
-    size_t viewsThatFit = 0;
-    bool movingFits = false;
   };
 
   const SensorPlan& planOf(size_t sensor) const {
@@ -162,11 +146,12 @@ class BatchStream::Impl {
     }
   }
 
-  void start(std::span<const Shot> shots, const ResultPlaces& places, size_t buffer) {
+  // Starts the scans of a batch, and returns Recording::mayOverflow.
+  bool start(std::span<const Shot> shots, const ResultPlaces& places, size_t buffer) {
     const uint64_t address = ring_->address(buffer);
     Recording recording;
-    recording.streamed = true;
-    recording.commands = ring_->begin(buffer);
+    ring_->begin(buffer);
+    recording.ring = ring_.get();
     recording.frame = buffer;
     for (size_t view = 0; view < shots.size(); ++view)
       recording.scans.push_back({&shots[view],
@@ -174,15 +159,17 @@ class BatchStream::Impl {
                                  {address + places.headers + view * sizeof(RecordHeader), sizeof(RecordHeader)}});
     simulator_.record(recording);
     try {
-      ring_->submit(buffer);
+      ring_->submit(buffer, places.records + shots.size() * places.bytesPerView);
     } catch (...) {
       simulator_.abandon(buffer);
       throw;
     }
+    return recording.mayOverflow;
   }
 
   std::span<const RecordHeader> headersOf(const Batch& batch) const {
-    return {reinterpret_cast<const RecordHeader*>(ring_->host(batch.number % options_.inFlight)), batch.views};
+    return {reinterpret_cast<const RecordHeader*>(ring_->host(batch.number % options_.inFlight) + batch.places.headers),
+            batch.views};
   }
   bool complete(const Batch& batch) const {
     return std::ranges::all_of(headersOf(batch), [](const RecordHeader& header) { return header.incomplete == 0; });

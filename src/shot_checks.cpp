@@ -29,9 +29,10 @@ bool finite(const Transform& transform) {
   return std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); });
 }
 
-void validate(const Transform& transform, size_t instance) {
+void validate(const Transform& transform, size_t instance, const std::string& which) {
   if (!finite(transform))
-    throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
+    throw Error(ErrorCode::invalidArgument,
+                which + "instance " + std::to_string(instance) + ": its transform is not finite");
 }
 
 void validate(const SensorMotion& motion, const std::string& which) {

@@ -154,13 +154,13 @@ class Simulator::Impl {
   }
 
   void record(Recording& recording) {
-    if (!recording.streamed && !options_.device.adopted)
+    if (!recording.ring && !options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is not on a device of the caller, so it cannot record; see vulkan::adopt()");
-    if (!recording.commands) return;
+    if (!recording.ring && !recording.commands) return;
     planAgain();
     for (size_t i = 0; i < recording.scans.size(); ++i)
-      check(*recording.scans[i].shot, recording.scans.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
+      check(*recording.scans[i].shot, "shot " + std::to_string(i) + ": ");
     recording.classes = &classes_;
     backend_->record(recording);
   }
@@ -370,6 +370,11 @@ class Simulator::Impl {
     return plan;
   }
 
+  MemoryUse memory() const {
+    MemoryUse use = backend_->memory();
+    if (const std::shared_ptr<ResultRing> ring = ring_.lock()) use.work += ring->bytes();
+    return use;
+  }
   const Backend& backend() const { return *backend_; }
   const SensorPlans& plans() const { return plans_; }
   std::shared_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
@@ -377,7 +382,10 @@ class Simulator::Impl {
       throw Error(ErrorCode::invalidArgument,
                   "a BatchStream needs a simulator whose results stay on its device (results_on_device)");
     if (!ring_.expired())
-      throw Error(ErrorCode::invalidArgument, "the simulator has a BatchStream already, and can have one at a time");
+      throw Error(ErrorCode::invalidArgument,
+                  "the simulator has a BatchStream already, and can have one at a time; let go of it first, and of "
+                  "arrays that it "
+                  "has handed out");
     std::shared_ptr<ResultRing> ring = backend_->makeRing(buffers, bytes, hostBytes);
     ring_ = ring;
     return ring;
@@ -421,8 +429,8 @@ class Simulator::Impl {
     validate(shot.pose, which);
     validate(shot.motion, which);
     for (const InstanceMotion& motion : shot.instanceMotions) {
-      instances_.check(motion.instance);
-      validate(motion.end, motion.instance);
+      instances_.check(motion.instance, which);
+      validate(motion.end, motion.instance, which);
       if (inBuffer_[motion.instance]) refuseMotion(motion.instance, which);
     }
     for (const MeshMotion& motion : shot.meshMotions) {
@@ -647,7 +655,7 @@ const DeviceInfo& Simulator::device() const {
   return impl_->backend().device();
 }
 MemoryUse Simulator::memory() const {
-  return impl_->backend().memory();
+  return impl_->memory();
 }
 size_t Simulator::clusterCount() const {
   return impl_->backend().clusterCount();

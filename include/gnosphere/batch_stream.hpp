@@ -63,8 +63,8 @@ struct CudaAddress {
 /// CUDA. The records of a view lie in the layout of the sensor, SensorRequest::layout.
 class GNOSPHERE_API BatchStream {
  public:
-  /// Makes the result buffers, for the sensors that the simulator has. The simulator must outlive the stream, and can
-  /// have one at a time. Throws Error(invalidArgument) if its results do not stay on its device, and
+  /// Makes the result buffers, for the sensors that the simulator has. The simulator must outlive the stream, must not
+  /// be moved meanwhile, and can have one at a time. Throws Error(invalidArgument) if its results do not stay on its device, and
   /// Error(outOfMemory).
   BatchStream(Simulator& simulator, const BatchStreamOptions& options);
   ~BatchStream();
@@ -73,8 +73,9 @@ class GNOSPHERE_API BatchStream {
 
   /// Starts the scans of shots of one sensor, and returns the number of the batch: 0, then 1, and so on. Changes of the
   /// simulator before the call count, those after it do not. Waits for the batch that has used the same result buffer;
-  /// and for this one, so that lists can grow, if it has more views than the batches before it in this buffer, or is
-  /// the first in motion. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case nothing has
+  /// and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many views,
+  /// or was in motion if this one is. Other users of the buffer must have finished with it: neither their commands nor
+  /// CUDA's are waited for. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case nothing has
   /// changed, Error(outOfMemory) and Error(device).
   uint64_t submit(std::span<const Shot> shots);
   /// Waits until a batch is done. Throws Error(invalidArgument) if there is none of this number, or if its buffer has
@@ -89,7 +90,8 @@ class GNOSPHERE_API BatchStream {
   /// content is a batch's as soon as wait() has returned for the batch. Throws Error(device) if the device exports
   /// none.
   ExportedMemory exportMemory(size_t buffer) const;
-  /// Imports a result buffer in CUDA at the first call; the address is valid as long as the stream. Throws
+  /// Imports a result buffer in CUDA at the first call; the address is valid as long as the stream. Work of CUDA on the
+  /// buffer must have completed, as cuStreamSynchronize() tells, before the submit() that uses the buffer again. Throws
   /// Error(device) that gives the reason if CUDA cannot have the buffer.
   CudaAddress cudaAddress(size_t buffer);
 

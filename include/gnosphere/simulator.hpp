@@ -199,7 +199,7 @@ struct SimulatorOptions {
   /// function is called on the thread that calls the simulator. The library itself prints nothing.
   std::function<void(const std::string& message)> warn;
   /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
-  /// done. Each step is then timed by itself, so scans take a little longer.
+  /// done. Each step is then timed by itself, so scans take a little longer. Batches of a BatchStream have no lines.
   std::function<void(const std::string& line)> trace;
   bool validation = false;  ///< turns the Vulkan validation layer on; its messages are thrown as Error(device)
   /// The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan() has what the driver's

@@ -57,10 +57,10 @@ gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_optio
   return guard([&] {
     CloudOptions wanted;
     if (options) {
-      sized(options, GNO_TYPE(gno_cloud_options));
-      wanted.fields = fieldsOf(options->fields, options->field_count);
-      wanted.compact = options->compact != 0;
-      wanted.ascii = options->ascii != 0;
+      const gno_cloud_options from = sized(options, GNO_TYPE(gno_cloud_options));
+      wanted.fields = fieldsOf(from.fields, from.field_count);
+      wanted.compact = from.compact != 0;
+      wanted.ascii = from.ascii != 0;
     }
     writeCloud(*Locked(scan), &the(file, "file"), wanted);
   });

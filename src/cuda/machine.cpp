@@ -14,9 +14,9 @@ namespace {
 class CudaMemory final : public DeviceMemory {
  public:
   CudaMemory(const char* name, uint64_t bytes, MemoryKind kind)
-      : bytes_(bytes), data_(allocate(name, std::max<uint64_t>(bytes, 1))) {
-    if (kind != MemoryKind::device) host_.resize(bytes);
-  }
+      : bytes_(bytes),
+        host_(kind == MemoryKind::device ? 0 : bytes),
+        data_(allocate(name, std::max<uint64_t>(bytes, 1))) {}
   ~CudaMemory() override { release(data_); }
 
   uint64_t bytes() const override { return bytes_; }
@@ -33,8 +33,8 @@ class CudaMemory final : public DeviceMemory {
 
  private:
   uint64_t bytes_;
-  std::byte* data_;
-  std::vector<std::byte> host_;
+  std::vector<std::byte> host_;  // empty for memory of the kind `device`
+  std::byte* data_;              // made last: its allocation may fail
 };
 
 // Runs one scan at a time: reading the results waits for the device.

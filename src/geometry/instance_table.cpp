@@ -125,6 +125,7 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform,
     World& from = worlds_.find(placement.world)->second;
     from.instances.erase(std::lower_bound(from.instances.begin(), from.instances.end(), number));
     from.summed = false;
+    if (from.instances.empty()) worlds_.erase(placement.world);
   }
   if (enters) to->instances.insert(std::lower_bound(to->instances.begin(), to->instances.end(), number), number);
   if (placement.mesh != mesh || enters || leaves) {
@@ -219,10 +220,9 @@ const InstanceTable::World* InstanceTable::find(uint32_t world) const {
 
 const WorldContent& InstanceTable::sumOf(const World& world) const {
   if (world.summed) return world.content;
-  World& to = const_cast<World&>(world);
-  to.content = {};
-  for (const uint32_t instance : world.instances) to.content.add(meshOf(placements_[instance]));
-  to.summed = true;
+  world.content = {};
+  for (const uint32_t instance : world.instances) world.content.add(meshOf(placements_[instance]));
+  world.summed = true;
   return world.content;
 }
 

@@ -164,8 +164,8 @@ class InstanceTable {
   };
   struct World {
     std::vector<uint32_t> instances;  ///< in ascending order
-    WorldContent content;             ///< sums over them, if `summed` is set
-    bool summed = false;
+    mutable WorldContent content;     ///< sums over them, if `summed` is set
+    mutable bool summed = false;
   };
   struct Sphere {
     glm::dvec3 centre;
@@ -189,9 +189,9 @@ class InstanceTable {
   PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
 
   std::vector<MeshSummary> meshes_;
-  mutable std::unordered_map<uint32_t, World> worlds_;  // by number; a world without instances may be missing
-  std::vector<uint8_t> reshaped_;                       // by mesh: 1 if the spheres of its instances must be recomputed
-  std::vector<uint64_t> reshapedAt_;                    // by mesh: changes() after the last change of its positions
+  std::unordered_map<uint32_t, World> worlds_;  // by number; those without instances are missing
+  std::vector<uint8_t> reshaped_;               // by mesh: 1 if the spheres of its instances must be recomputed
+  std::vector<uint64_t> reshapedAt_;            // by mesh: changes() after the last change of its positions
   std::vector<Placement> placements_;
   std::vector<Sphere> spheres_;                         // bounding sphere of each instance, in the world
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan

@@ -66,7 +66,12 @@ class DeviceBackend final : public Backend {
   void record(Recording& recording) override {
     setDeformed(scene_.deformed());
     recorded_.record(recording, sensorArrays());
-    machine_->throwOnMessages();
+    try {
+      machine_->throwOnMessages();
+    } catch (...) {
+      recorded_.abandon(recording.frame);
+      throw;
+    }
   }
 
   void abandon(size_t frame) override { recorded_.abandon(frame); }

@@ -29,6 +29,7 @@ class DryMachine final : public Machine {
   void wait(size_t) override {}
   void readTimings(size_t, Timings&) override {}
   bool recordsOnly() const override { return machine_.recordsOnly(); }
+  bool submits() const override { return machine_.submits(); }
 
  private:
   Machine& machine_;

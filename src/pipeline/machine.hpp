@@ -54,8 +54,11 @@ class Machine {
   /// endRecording(), into command buffers of the caller or of a ResultRing. Memory that is destroyed stays until no
   /// recorded scan uses it, and what is written to memory of the kind `device` arrives with the next recording.
   virtual bool recordsOnly() const { return false; }
-  /// Begins to record into a command buffer, as its frame in flight `frame`, whose commands have completed.
-  virtual void beginRecording(void* /*commands*/, size_t /*frame*/) {}
+  /// Whether the library submits what is recorded, so that steps may be divided into several submissions.
+  virtual bool submits() const { return !recordsOnly(); }
+  /// Begins to record as frame in flight `frame`, whose commands have completed: into a command buffer of the caller,
+  /// or into the commands of a ring that have been begun.
+  virtual void beginRecording(void* /*commands*/, ResultRing* /*ring*/, size_t /*frame*/) {}
   /// Records the steps of a scan. `addresses` has room for gpu::Addresses and is of the kind `upload`; the commands
   /// that were recorded with it before have completed.
   virtual void record(DeviceMemory& /*addresses*/, std::span<const Step> /*steps*/, const BoundArrays& /*arrays*/) {}

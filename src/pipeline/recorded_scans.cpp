@@ -35,7 +35,20 @@ uint64_t RecordedScans::bytes() const {
   for (const Slots& slots : frames_)
     for (const auto& [sensor, slot] : slots)
       for (const Run& run : slot.runs) sum += run.placed.bytes() + run.transforms.bytes();
+  for (const Classes& classes : classes_)
+    if (classes.runs) sum += classes.instances->bytes() + classes.runs->bytes();
   return sum;
+}
+
+void RecordedScans::load(const ClassTable::Packed& table, Classes& classes) {
+  const auto copy = [&]<typename T>(gpu::Array array, const std::vector<T>& from, std::unique_ptr<DeviceMemory>& to) {
+    gnosphere::makeRoom(machine_, array, from.size() * sizeof(T), MemoryKind::upload, to);
+    std::ranges::copy(from, static_cast<T*>(to->host()));
+    to->flush();
+  };
+  copy(gpu::Array::instanceClasses, table.instances, classes.instances);
+  copy(gpu::Array::classRuns, table.runs, classes.runs);
+  classes.count = static_cast<uint32_t>(table.instances.size());
 }
 
 // Reads the counters of the frame's scans. A scan counts as read only when its result is kept, so an exception loses no
@@ -56,8 +69,10 @@ void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& 
           {number, scan.frame, complete, nonFinite, degenerate, slot.runs[scan.firstRun].transforms.unplaced()});
     }
     slot.scans.clear();
-    for (size_t run = 0; run <= lastRun; ++run)
-      if (const size_t index = slot.runs[run].index; sensor.cutShort(index)) sensor.growLists(index);
+    for (const Run& run : std::span(slot.runs).first(lastRun + 1))
+      if (!sensor.cutShort(run.index)) sensor.noteEnough(run.views, run.moves);
+    for (const Run& run : std::span(slot.runs).first(lastRun + 1))
+      if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }
 }
 
@@ -125,6 +140,7 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   const size_t frame = recording.frame;
   if (results_.size() <= frame) results_.resize(frame + 1);
   if (frames_.size() <= frame) frames_.resize(frame + 1);
+  if (classes_.size() <= frame) classes_.resize(frame + 1);
   gnosphere::makeRoom(order_, frames_.size());
   vertices_.readDropped(frame);
   readResults(frame, sensors);
@@ -135,15 +151,18 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
     all = divide(recording, sensors, 1);
     makeRoom(all, frame);
   }
+  if (std::ranges::any_of(all, [](const ShotsOfSensor& of) { return of.sensor->recordsClasses(); }))
+    load(recording.classes->packed(), classes_[frame]);
   std::erase(order_, frame);
   try {
-    machine_.beginRecording(recording.commands, frame);
+    machine_.beginRecording(recording.commands, recording.ring, frame);
     vertices_.record(frame);
     for (const ShotsOfSensor& of : all) {
       Slot& slot = frames_[frame][of.number];
       for (size_t i = 0; i < of.parts.size(); ++i) {
         const Part& part = of.parts[i];
         record(recording, of, part, slot.runs[i]);
+        recording.mayOverflow |= !of.sensor->hadEnough(slot.runs[i].views, slot.runs[i].moves);
         for (const Shot& shot : part.shots) {
           if (part.first)
             slot.scans.push_back({shot.frame, i, i});
@@ -168,6 +187,8 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   std::vector<Shot> copies;
   const std::span<const Shot> shots = shotsOfViews(part, copies);
   const std::vector<ShotMotion> motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
+  run.views = part.views.size();
+  run.moves = std::ranges::any_of(motions, &ShotMotion::moves);
   const Pose pose = seenFrom(shots, 0, motions);
   InstanceEntries instances = {scene_.instances().count()};
   if (shots.size() > 1) {
@@ -181,12 +202,17 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   BoundArrays arrays = {};
   scene_.bind(arrays);
   run.placed.bind(arrays);
-  sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()),
-                     *recording.classes, !part.first);
+  const Classes& classes = classes_[recording.frame];
+  sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()), classes.count,
+                     !part.first);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
   for (const Step& step : sensor.prepare(run.index, shots, part.views, part.last, motions, instances,
                                          run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
+  if (sensor.recordsClasses()) {
+    arrays[static_cast<size_t>(gpu::Array::instanceClasses)] = classes.instances.get();
+    arrays[static_cast<size_t>(gpu::Array::classRuns)] = classes.runs.get();
+  }
   machine_.record(*run.addresses, steps, arrays);
 }
 

@@ -12,6 +12,7 @@
 #include "pipeline/scene_arrays.hpp"
 #include "pipeline/sensor_arrays.hpp"
 #include "pipeline/submissions.hpp"
+#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -42,6 +43,8 @@ class RecordedScans {
     std::unique_ptr<DeviceMemory> addresses = nullptr;  // gpu::Addresses
     PlacedArrays placed = {};
     RecordedTransforms transforms = {};
+    size_t views = 0;  // of the last recording, as is the next one
+    bool moves = false;
   };
   /// A scan that was recorded: its number, and its runs.
   struct Recorded {
@@ -54,6 +57,11 @@ class RecordedScans {
     std::vector<Recorded> scans;  // whose outcome is not known yet
   };
   using Slots = std::map<size_t, Slot>;  // by sensor
+  /// The classes of surfaces in one frame in flight.
+  struct Classes {
+    std::unique_ptr<DeviceMemory> instances, runs;
+    uint32_t count = 0;  // of instances
+  };
 
   /// The shots of one sensor in a recording.
   struct ShotsOfSensor {
@@ -69,6 +77,7 @@ class RecordedScans {
   void makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame);
   void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
   void undo(size_t frame) noexcept;
+  void load(const ClassTable::Packed& table, Classes& classes);
   void record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run);
 
   Machine& machine_;
@@ -76,6 +85,7 @@ class RecordedScans {
   uint64_t listBytes_;
   RecordedVertices vertices_;
   std::vector<Slots> frames_;
+  std::vector<Classes> classes_;   // by frame
   std::map<size_t, size_t> runs_;  // by sensor: how many runs all frames have
   // By frame: results that were read, but that no call has returned yet, because it failed.
   std::vector<std::vector<Recording::Result>> results_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gnosphere/simulator.hpp"
+#include "pipeline/result_ring.hpp"
 #include "scan/class_table.hpp"
 
 namespace gnosphere {
@@ -27,11 +28,16 @@ struct Recording {
     uint32_t unplaced;               // instances whose transforms in a buffer of the caller are not finite
   };
 
-  void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all
-  size_t frame = 0;          ///< in flight
+  /// The command buffer of the caller, or the buffers of a BatchStream; both null: nothing is recorded, only checked
+  /// whether the simulator can record at all.
+  void* commands = nullptr;
+  ResultRing* ring = nullptr;
+  size_t frame = 0;  ///< in flight
   std::vector<Item> scans;
-  bool streamed = false;  ///< whether the command buffer is that of a BatchStream
   const ClassTable* classes = nullptr;
+  /// Set if the lists of a sensor may be too small, because no scans of so many views, or none in motion, have found
+  /// them large enough since they were made.
+  bool mayOverflow = false;
   std::vector<Result> results;  ///< of the scans recorded for this frame in flight the last time
 };
 

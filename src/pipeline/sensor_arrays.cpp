@@ -48,7 +48,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)),
-      mostWork_(machine.recordsOnly() ? 0 : mostWork(options, machine.traits())) {
+      mostWork_(machine.submits() ? mostWork(options, machine.traits()) : 0) {
   options_.BINNING = binning_;
   if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
@@ -324,15 +324,13 @@ SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
 }
 
 void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::span<const RecordSpace> spaces,
-                               const ClassTable& classes, bool continues) {
-  ClassTable::Packed table;
-  if ((records_.held >> gpu::kValueClass & 1) != 0) table = classes.packed();
+                               uint32_t classes, bool continues) {
   gpu::RecordPlan content = {};
   content.entries = static_cast<uint32_t>(entries());
   content.organised = !plan_.layout.compact;
   content.streams = static_cast<uint32_t>(records_.streams.size());
   content.gaps = static_cast<uint32_t>(records_.gaps.size());
-  content.classes = static_cast<uint32_t>(table.instances.size());
+  content.classes = classes;
   content.directions = of(Array::beamDirections) != nullptr;
   content.continues = continues;
   std::vector<gpu::RecordPlan> plans;
@@ -344,8 +342,7 @@ void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::s
     plans.push_back(content);
     buffers.push_back(spaces[i].buffers);
   }
-  load(frameAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers),
-                        arrayOf(Array::instanceClasses, table.instances), arrayOf(Array::classRuns, table.runs)});
+  load(frameAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers)});
 }
 
 // The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.

@@ -11,7 +11,6 @@
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
-#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -64,6 +63,11 @@ class SensorArrays {
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
+  /// Tells that the lists were large enough for a submission of so many views, in which sensor or instances moved or
+  /// none did.
+  void noteEnough(size_t views, bool moved);
+  /// Whether the lists, as they are now, were large enough for a submission like this one.
+  bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsHeld_ : viewsHeld_); }
   /// Returns the outputs of the last scan of the frame, of all its views, each of which is a shot.
   DeviceResults results(size_t frame);
   /// Returns the outputs of the shot of a view.
@@ -77,10 +81,13 @@ class SensorArrays {
     gpu::RecordBuffers buffers;
     uint64_t bytes;  ///< of the buffer for the records
   };
-  /// Loads what the records of the next scan of this frame depend on, before prepare(): where those of each shot go,
-  /// and the classes of surfaces. `continues` tells whether an earlier submission has other views of these shots.
-  void loadRecords(size_t frame, std::span<const Shot> shots, std::span<const RecordSpace> spaces,
-                   const ClassTable& classes, bool continues);
+  /// Whether records hold the classes of surfaces, which the kernels find in the arrays of a ClassTable.
+  bool recordsClasses() const { return (records_.held >> gpu::kValueClass & 1) != 0; }
+  /// Loads what the records of the next scan of this frame depend on, before prepare(): where those of each shot go.
+  /// `classes` is the number of instances that have a class; `continues` tells whether an earlier submission has other
+  /// views of these shots.
+  void loadRecords(size_t frame, std::span<const Shot> shots, std::span<const RecordSpace> spaces, uint32_t classes,
+                   bool continues);
   /// Returns a hint for setShellHint() from the records of the last scan of this frame.
   float recordedHint(size_t frame);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
@@ -167,6 +174,7 @@ class SensorArrays {
   RecordTables records_;  // of the layout; empty if the host reads the results
   uint64_t mostWork_;     // of a submission; 0: scans are not divided
   Capacities capacities_;
+  size_t viewsHeld_ = 0, movingViewsHeld_ = 0;  // see hadEnough()
   // A scan of one view has room for so many projected triangles and candidates at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   OwnArrays arrays_;

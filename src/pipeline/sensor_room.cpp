@@ -197,6 +197,7 @@ void SensorArrays::makeFirstLists(uint64_t triangles) {
 // the lists that it needs.
 void SensorArrays::makeLists(const Capacities& room) {
   const Capacities had = std::exchange(capacities_, {});
+  viewsHeld_ = movingViewsHeld_ = 0;
   if (room.projected != had.projected) {
     const uint64_t count = room.projected;
     allocate(Array::projectedA, count * sizeof(gpu::TaggedCorner));
@@ -215,6 +216,11 @@ bool SensorArrays::cutShort(size_t index) {
   const gpu::Counters& needed = counters(frames_[index]);
   const Capacities& had = frames_[index].capacities;
   return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
+}
+
+void SensorArrays::noteEnough(size_t views, bool moved) {
+  viewsHeld_ = std::max(viewsHeld_, views);
+  if (moved) movingViewsHeld_ = std::max(movingViewsHeld_, views);
 }
 
 // If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists. The

@@ -125,7 +125,7 @@ class VulkanMachine final : public Machine {
   void prepared() override { lent_->cache.save(warn_); }
   size_t framesInFlight() const override { return kFramesInFlight; }
   void wait(size_t frame) override {
-    if (frame < frames_.size()) watched([&] { frames_[frame].commands.wait(); });
+    if (frame < frames_.size()) lent_->watched([&] { frames_[frame].commands.wait(); });
   }
   void readTimings(size_t frame, Timings& timings) override {
     frames_[frame].commands.readTimings(timings);
@@ -148,20 +148,26 @@ class VulkanMachine final : public Machine {
       if (step.kind == Step::Kind::cut) commands.cut();
       if (trace_) commands.traced(textOf(step));
     });
-    watched([&] { commands.submit(); });
+    lent_->watched([&] { commands.submit(); });
   }
 
   bool recordsOnly() const override { return recordsOnly_; }
+  bool submits() const override { return !device_.adopted(); }
 
-  void beginRecording(void* commands, size_t frame) override {
-    recorded_ = {device_, static_cast<VkCommandBuffer>(commands)};
+  void beginRecording(void* commands, ResultRing* ring, size_t frame) override {
+    streamed_ = ring ? &static_cast<VulkanRing*>(ring)->commands(frame) : nullptr;
+    recorded_ = streamed_ ? streamed_->buffer() : CommandBuffer(device_, static_cast<VkCommandBuffer>(commands));
     recordings_.begin(recorded_, frame);
   }
 
   void record(DeviceMemory& addresses, std::span<const Step> steps, const BoundArrays& arrays) override {
     writeAddresses(arrays, addresses.host());
     addresses.flush();
-    StepRecorder(kernels_, recorded_, addresses.address(), arrays).record(steps, [](const Step&) {});
+    StepRecorder(kernels_, recorded_, addresses.address(), arrays).record(steps, [&](const Step& step) {
+      if (step.kind != Step::Kind::cut) return;
+      streamed_->cut();
+      recorded_ = streamed_->buffer();
+    });
   }
 
   void endRecording() override { recorded_.fullBarrier(); }
@@ -170,20 +176,10 @@ class VulkanMachine final : public Machine {
 
   std::unique_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) override {
     refuseLarger(device_, kResultsName, bytes, traits_.info.maxBufferBytes);
-    return std::make_unique<VulkanRing>(device_, lent_->failed, buffers, bytes, hostBytes);
+    return std::make_unique<VulkanRing>(*lent_, buffers, bytes, hostBytes);
   }
 
  private:
-  template <typename Call>
-  void watched(const Call& call) {
-    try {
-      call();
-    } catch (...) {
-      lent_->failed = true;
-      throw;
-    }
-  }
-
   struct Frame {
     explicit Frame(const Device& device)
         : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device) {}
@@ -200,7 +196,9 @@ class VulkanMachine final : public Machine {
   Transfer transfer_{device_, traits_.info.maxBufferBytes};
   Recordings recordings_{device_, traits_.info.maxBufferBytes};
   std::deque<Frame> frames_;
-  CommandBuffer recorded_;  // the caller's, while a recording is under way
+  // While a recording is under way: the command buffer, and the commands of a ring; null if the buffer is the caller's.
+  CommandBuffer recorded_;
+  Commands* streamed_ = nullptr;
 };
 
 }  // namespace

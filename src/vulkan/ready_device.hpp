@@ -15,6 +15,17 @@ struct ReadyDevice {
   explicit ReadyDevice(const SimulatorOptions& options)
       : device(options.device, options.validation), cache(device, options.cache), kernels(device, cache) {}
 
+  /// Makes a call that fails only with the device itself.
+  template <typename Call>
+  void watched(const Call& call) {
+    try {
+      call();
+    } catch (...) {
+      failed = true;
+      throw;
+    }
+  }
+
   Device device;
   PipelineCache cache;
   Kernels kernels;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/result_ring.hpp"
 
+#include <algorithm>
+
 #include "gnosphere/error.hpp"
 
 namespace gnosphere::vulkan {
@@ -10,40 +12,27 @@ VulkanRing::Slot::Slot(const Device& device, uint64_t bytes, uint64_t hostBytes)
   if (!results.mapped()) copy = Buffer::staging(device, hostBytes, true);
 }
 
-VulkanRing::VulkanRing(const Device& device, std::atomic<bool>& failed, size_t buffers, uint64_t bytes,
-                       uint64_t hostBytes)
-    : device_(device), failed_(failed), hostBytes_(hostBytes) {
-  while (slots_.size() < buffers) slots_.emplace_back(device, bytes, hostBytes);
+VulkanRing::VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint64_t hostBytes)
+    : ready_(device), hostBytes_(hostBytes) {
+  while (slots_.size() < buffers) slots_.emplace_back(device.device, bytes, hostBytes);
 }
 
-template <typename Call>
-void VulkanRing::watched(const Call& call) {
-  try {
-    call();
-  } catch (...) {
-    failed_ = true;
-    throw;
-  }
+void VulkanRing::begin(size_t buffer) {
+  ready_.watched([&] { slots_[buffer].commands.begin(0); });
 }
 
-void* VulkanRing::begin(size_t buffer) {
-  Commands& commands = slots_[buffer].commands;
-  watched([&] { commands.begin(0); });
-  return commands.buffer().handle();
-}
-
-void VulkanRing::submit(size_t buffer) {
+void VulkanRing::submit(size_t buffer, uint64_t bytes) {
   Slot& slot = slots_[buffer];
   if (slot.copy.handle()) {
-    slot.commands.buffer().copy(slot.results, slot.copy, {0, 0, hostBytes_});
+    slot.commands.buffer().copy(slot.results, slot.copy, {0, 0, std::min(bytes, hostBytes_)});
     slot.commands.buffer().barrier();
   }
-  watched([&] { slot.commands.submit(); });
+  ready_.watched([&] { slot.commands.submit(); });
 }
 
 void VulkanRing::wait(size_t buffer) {
   Slot& slot = slots_[buffer];
-  watched([&] { slot.commands.wait(); });
+  ready_.watched([&] { slot.commands.wait(); });
   slot.onHost().invalidate();
 }
 
@@ -51,14 +40,21 @@ const std::byte* VulkanRing::host(size_t buffer) const {
   return static_cast<const std::byte*>(slots_[buffer].onHost().mapped());
 }
 
-bool VulkanRing::hostHasAll() const {
-  const Slot& slot = slots_.front();
+bool VulkanRing::hostHasAll(size_t buffer) const {
+  const Slot& slot = slots_[buffer];
   return !slot.copy.handle() || hostBytes_ >= slot.results.bytes();
 }
 
+uint64_t VulkanRing::bytes() const {
+  uint64_t sum = 0;
+  for (const Slot& slot : slots_) sum += slot.results.bytes() + (slot.copy.handle() ? slot.copy.bytes() : 0);
+  return sum;
+}
+
 std::pair<int, uint64_t> VulkanRing::fd(size_t buffer) const {
-  if (!device_.capabilities().exportsMemory)
-    throw Error(ErrorCode::device, "the device '" + device_.capabilities().info.name +
+  const Capabilities& capabilities = ready_.device.capabilities();
+  if (!capabilities.exportsMemory)
+    throw Error(ErrorCode::device, "the device '" + capabilities.info.name +
                                        "' does not export memory as file descriptors (VK_KHR_external_memory_fd)");
   return slots_[buffer].results.fd();
 }
@@ -66,7 +62,7 @@ std::pair<int, uint64_t> VulkanRing::fd(size_t buffer) const {
 std::pair<uint64_t, int> VulkanRing::cudaAddress(size_t buffer) {
   Slot& slot = slots_[buffer];
   if (!slot.cuda) {
-    const DeviceInfo& info = device_.capabilities().info;
+    const DeviceInfo& info = ready_.device.capabilities().info;
     const int number = cudaNumberOf(info);
     const auto [fd, bytes] = this->fd(buffer);
     slot.cuda = std::make_unique<CudaMemory>(info, number, fd, bytes);

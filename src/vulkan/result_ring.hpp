@@ -2,13 +2,13 @@
 // Buffers for the results of batches on our own device.
 #pragma once
 
-#include <atomic>
 #include <deque>
 #include <memory>
 
 #include "pipeline/result_ring.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/cuda_memory.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -16,16 +16,18 @@ inline constexpr const char* kResultsName = "results of batches";
 
 class VulkanRing final : public ResultRing {
  public:
-  /// Makes buffers of so many bytes. The host gets the first `hostBytes` of each, or all if it shares the memory. A
-  /// call that throws sets `failed`.
-  VulkanRing(const Device& device, std::atomic<bool>& failed, size_t buffers, uint64_t bytes, uint64_t hostBytes);
+  /// Makes buffers of so many bytes. The host gets the first `hostBytes` of each, or all if it shares the memory.
+  VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint64_t hostBytes);
 
-  void* begin(size_t buffer) override;
-  void submit(size_t buffer) override;
+  void begin(size_t buffer) override;
+  /// The commands that are being recorded.
+  Commands& commands(size_t buffer) { return slots_[buffer].commands; }
+  void submit(size_t buffer, uint64_t bytes) override;
   void wait(size_t buffer) override;
   uint64_t address(size_t buffer) const override { return slots_[buffer].results.address(); }
   const std::byte* host(size_t buffer) const override;
-  bool hostHasAll() const override;
+  bool hostHasAll(size_t buffer) const override;
+  uint64_t bytes() const override;
   std::pair<int, uint64_t> fd(size_t buffer) const override;
   std::pair<uint64_t, int> cudaAddress(size_t buffer) override;
   const Buffer& results(size_t buffer) const { return slots_[buffer].results; }
@@ -40,11 +42,7 @@ class VulkanRing final : public ResultRing {
     Commands commands;                 // last member, destroyed first: its destructor waits for the device
   };
 
-  template <typename Call>
-  void watched(const Call& call);
-
-  const Device& device_;
-  std::atomic<bool>& failed_;
+  ReadyDevice& ready_;
   uint64_t hostBytes_;
   std::deque<Slot> slots_;
 };

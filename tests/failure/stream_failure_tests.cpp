@@ -11,7 +11,8 @@ namespace {
 /// A scene whose only mesh has two shapes in turn, so that every batch has something to upload.
 class Subject {
  public:
-  Subject() : scene_(sceneOf(soup(5, 60, 12, 6))), simulator(scene_, request(), options(true)) {
+  explicit Subject(uint64_t mostWork = 0)
+      : scene_(sceneOf(soup(5, 60, 12, 6))), simulator(scene_, request(), options(true, mostWork)) {
     shapes_ = {scene_.meshes[0].positions, scene_.meshes[0].positions};
     for (float& value : shapes_[1]) value *= 0.8f;
     Simulator host(scene_, request(), options(false));
@@ -23,8 +24,9 @@ class Subject {
     REQUIRE(expected_[0] != expected_[1]);
   }
   static SensorRequest request() { return {gridSensor(48, 4, -20, 20, 60), Effects::none()}; }
-  static SimulatorOptions options(bool onDevice) {
+  static SimulatorOptions options(bool onDevice, uint64_t mostWork = 0) {
     SimulatorOptions options;
+    options.tuning.maxSubmissionWork = mostWork;
     options.cache = "off";
     options.resultsOnDevice = onDevice;
     return options;
@@ -97,6 +99,23 @@ TEST_CASE("a batch that fails for lack of memory loses no upload, and the next o
                     check();
                     subject.stream.reset();
                   }}) > 0);
+}
+
+TEST_CASE("a batch of more than the most work of a submission is several, with the same results") {
+  needVulkan();
+  long made[2] = {};
+  for (const uint64_t work : {0, 500}) {
+    Subject subject(work);
+    subject.makeStream();
+    subject.take(1);
+    {
+      const Injection none(Fails::device, 0);
+      subject.stream->wait(subject.stream->submit(subject.shots));
+      made[work > 0] = none.count();
+    }
+    subject.check(1);
+  }
+  CHECK(made[1] > made[0]);  // by the command buffers of the other submissions
 }
 
 }  // namespace gnosphere::test

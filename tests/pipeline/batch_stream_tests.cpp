@@ -6,7 +6,11 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <deque>
 
+#include "effects/sensor_plan.hpp"
 #include "effects/showroom.hpp"
+#include "pipeline/backend.hpp"
+#include "pipeline/recording.hpp"
+#include "scan/layout.hpp"
 #include "support.hpp"
 
 namespace gnosphere::test {
@@ -63,7 +67,7 @@ void requireColumn(const Batch& expected, const StreamedBatch& streamed, const R
   INFO("field " << fieldInfo(value.field).name << ", component " << value.component);
   const ColumnView<T> column = expected.column<T>(value.field, value.component);
   REQUIRE(column.size() == streamed.views * places.rowsPerView);
-  const size_t stride = value.stride > 0 ? value.stride : 0;
+  const size_t stride = value.stride;
   REQUIRE(stride > 0);
   size_t wrong = 0;
   for (size_t i = 0; i < column.size(); ++i) {
@@ -177,6 +181,62 @@ TEST_CASE("a stream takes turns among sensors, each with its own layout") {
   }
 }
 
+TEST_CASE("only the first recordings that are like no other may overflow the lists of a sensor") {
+  needVulkan();
+  const Scene scene = worlds();
+  const SimulatorOptions options = onDevice(vulkanOptions());
+  SensorPlanner planner(options);
+  SensorPlans plans;
+  for (const uint32_t columns : {40u, 50u, 60u}) {
+    SensorRequest request = {gridSensor(columns, 8, -30, 30), Effects::none()};
+    request.sensor.rotationPeriod = 0.1;
+    request.effects.sensorMotion.use = EffectUse::on;
+    request.layout = columnLayout({Field::range}, 8 * columns);
+    plans.push_back(planner.plan(scene, request, plans.size(), false));
+  }
+  constexpr uint64_t kRecords = 4096, kBytesPerView = 2048, kBytes = kRecords + 64 * kBytesPerView;
+  const std::unique_ptr<Backend> backend = makeVulkanBackend(scene, plans, options);
+  const std::unique_ptr<ResultRing> ring = backend->makeRing(2, kBytes, kBytes);
+  const ClassTable classes;
+  uint64_t number = 0;
+  const auto mayOverflow = [&](size_t sensor, size_t views, bool moves) {
+    const size_t buffer = number++ % 2;
+    ring->wait(buffer);
+    std::vector<Shot> shots = shotsFor(0, views);
+    for (Shot& shot : shots) {
+      shot.sensor = sensor;
+      if (moves) shot.motion.stamps = {{0, shot.pose}, {0.1, Pose{{1, 0, 0.3}, {}}}};
+    }
+    Recording recording;
+    recording.ring = ring.get();
+    recording.frame = buffer;
+    recording.classes = &classes;
+    for (size_t view = 0; view < views; ++view)
+      recording.scans.push_back({&shots[view],
+                                 {ring->address(buffer) + kRecords + view * kBytesPerView, kBytesPerView},
+                                 {ring->address(buffer) + view * sizeof(RecordHeader), sizeof(RecordHeader)}});
+    ring->begin(buffer);
+    backend->record(recording);
+    ring->submit(buffer, kBytes);
+    return recording.mayOverflow;
+  };
+  // The outcome of a recording is known when its buffer is used again.
+  for (const size_t sensor : {0, 1, 2}) CHECK(mayOverflow(sensor, 20, false));
+  for (const size_t sensor : {0, 1, 2, 0, 1, 2}) CHECK_FALSE(mayOverflow(sensor, 20, false));
+  CHECK_FALSE(mayOverflow(1, 7, false));
+  for (int buffer = 0; buffer < 2; ++buffer) CHECK(mayOverflow(1, 21, false));
+  CHECK_FALSE(mayOverflow(1, 21, false));
+  for (int buffer = 0; buffer < 2; ++buffer) CHECK(mayOverflow(1, 5, true));
+  CHECK_FALSE(mayOverflow(1, 5, true));
+  CHECK_FALSE(mayOverflow(1, 21, false));
+  CHECK(mayOverflow(1, 6, true));
+  for (const size_t buffer : {0, 1}) ring->wait(buffer);
+  backend->setSensor(2, plans[2]);
+  for (int buffer = 0; buffer < 2; ++buffer) CHECK(mayOverflow(2, 20, false));
+  CHECK_FALSE(mayOverflow(2, 20, false));
+  for (const size_t buffer : {0, 1}) ring->wait(buffer);
+}
+
 TEST_CASE("CUDA sees in its own address space what the host gets, buffer after buffer") {
   needVulkan();
   const SensorRequest request = {gridSensor(60, 8, -30, 30), Effects::none()};
@@ -227,7 +287,9 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
                       ContainsSubstring("results_on_device is for a Vulkan device of the library's own"));
   }
   {
+    const uint64_t before = device.memory().work;
     BatchStream stream(device, {4});
+    CHECK(device.memory().work >= before + 2 * stream.places().bytes);
     CHECK_THROWS_WITH(BatchStream(device, {4}), ContainsSubstring("has a BatchStream already"));
     CHECK_THROWS_WITH(stream.submit(shotsFor(0, 5)), ContainsSubstring("has 5 shots; the stream is made for 4"));
     std::vector<Shot> shots = shotsFor(0, 4);
@@ -236,6 +298,9 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
     shots[2].pose.position.x = 0;
     shots[1].sensor = 1;
     CHECK_THROWS_WITH(stream.submit(shots), ContainsSubstring("shot 1"));
+    std::vector<Shot> one = shotsFor(0, 1);
+    one[0].instanceMotions = {{99, {}}};
+    CHECK_THROWS_WITH(stream.submit(one), ContainsSubstring("shot 0: instance 99 does not exist"));
     CHECK_THROWS_WITH(stream.layout(1), ContainsSubstring("no sensor 1"));
     CHECK_THROWS_WITH(stream.exportMemory(2), ContainsSubstring("no result buffer 2"));
     device.addSensor({gridSensor(160, 8, -10, 10), Effects::none()});

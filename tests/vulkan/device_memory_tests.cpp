@@ -186,29 +186,34 @@ size_t allocationsOf(Type type) {
 
 TEST_CASE("results of batches on a card are copied to the host as far as it asks for them") {
   needVulkan();
-  vulkan::Device device({}, true);
+  SimulatorOptions options;
+  options.validation = true;
+  options.cache = "off";
+  vulkan::ReadyDevice ready(options);
+  vulkan::Device& device = ready.device;
   becomeCard(device, 0);
   const uint64_t bytes = 4096, hostBytes = GENERATE(96, 4096);
-  std::atomic<bool> failed = false;
   {
-    vulkan::VulkanRing ring(device, failed, 2, bytes, hostBytes);
+    vulkan::VulkanRing ring(ready, 2, bytes, hostBytes);
+    CHECK(ring.bytes() == 2 * (bytes + hostBytes));
     CHECK(allocationsOf(local) == 2);
     CHECK(allocationsOf(cached) == 1);  // small buffers share it
-    CHECK(ring.hostHasAll() == (hostBytes == bytes));
+    CHECK(ring.hostHasAll(1) == (hostBytes == bytes));
     for (uint32_t batch = 0; batch < 4; ++batch) {
       const size_t at = batch % 2;
       ring.wait(at);
-      vulkan::CommandBuffer commands(device, static_cast<VkCommandBuffer>(ring.begin(at)));
+      ring.begin(at);
+      vulkan::CommandBuffer& commands = ring.commands(at).buffer();
       commands.fill(ring.results(at), 0, VK_WHOLE_SIZE, 0x1000 + batch);
       commands.fullBarrier();
-      ring.submit(at);
+      ring.submit(at, bytes);
       ring.wait(at);
       const auto* const words = reinterpret_cast<const uint32_t*>(ring.host(at));
       CHECK(std::all_of(words, words + hostBytes / 4, [&](uint32_t word) { return word == 0x1000 + batch; }));
     }
   }
   CHECK(card.copies == 4);
-  CHECK_FALSE(failed);
+  CHECK_FALSE(ready.failed);
   device.throwOnMessages();
 }
 
