@@ -353,7 +353,8 @@ class Simulator::Impl {
       const std::string which = "entry " + std::to_string(i) + ": ";
       instances_.check(instances[i], which);
       throw Error(ErrorCode::invalidArgument,
-                  which + "the transform of instance " + std::to_string(instances[i]) + " is not finite");
+                  which + "the transform of instance " + std::to_string(instances[i]) + " is not finite" +
+                      (values.size() == 7 * instances.size() ? ", or its quaternion is zero" : ""));
     }
     move(instances, transforms_);
   }

@@ -271,9 +271,9 @@ struct MeshMotion {
 struct Shot {
   Pose pose;  ///< of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose
   size_t sensor = 0;
-  uint64_t frame = 0;  ///< frame number, part of the key of the random numbers
-  uint32_t world = 0;  ///< the shot sees the instances of this world and those of world 0, as if there were no others
-  SensorMotion motion;
+  uint64_t frame = 0;   ///< frame number, part of the key of the random numbers
+  uint32_t world = 0;   ///< the shot sees the instances of this world and those of world 0, as if there were no others
+  SensorMotion motion;  ///< ignored, with a scan from `pose`, where Effects::SensorMotion is not planned: see the plan
   std::vector<InstanceMotion> instanceMotions;
   std::vector<MeshMotion> meshMotions;
   /// If given, replaces the fog, rain, snow and volumes of the sensor's Effects.

@@ -26,6 +26,7 @@ from ._gnosphere import NO_TRIANGLE, CloudOptions, Scan, parse_fields, read_clou
 KINDS = {
     "the same": (70, 70, 76),
     "another value": (255, 214, 64),
+    "another place": (255, 170, 32),
     "another range": (255, 128, 0),
     "another owner": (226, 64, 226),
     "only in the golden cloud": (255, 48, 48),
@@ -50,12 +51,16 @@ class Difference:
 
 def difference(golden: Scan, scan: Scan, tolerances: Mapping[str, float]) -> Difference:
     """Compares two clouds of the same beams, entry by entry. `tolerances`: the largest difference of a field, in its
-    unit, that is still the same."""
+    unit, that is still the same. With one for the range, points may be as far apart, and by what rounding adds."""
     there, here = ~np.isnan(golden.ranges), ~np.isnan(scan.ranges)
     kinds = np.zeros(len(there), np.uint8)
     names = list(KINDS)
     both = there & here
     worst = {}
+    if "range" in tolerances:
+        apart = np.linalg.norm(np.asarray(scan.points, float) - golden.points, axis=1)
+        worst["point"] = float(apart[both].max(initial=0))
+        kinds[both & (apart > tolerances["range"] + 1e-6 * golden.ranges)] = names.index("another place")
     for name, tolerance in sorted(tolerances.items(), key=lambda entry: entry[0] == "range"):
         off = np.abs(np.asarray(scan[name], float) - np.asarray(golden[name], float))
         off = off if off.ndim == 1 else off.max(axis=1)
@@ -98,7 +103,8 @@ class GoldenCloud:
         """Fails unless the scan is the golden cloud `name`, golden/NAME.npy beside the test's file.
 
         exact: every byte is the same; scan with Accuracy.exact, which has the same bytes on every device.
-        tolerance: metres that ranges may differ, if not exact; owners and the beams with a return must be the same.
+        tolerance: metres that ranges may differ, and points may be apart, if not exact; owners and the beams with a
+            return must be the same.
         tolerances: the same for other fields, by name, in their units: {"intensity": 0.01}.
         allowed: entries that may differ in whatever way, if not exact.
         fields: more fields that the golden cloud keeps, such as "intensity,class"; those of `tolerances` are added.

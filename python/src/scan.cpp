@@ -112,7 +112,10 @@ void bindFields(nb::module_& m) {
       .value("incidence", Field::incidence,
              "float32, rad, angle between beam and normal; 0 for a surface square to the beam")
       .value("material", Field::material, "uint32, index into Scene.materials")
-      .value("barycentrics", Field::barycentrics, "2 float32, weights of the triangle's second and third corner")
+      .value("barycentrics", Field::barycentrics,
+             "2 float32, weights of the triangle's second and third corner; on a device NaN with a footprint, and for "
+             "beams "
+             "that meet a pane")
       .value("class_id", Field::classId,
              "uint16, the surface's Material.class_id, else Instance.class_id, when the scan was made; 0 for none")
       .value("velocity", Field::velocity, "3 float32, m/s: the surface relative to the world, in sensor axes")

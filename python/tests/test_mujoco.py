@@ -369,6 +369,8 @@ def test_records_end_with_their_episode(device):
     lidar.reset()
     begin(0.6, 4)
     assert lidar.scan(data).ranges == pytest.approx([8.5])
+    with pytest.warns(UserWarning, match="record.. changes nothing, because VLP-16 fires all beams at once"):
+        gm.Lidar(model, "VLP-16", site="lidar", options=options(device)).record(data)
     for body in (-2, 2):
         with pytest.raises(ValueError, match=f"no body {body} to exclude; the model has 2 bodies"):
             gm.Lidar(model, sensor, site="lidar", bodyexclude=body)

@@ -154,7 +154,27 @@ def test_differences_entry_by_entry(square):
     assert [list(testing.KINDS)[kind] for kind in found.kinds[:5]] == [
         "another range", "another owner", "only in the golden cloud", "only in the scan", "the same",
     ]  # fmt: skip
-    assert found.worst == {"range": 0.5}
+    assert found.worst == {"range": 0.5, "point": 0}
+
+
+def test_points_elsewhere_at_the_same_range_differ():
+    plane = gnosphere.Mesh(
+        np.array([[10, -99, -99], [10, 99, -99], [10, 0, 99]], np.float32), np.array([[0, 1, 2]], np.uint32),
+        [gnosphere.MeshPart(0, 1, 0)],
+    )  # fmt: skip
+    scene = gnosphere.Scene([gnosphere.Material("grey")], [plane], [gnosphere.Instance(0)])
+    angles, still = np.radians(np.linspace(-3, 3, 7)), np.zeros(7)
+    clouds = []
+    for rest in ((np.sin(angles), still), (still, np.sin(angles))):
+        sensor = gnosphere.Sensor()
+        sensor.range_max = 100
+        sensor.patterns = [gnosphere.BeamList(np.stack([np.cos(angles), *rest], axis=1))]
+        request = gnosphere.SensorRequest(sensor, gnosphere.Effects.none())
+        options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+        clouds.append(gnosphere.Simulator(scene, request, options).scan(gnosphere.Pose()))
+    assert clouds[0].ranges == pytest.approx(clouds[1].ranges, abs=1e-5)
+    assert testing.difference(*clouds, {"range": 0.001}).counts() == {"another place": 6}
+    assert testing.difference(*clouds, {}).counts() == {}
 
 
 def test_the_page(folder, pytester, device):

@@ -26,8 +26,13 @@ SceneFormat formatOf(const fs::path& file) {
   if (ending == ".obj") return SceneFormat::obj;
   if (ending == ".ply") return SceneFormat::ply;
   if (ending == ".stl") return SceneFormat::stl;
-  throw Error(ErrorCode::invalidArgument, std::string("'").append(file.string()) + "': unknown ending '" + ending +
-                                              "' for a scene; known are .gltf, .glb, .obj, .ply and .stl");
+  const std::string which = std::string("'").append(file.string()) + "': ";
+  for (const char* robotics : {".urdf", ".sdf", ".world", ".xml", ".mjcf", ".usd", ".usda", ".usdc", ".usdz"})
+    if (ending == robotics)
+      throw Error(ErrorCode::invalidArgument,
+                  which + "the Python package reads such files: python -m gnosphere.robotics FILE -o scene.glb");
+  throw Error(ErrorCode::invalidArgument,
+              which + "unknown ending '" + ending + "' for a scene; known are .gltf, .glb, .obj, .ply and .stl");
 }
 
 /// Returns the transform above every instance: `scale`, and a rotation for y-up files. Vertices stay as the file has

@@ -32,7 +32,10 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --repeat 0", 2, "--repeat");
   checkRefused("scan floor.obj -o a.pcd -o a.pcd", 2, "twice");
   checkRefused("scan floor.obj --stats floor.obj", 2, "the scene itself");
+  checkRefused("scan robot.urdf", 2, "robot.urdf': the Python package reads such files: python -m gnosphere.robotics");
   checkRefused("sensors VLP-17", 2, "VLP-16");
+  checkRefused("sensors Puck --rate 20", 2, "--fire-times complete a sensor file, and 'Puck' is built in");
+  checkRefused("town -o town.glb --triangles -5", 2, "--triangles");
   checkRefused("compare a.pcd", 2, "B");
   checkRefused("compare a.las b.las", 2, "a.las");
   checkRefused("town -o town.obj", 2, ".glb");
@@ -126,6 +129,31 @@ TEST_CASE("a scene without triangles gives a cloud of misses and a warning") {
   CHECK_THAT(result.err, StartsWith("gnosphere: warning: empty.gltf has no triangle"));
   CHECK(gnosphere::readCloud(place / "a.pcd").counters.hits == 0);
   CHECK(gnosphere::readCloud(place / "a.pcd").beamCount() == 28800);
+}
+
+TEST_CASE("a scan that meets nothing tells where scene and sensor are") {
+  const Workplace place;
+  const Result far = place.run("scan floor.obj --pose 0,0,5000" + kQuick);
+  REQUIRE(far.status == 0);
+  CHECK_THAT(far.err, StartsWith("gnosphere: warning: no beam hits anything; floor.obj spans x ") &&
+                          ContainsSubstring("the sensor at 0, 0, 5000 sees as far as 100 m; --pose moves it, --scale"));
+  CHECK(place.run("scan floor.obj --set ignored_instances=[] --effect fog.visibility=20" + kQuick).err == "");
+}
+
+TEST_CASE("a KITTI file has intensities, unless effects without any are asked for") {
+  const Workplace place;
+  for (const auto& [effects, least] : {std::pair("auto", 0.01f), {"clean", 0.0f}}) {
+    REQUIRE(place.run("scan floor.obj -o a.bin --effects " + std::string(effects) + kQuick).status == 0);
+    const std::string bytes = place.get("a.bin");
+    REQUIRE(bytes.size() > 1000);
+    float most = 0;
+    for (size_t at = 12; at < bytes.size(); at += 16) {
+      float intensity;
+      std::memcpy(&intensity, &bytes[at], sizeof intensity);
+      most = std::max(most, intensity);
+    }
+    CHECK((least > 0 ? most > least : most == 0));
+  }
 }
 
 TEST_CASE("fields that can be derived from the sensor need no request before the scan") {

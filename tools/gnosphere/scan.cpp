@@ -58,6 +58,36 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   return cloud;
 }
 
+/// Returns the fields of the scan: those to write, and the intensity that a file of fixed columns (KITTI) holds.
+std::vector<Field> scannedFields(const ScanOptions& options, const CloudOptions& cloud, const Effects& effects) {
+  std::vector<Field> fields = cloud.fields;
+  const auto isFixed = [](const std::string& file) { return cloudFormat(file).layout != nullptr; };
+  if (effects.intensity.use != EffectUse::off && std::ranges::any_of(options.outputs, isFixed) &&
+      std::ranges::count(fields, Field::intensity) == 0)
+    fields.push_back(Field::intensity);
+  return fields;
+}
+
+/// Whether every beam that fires meets no surface.
+bool seesNothing(const Counters& counters) {
+  const auto count = [&](Cause cause) { return counters.causes[static_cast<size_t>(cause)]; };
+  const uint64_t none = count(Cause::noSurface);
+  return counters.hits == 0 && (none == 0 || none + count(Cause::dead) == counters.beams);
+}
+
+/// Tells where the scene is if the sensor is far from it, or if the scene has another unit than metres.
+void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& sensor, const Pose& pose) {
+  const Bounds bounds = worldBounds(scene);
+  const auto range = [](double low, double high) { return formatted("%g", low) + ".." + formatted("%g", high); };
+  const auto place = [](const Vec3& at) {
+    return formatted("%g", at.x) + ", " + formatted("%g", at.y) + ", " + formatted("%g", at.z);
+  };
+  complain("warning: no beam hits anything; " + options.scene + " spans x " + range(bounds.min.x, bounds.max.x) +
+           ", y " + range(bounds.min.y, bounds.max.y) + ", z " + range(bounds.min.z, bounds.max.z) +
+           " m, and the sensor at " + place(pose.position) + " sees as far as " + formatted("%g", sensor.rangeMax) +
+           " m; --pose moves it, --scale changes the unit of the scene");
+}
+
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
   if (scene.placedTriangleCount() == 0)
     complain("warning: " + options.scene + " has no triangle, so every beam misses");
@@ -163,7 +193,7 @@ int runScan(const ScanOptions& options) {
   if (choice) assign(settings, "accuracy=" + choice->chosen->name);
   settings.materials = materials;
   if (options.trace) settings.trace = [](const std::string& line) { complain(line); };
-  SensorRequest request(sensor, effects, cloud.fields);
+  SensorRequest request(sensor, effects, scannedFields(options, cloud, effects));
   applyToRequest(options, request);
   Simulator simulator(scene, request, settings);
   const double setUpMs = nowMs() - start;
@@ -191,6 +221,8 @@ int runScan(const ScanOptions& options) {
   }
   result.totalMs = nowMs() - start;
   warnAbout(options, scene, result.scan.counters);
+  if (trajectory.empty() && seesNothing(result.scan.counters) && scene.placedTriangleCount() > 0)
+    warnOfNoHits(options, scene, sensor, pose);
   tell(options, result);
   return 0;
 }

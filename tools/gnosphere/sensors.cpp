@@ -21,6 +21,11 @@ struct SensorsOptions {
   SensorFileOptions file;
   bool json = false;
   std::filesystem::path beams, image;
+
+  bool completesFile() const {
+    return !file.head.empty() || !file.mode.empty() || file.scanRate != 0 || file.columns != 0 ||
+           file.beamsPerScan != 0 || !file.fireTimes.empty();
+  }
 };
 
 constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
@@ -187,6 +192,10 @@ int runSensors(const SensorsOptions& options) {
     file = readSensorFile(std::filesystem::path(options.name), options.file);
   else
     file.sensor = sensorOf(options.name);
+  if (file.family.empty() && options.completesFile())
+    throw Error(ErrorCode::invalidArgument,
+                "--head, --mode, --rate, --columns, --beams-per-scan and --fire-times complete a sensor file, and '" +
+                    options.name + "' is built in; NAME:MODE chooses a mode");
   if (!options.beams.empty()) writeBeams(file.sensor, options.beams);
   if (!options.image.empty()) writePatternPicture(file.sensor, options.image);
   if (options.json) {

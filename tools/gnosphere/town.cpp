@@ -65,6 +65,7 @@ Action addTown(CLI::App& app) {
   app.add_option("--xodr", call->xodr,
                  "Build the town along the roads of an OpenDRIVE file instead of a grid of streets");
   app.add_option("--triangles", call->options.triangles, "Placed triangles to aim for, at least 1000")
+      ->check(CLI::Range(uint64_t{0}, uint64_t{0x7fffffff}))
       ->capture_default_str();
   app.add_option("--seed", call->options.seed, "Seed of the town")->capture_default_str();
   app.add_flag("--bake", call->baked, "Write unique geometry in tiles of 64 m instead of instances");

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Optional, Union
 
@@ -100,6 +101,7 @@ class Lidar(adapter.Lidar):
         self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
         self._records: list[tuple[float, Any]] = []
         self._start: Optional[npt.NDArray[np.float64]] = None
+        self._warned = False
         self._middle: tuple[float, float, float] = (0.0, 0.0, 0.0)  # where endless planes are put during records
 
     @property
@@ -144,6 +146,13 @@ class Lidar(adapter.Lidar):
         and after each step of it; the next scan() ends where `data` then is. Flexes and skins stay as they are at its
         end. Records of a later time, from before mj_resetData(), are dropped."""
         self._drop_later(data)
+        if all(sensor.rotation_period == 0 for sensor in self.sensors) and not self._warned:
+            self._warned = True
+            warnings.warn(
+                f"gnosphere.mujoco: record() changes nothing, because {self.sensors[0].name} fires all beams at once; "
+                "heads that turn, such as Puck, see things move",
+                stacklevel=2,
+            )
         if self._start is None:
             self._middle = self.pose(data).position
             self._place(data, self._middle)
