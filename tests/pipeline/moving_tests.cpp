@@ -343,10 +343,10 @@ TEST_CASE("of many transforms one that is wrong is named and none is set") {
     rows[24 + 7] = NAN;
     refused({0, 1, 2}, rows, "entry 2: the transform of instance 2 is not finite");
     poses[7 + 2] = INFINITY;
-    refused({2, 1, 0}, poses, "entry 1: the transform of instance 1 is not finite");
+    refused({2, 1, 0}, poses, "entry 1: the transform of instance 1 is not finite, or its quaternion is zero");
     poses[7 + 2] = 0;
     poses[6] = 0;
-    refused({2, 1, 0}, poses, "entry 0: the transform of instance 2 is not finite");
+    refused({2, 1, 0}, poses, "entry 0: the transform of instance 2 is not finite, or its quaternion is zero");
   }
 }
 
