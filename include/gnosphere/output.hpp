@@ -33,7 +33,8 @@ struct CloudOptions {
   std::vector<Field>
       fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns
   /// If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If beams
-  /// have several returns, the file is always compact: one row per return, and no grid.
+  /// have several returns, the file is always compact: one row per return, and no grid; with Field::tie also one for a
+  /// beam without a return that is a tie.
   bool compact = false;
   bool ascii = false;  ///< writes PCD and PLY as text; CSV always is text
 };

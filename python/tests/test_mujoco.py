@@ -371,6 +371,13 @@ def test_records_end_with_their_episode(device):
     assert lidar.scan(data).ranges == pytest.approx([8.5])
     with pytest.warns(UserWarning, match="record.. changes nothing, because VLP-16 fires all beams at once"):
         gm.Lidar(model, "VLP-16", site="lidar", options=options(device)).record(data)
+    with pytest.raises(ValueError, match="call mj_forward"):
+        lidar.scan(mujoco.MjData(model))
+    empty = mujoco.MjModel.from_xml_string("<mujoco/>")
+    with pytest.raises(ValueError, match="of a model of 0 geoms; this one has 1"):
+        lidar.update(mujoco.MjData(empty))
+    with pytest.raises(ValueError, match="geomgroup has 2 flags"):
+        gm.Lidar(model, sensor, site="lidar", geomgroup=(1, 1))
     for body in (-2, 2):
         with pytest.raises(ValueError, match=f"no body {body} to exclude; the model has 2 bodies"):
             gm.Lidar(model, sensor, site="lidar", bodyexclude=body)

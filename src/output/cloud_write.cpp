@@ -112,7 +112,9 @@ CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions
     if (several) fields.insert(fields.end(), {Field::returnNumber, Field::returnCount});
   }
   checkFields(scan, fields);
-  return {Rows(scan, options.compact || several), layoutOf(fields), columnsOf(fields)};
+  // compare() must know of a tie also where the reference has no return and the other cloud may have one.
+  const bool ties = several && std::ranges::count(fields, Field::tie) > 0;
+  return {Rows(scan, options.compact || several, ties), layoutOf(fields), columnsOf(fields)};
 }
 
 void writeRows(const CloudRows& rows, const CloudFormat& format, bool ascii, const Sink& write) {

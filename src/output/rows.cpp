@@ -84,10 +84,12 @@ void checkFields(const Scan& scan, const std::vector<Field>& fields) {
   }
 }
 
-Rows::Rows(const Scan& scan, bool compact) : scan_(scan), compact_(compact), count_(scan.ranges.size()) {
+Rows::Rows(const Scan& scan, bool compact, bool ties) : scan_(scan), compact_(compact), count_(scan.ranges.size()) {
   if (!compact) return;
+  const auto marked = ties ? scan.column<uint8_t>(Field::tie) : ColumnView<uint8_t>();
   for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
-    if (scan.returned(entry)) entries_.push_back(entry);
+    const bool tie = ties && entry % scan.returns == 0 && marked[entry] != 0;
+    if (scan.returned(entry) || tie) entries_.push_back(entry);
   }
   count_ = entries_.size();
 }

@@ -12,8 +12,9 @@ void checkFields(const Scan& scan, const std::vector<Field>& fields);
 /// The entries of a scan that become rows.
 class Rows {
  public:
-  /// If `compact`, only entries with a return become rows; otherwise all do.
-  Rows(const Scan& scan, bool compact);
+  /// If `compact`, only entries with a return become rows; otherwise all do. With `ties`, a beam without a return that
+  /// the reference has marked as a tie has a row, too.
+  Rows(const Scan& scan, bool compact, bool ties = false);
 
   const Scan& scan() const { return scan_; }
   bool compact() const { return compact_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "columns.hpp"
+#include "folder.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -108,6 +109,35 @@ TEST_CASE("a tie is one of the beam, so it covers returns that the reference doe
   CHECK(result.same());
   CHECK(result.ties == 2);
   CHECK(result.tieFalseHits == 1);
+}
+
+TEST_CASE("a file of several returns keeps the tie of a beam without any") {
+  const test::Folder folder;
+  Scan reference = street();
+  reference.columns /= 2;  // half the beams, with two returns each
+  reference.returns = 2;
+  ScanColumns(reference).fill(Field::tie, uint8_t{0});
+  const size_t entry = 2 * (nthHit(reference, 0) / 2);
+  Scan other = reference;
+  for (const size_t at : {entry, entry + 1}) makeMiss(reference, at);
+  makeHit(other, entry, 5, 1);
+  makeMiss(other, entry + 1);
+  CloudOptions options;
+  options.fields = {Field::range, Field::beam, Field::triangle, Field::instance, Field::returnNumber};
+  for (const uint32_t tie : {1u, 0u}) {
+    for (const size_t at : {entry, entry + 1}) ScanColumns(reference).data<uint8_t>(Field::tie)[at] = tie == 1;
+    CloudOptions withTies = options;
+    withTies.fields.push_back(Field::tie);
+    for (const char* name : {"a.npy", "a.pcd", "a.ply", "a.csv"}) {
+      INFO(name << ", tie " << tie);
+      writeCloud(reference, folder / name, withTies);
+      writeCloud(other, folder / ("other-" + std::string(name)), options);
+      const Comparison result = compare(readCloud(folder / name), readCloud(folder / ("other-" + std::string(name))));
+      CHECK(result.same() == (tie == 1));
+      CHECK(result.tieFalseHits == tie);
+      CHECK(result.falseHits == 1 - tie);
+    }
+  }
 }
 
 TEST_CASE("the reference's tolerance of a beam replaces the constant tolerance") {

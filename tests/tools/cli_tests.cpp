@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line as people and scripts see it: exit status, one-line errors, no incomplete files.
+#include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "gnosphere/output.hpp"

@@ -52,6 +52,8 @@ class ModelShapes:
         self._meshes: dict[Any, int] = beside._meshes if beside else {}
         self._images: dict[Any, Optional[gno.AlphaImage]] = beside._images if beside else {}
         self.left_out: dict[str, int] = {}
+        if geomgroup is not None and len(geomgroup) != 6:
+            raise ValueError(f"geomgroup has {len(geomgroup)} flags; there are six groups")
         geoms = [geom for geom in range(model.ngeom) if self._seen(geom, geomgroup, static)]
         self.geoms = np.array([geom for geom in geoms if self._add_geom(geom)], np.int32)
         planes = model.geom_type[self.geoms] == int(mj.mjtGeom.mjGEOM_PLANE)
@@ -213,6 +215,10 @@ class ModelShapes:
         """Writes where the instances are in `data`, shape (n, 3, 4), and gives the simulator the vertices of those that
         deform. Planes without an end are put around the place on them that is nearest to `position`."""
         geoms = self.geoms
+        if len(data.geom_xpos) != self.model.ngeom:
+            raise ValueError(f"the data are of a model of {len(data.geom_xpos)} geoms; this one has {self.model.ngeom}")
+        if self.model.ngeom and not data.geom_xmat[0].any():
+            raise ValueError("the data say nowhere where geoms are; call mj_forward() or mj_kinematics() first")
         rows[: len(geoms), :, :3] = data.geom_xmat[geoms].reshape(-1, 3, 3)
         rows[: len(geoms), :, 3] = data.geom_xpos[geoms]
         for instance, endless in self.endless:
