@@ -64,8 +64,8 @@ struct CudaAddress {
 class GNOSPHERE_API BatchStream {
  public:
   /// Makes the result buffers, for the sensors that the simulator has. The simulator must outlive the stream, must not
-  /// be moved meanwhile, and can have one at a time. Throws Error(invalidArgument) if its results do not stay on its device, and
-  /// Error(outOfMemory).
+  /// be moved meanwhile, and can have one at a time. Throws Error(invalidArgument) if its results do not stay on its
+  /// device, and Error(outOfMemory).
   BatchStream(Simulator& simulator, const BatchStreamOptions& options);
   ~BatchStream();
   BatchStream(BatchStream&&) noexcept;
@@ -73,10 +73,10 @@ class GNOSPHERE_API BatchStream {
 
   /// Starts the scans of shots of one sensor, and returns the number of the batch: 0, then 1, and so on. Changes of the
   /// simulator before the call count, those after it do not. Waits for the batch that has used the same result buffer;
-  /// and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many views,
-  /// or was in motion if this one is. Other users of the buffer must have finished with it: neither their commands nor
-  /// CUDA's are waited for. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case nothing has
-  /// changed, Error(outOfMemory) and Error(device).
+  /// and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many
+  /// views, or was in motion if this one is. Other users of the buffer must have finished with it: neither their
+  /// commands nor CUDA's are waited for. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case
+  /// nothing has changed, Error(outOfMemory) and Error(device).
   uint64_t submit(std::span<const Shot> shots);
   /// Waits until a batch is done. Throws Error(invalidArgument) if there is none of this number, or if its buffer has
   /// been used again, and Error(device).
