@@ -48,12 +48,12 @@ enum class Field {
   material,      ///< u32, index into Scene::materials
   barycentrics,  ///< 2 f32 u v, weights of the triangle's second and third corner; on a device NaN with a footprint,
                  ///< and for beams that meet a pane: their echoes are sums over several places
-  classId,      ///< u16, the surface's Material::classId, else Instance::classId, when the scan was made; 0 for none
-  velocity,     ///< 3 f32 velocity_x velocity_y velocity_z, m/s: the surface relative to the world, in sensor axes
-  radialSpeed,  ///< f32 m/s along the beam, positive if the surface moves away from the sensor
-  time,         ///< f32 s after the start of the scan
-  azimuth,      ///< f32 rad, azimuth of the beam, counter-clockwise from the x axis
-  elevation,    ///< f32 rad, elevation of the beam above the horizon
+  classId,       ///< u16, the surface's Material::classId, else Instance::classId, when the scan was made; 0 for none
+  velocity,      ///< 3 f32 velocity_x velocity_y velocity_z, m/s: the surface relative to the world, in sensor axes
+  radialSpeed,   ///< f32 m/s along the beam, positive if the surface moves away from the sensor
+  time,          ///< f32 s after the start of the scan
+  azimuth,       ///< f32 rad, azimuth of the beam, counter-clockwise from the x axis
+  elevation,     ///< f32 rad, elevation of the beam above the horizon
 };
 inline constexpr size_t kFieldCount = static_cast<size_t>(Field::elevation) + 1;
 
