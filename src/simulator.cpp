@@ -385,8 +385,7 @@ class Simulator::Impl {
     if (!ring_.expired())
       throw Error(ErrorCode::invalidArgument,
                   "the simulator has a BatchStream already, and can have one at a time; let go of it first, and of "
-                  "arrays that it "
-                  "has handed out");
+                  "arrays that it has handed out");
     std::shared_ptr<ResultRing> ring = backend_->makeRing(buffers, bytes, hostBytes);
     ring_ = ring;
     return ring;

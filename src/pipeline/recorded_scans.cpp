@@ -70,7 +70,7 @@ void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& 
     }
     slot.scans.clear();
     for (const Run& run : std::span(slot.runs).first(lastRun + 1))
-      if (!sensor.cutShort(run.index)) sensor.noteEnough(run.views, run.moves);
+      if (!sensor.cutShort(run.index)) sensor.noteEnough(run.index, run.views, run.moves);
     for (const Run& run : std::span(slot.runs).first(lastRun + 1))
       if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }

@@ -63,9 +63,9 @@ class SensorArrays {
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
-  /// Tells that the lists were large enough for a submission of so many views, in which sensor or instances moved or
-  /// none did.
-  void noteEnough(size_t views, bool moved);
+  /// Tells that the lists were large enough for the last submission of this frame, of so many views, in which sensor or
+  /// instances moved or none did.
+  void noteEnough(size_t frame, size_t views, bool moved);
   /// Whether the lists, as they are now, were large enough for a submission like this one.
   bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsHeld_ : viewsHeld_); }
   /// Returns the outputs of the last scan of the frame, of all its views, each of which is a shot.

@@ -218,7 +218,11 @@ bool SensorArrays::cutShort(size_t index) {
   return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
 }
 
-void SensorArrays::noteEnough(size_t views, bool moved) {
+void SensorArrays::noteEnough(size_t index, size_t views, bool moved) {
+  const Capacities& had = frames_[index].capacities;
+  // After growLists() has failed, there may be no lists.
+  if (had.projected > capacities_.projected || had.tiles > capacities_.tiles || had.candidates > capacities_.candidates)
+    return;
   viewsHeld_ = std::max(viewsHeld_, views);
   if (moved) movingViewsHeld_ = std::max(movingViewsHeld_, views);
 }
