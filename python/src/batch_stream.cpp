@@ -137,8 +137,8 @@ void bindStreamed(nb::module_& m) {
           nb::sig("def cuda_column(self, field: Field) -> typing.Any"),
           "Returns the values of a field as an object that torch.from_dlpack() and its like take without a copy, on "
           "the CUDA device. Work on them in CUDA must have ended (torch.cuda.synchronize()) before the batch is "
-          "submitted "
-          "that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have them.")
+          "submitted that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have "
+          "them.")
       .def(
           "has",
           [](const Streamed& self, Field field) {
@@ -198,10 +198,8 @@ void bindBatchStream(nb::module_& m) {
           "Starts the scans of shots of one sensor, given as for Simulator.scan_batch(), and returns the number of the "
           "batch. Changes of the simulator before the call count, those after it do not. The call waits for the batch "
           "that has used the same result buffer; and for this one, so that lists can grow, if the sensor's batches so "
-          "far "
-          "had fewer views, or none was in motion. Raises Error(invalid_argument) that names the first shot which is "
-          "not "
-          "valid, before anything runs, Error(out_of_memory) and Error(device).")
+          "far had fewer views, or none was in motion. Raises Error(invalid_argument) that names the first shot which "
+          "is not valid, before anything runs, Error(out_of_memory) and Error(device).")
       .def("wait", &wait, "number"_a, nb::sig("def wait(self, number: int) -> StreamedBatch"),
            "Waits until a batch is done, and returns its results. Raises Error(invalid_argument) if there is none of "
            "this number, or if its buffer has been used again.")
