@@ -61,7 +61,6 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   const bool strays = plan.has(gpu::kStrays);
   const double azimuth = strays ? gpu::kAngleCutOff * noise.azimuth : 0;
   const double elevation = strays ? gpu::kAngleCutOff * noise.elevation : 0;
-  const double steepest = steepestOf(plan.sensor);
   double angle = 0, across = 0, up = 0;
   for (const SubRay& ray : plan.subRays) {
     angle = std::max(angle, std::hypot(double{ray.u}, double{ray.v}));
@@ -71,6 +70,7 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   angle += std::hypot(azimuth, elevation);
   across += azimuth;
   up += elevation;
+  const double steepest = angle > 0 ? steepestOf(plan.sensor) : 0;
   if (up * steepest > 0.04 || across * std::hypot(1, steepest) > 0.25)
     across = up = angle;
   else

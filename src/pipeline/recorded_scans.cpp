@@ -41,13 +41,9 @@ uint64_t RecordedScans::bytes() const {
 }
 
 void RecordedScans::load(const ClassTable::Packed& table, Classes& classes) {
-  const auto copy = [&]<typename T>(gpu::Array array, const std::vector<T>& from, std::unique_ptr<DeviceMemory>& to) {
-    gnosphere::makeRoom(machine_, array, from.size() * sizeof(T), MemoryKind::upload, to);
-    std::ranges::copy(from, static_cast<T*>(to->host()));
-    to->flush();
-  };
-  copy(gpu::Array::instanceClasses, table.instances, classes.instances);
-  copy(gpu::Array::classRuns, table.runs, classes.runs);
+  const auto instances = std::as_bytes(std::span(table.instances)), runs = std::as_bytes(std::span(table.runs));
+  gnosphere::load(machine_, gpu::Array::instanceClasses, instances.size(), instances, classes.instances);
+  gnosphere::load(machine_, gpu::Array::classRuns, runs.size(), runs, classes.runs);
   classes.count = static_cast<uint32_t>(table.instances.size());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans that are recorded into the caller's command buffers, and what became of them.
+// Scans that are recorded into command buffers of the caller or of a stream of batches, and what became of them.
 #pragma once
 
 #include <map>

@@ -40,9 +40,7 @@ void RecordedVertices::record(size_t number) {
   BoundArrays arrays = {};
   scene_.bind(arrays);
   const auto put = [&](Array array, std::span<const std::byte> content, std::unique_ptr<DeviceMemory>& memory) {
-    makeRoom(machine_, array, content.size(), MemoryKind::upload, memory);
-    std::copy(content.begin(), content.end(), static_cast<std::byte*>(memory->host()));
-    memory->flush();
+    load(machine_, array, content.size(), content, memory);
     arrays[static_cast<size_t>(array)] = memory.get();
   };
   put(Array::vertexSources, std::as_bytes(std::span(work.sources)), frame.sources);

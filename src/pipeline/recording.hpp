@@ -11,7 +11,7 @@
 namespace gnosphere {
 
 struct Recording {
-  /// Device memory of the caller.
+  /// Device memory of the caller, or of a result buffer.
   struct Range {
     uint64_t address = 0, bytes = 0;
   };

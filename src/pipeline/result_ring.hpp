@@ -25,7 +25,7 @@ class ResultRing {
   virtual const std::byte* host(size_t buffer) const = 0;
   /// Whether host() has all results of a buffer.
   virtual bool hostHasAll(size_t buffer) const = 0;
-  /// Size of all buffers with their copies.
+  /// Returns the bytes that all buffers and their copies take.
   virtual uint64_t bytes() const = 0;
   /// Returns a new file descriptor of the buffer's memory, and the size of that memory. Throws Error(device) if the
   /// device exports none.

@@ -31,6 +31,13 @@ void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kin
   memory = machine.allocate(gpu::nameOf(array), room, kind);
 }
 
+void load(Machine& machine, gpu::Array array, uint64_t bytes, std::span<const std::byte> data,
+          std::unique_ptr<DeviceMemory>& memory) {
+  makeRoom(machine, array, bytes, MemoryKind::upload, memory);
+  std::copy(data.begin(), data.end(), static_cast<std::byte*>(memory->host()));
+  memory->flush();
+}
+
 void PlacedArrays::bind(BoundArrays& arrays) const {
   arrays[static_cast<size_t>(Array::instances)] = instances_.get();
   arrays[static_cast<size_t>(Array::placed)] = placed_.get();

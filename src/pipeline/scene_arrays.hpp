@@ -11,6 +11,9 @@ namespace gnosphere {
 /// scene does not allocate with every scan. The old content is lost.
 void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kind,
               std::unique_ptr<DeviceMemory>& memory);
+/// Makes room for `bytes` bytes of the kind `upload`, and writes the data to their start.
+void load(Machine& machine, gpu::Array array, uint64_t bytes, std::span<const std::byte> data,
+          std::unique_ptr<DeviceMemory>& memory);
 /// Allocates memory and writes the data to it.
 template <typename T>
 std::unique_ptr<DeviceMemory> uploaded(Machine& machine, gpu::Array array, std::span<const T> data) {

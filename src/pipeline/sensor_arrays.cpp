@@ -252,12 +252,8 @@ gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const
 }
 
 void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
-  for (const EffectsArray& array : arrays) {
-    std::unique_ptr<DeviceMemory>& memory = frame.arrays[static_cast<size_t>(array.array)];
-    makeRoom(machine_, array.array, array.bytes, MemoryKind::upload, memory);
-    std::copy(array.content.begin(), array.content.end(), static_cast<std::byte*>(memory->host()));
-    memory->flush();
-  }
+  for (const EffectsArray& array : arrays)
+    gnosphere::load(machine_, array.array, array.bytes, array.content, frame.arrays[static_cast<size_t>(array.array)]);
 }
 
 std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, std::span<const View> views,

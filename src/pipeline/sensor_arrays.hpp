@@ -67,7 +67,7 @@ class SensorArrays {
   /// instances moved or none did.
   void noteEnough(size_t frame, size_t views, bool moved);
   /// Whether the lists, as they are now, were large enough for a submission like this one.
-  bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsHeld_ : viewsHeld_); }
+  bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsThatFit_ : viewsThatFit_); }
   /// Returns the outputs of the last scan of the frame, of all its views, each of which is a shot.
   DeviceResults results(size_t frame);
   /// Returns the outputs of the shot of a view.
@@ -174,7 +174,7 @@ class SensorArrays {
   RecordTables records_;  // of the layout; empty if the host reads the results
   uint64_t mostWork_;     // of a submission; 0: scans are not divided
   Capacities capacities_;
-  size_t viewsHeld_ = 0, movingViewsHeld_ = 0;  // see hadEnough()
+  size_t viewsThatFit_ = 0, movingViewsThatFit_ = 0;  // see hadEnough()
   // A scan of one view has room for so many projected triangles and candidates at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   OwnArrays arrays_;

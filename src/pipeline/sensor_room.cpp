@@ -197,7 +197,7 @@ void SensorArrays::makeFirstLists(uint64_t triangles) {
 // the lists that it needs.
 void SensorArrays::makeLists(const Capacities& room) {
   const Capacities had = std::exchange(capacities_, {});
-  viewsHeld_ = movingViewsHeld_ = 0;
+  viewsThatFit_ = movingViewsThatFit_ = 0;
   if (room.projected != had.projected) {
     const uint64_t count = room.projected;
     allocate(Array::projectedA, count * sizeof(gpu::TaggedCorner));
@@ -220,11 +220,11 @@ bool SensorArrays::cutShort(size_t index) {
 
 void SensorArrays::noteEnough(size_t index, size_t views, bool moved) {
   const Capacities& had = frames_[index].capacities;
-  // After growLists() has failed, there may be no lists.
+  // If growLists() has failed since then, the lists are smaller than those of the submission.
   if (had.projected > capacities_.projected || had.tiles > capacities_.tiles || had.candidates > capacities_.candidates)
     return;
-  viewsHeld_ = std::max(viewsHeld_, views);
-  if (moved) movingViewsHeld_ = std::max(movingViewsHeld_, views);
+  viewsThatFit_ = std::max(viewsThatFit_, views);
+  if (moved) movingViewsThatFit_ = std::max(movingViewsThatFit_, views);
 }
 
 // If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists. The

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory of arrays: on our own device, which is idle whenever the host writes to memory of the kind `device`, and
-// on the caller's, where earlier frames may still be running.
+// The memory of arrays: of scans that the host waits for, when the device is idle whenever the host writes to memory of
+// the kind `device`, and of recorded scans, when earlier frames may still be running.
 #pragma once
 
 #include <algorithm>
@@ -54,8 +54,8 @@ class OwnMemory final : public VulkanMemory {
 class Recordings;
 using Runs = std::map<uint64_t, uint64_t>;  ///< of bytes, from their place to their end
 
-/// Memory of the caller's device. The host keeps a copy of what it has written to memory of the kind `device`; the next
-/// recording copies it to the device.
+/// Memory of recorded scans, on the caller's device or on our own. The host keeps a copy of what it has written to
+/// memory of the kind `device`; the next recording copies it to the device.
 class RecordedMemory final : public VulkanMemory {
  public:
   RecordedMemory(const Device& device, Recordings& recordings, const char* name, uint64_t bytes, MemoryKind kind);
@@ -72,7 +72,7 @@ class RecordedMemory final : public VulkanMemory {
   Runs::node_type spare_;  // for the next write()
 };
 
-/// Work that recordings on the caller's device must do for its memory: copy what the host has written, and destroy
+/// Work that recordings must do for the memory of their scans: copy what the host has written, and destroy
 /// buffers when no frame uses them any more.
 class Recordings {
  public:

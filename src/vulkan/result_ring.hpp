@@ -16,7 +16,8 @@ inline constexpr const char* kResultsName = "results of batches";
 
 class VulkanRing final : public ResultRing {
  public:
-  /// Makes buffers of so many bytes. The host gets the first `hostBytes` of each, or all if it shares the memory.
+  /// Makes `buffers` buffers of `bytes` bytes each. The host gets the first `hostBytes` of each, or all of them if it
+  /// shares the memory.
   VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint64_t hostBytes);
 
   void begin(size_t buffer) override;

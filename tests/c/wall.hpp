@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene of the C interface with a wall.
+// Scenes of the C interface with a square.
 #pragma once
 
 #include <gnosphere.h>
@@ -11,19 +11,23 @@ namespace gnosphere::test {
 inline const float kWall[] = {5, -20, -20, 5, 20, -20, 5, 20, 20, 5, -20, 20};
 inline const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
 
-/// Returns a scene with the wall as its only mesh, and without instances.
-inline gno_scene sceneWithWall() {
+/// Returns a scene with a square as its only mesh, and without instances.
+inline gno_scene sceneWithSquare(const float* corners) {
   gno_scene scene = nullptr;
   REQUIRE(gno_scene_create(&scene) == GNO_OK);
   const gno_material material = gno_material_init();
   gno_mesh mesh = gno_mesh_init();
-  mesh.positions = kWall;
+  mesh.positions = corners;
   mesh.vertex_count = 4;
   mesh.indices = kSquare;
   mesh.triangle_count = 2;
   REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
   REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
   return scene;
+}
+
+inline gno_scene sceneWithWall() {
+  return sceneWithSquare(kWall);
 }
 
 }  // namespace gnosphere::test

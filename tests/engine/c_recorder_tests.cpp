@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "c/wall.hpp"
 #include "engine/vulkan_app.hpp"
 
 namespace gnosphere::test {
@@ -65,20 +66,10 @@ struct AdoptedInC {
 
 /// A square in front of the sensor, in C and in C++.
 const float kCorners[] = {5, -4, -3, 5, 4, -3, 6, 4, 3, 6, -4, 3};
-const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
 
 gno_scene squareInC() {
-  gno_scene scene = nullptr;
-  const gno_material material = gno_material_init();
+  gno_scene scene = sceneWithSquare(kCorners);
   const gno_instance instance = gno_instance_init();
-  gno_mesh mesh = gno_mesh_init();
-  mesh.positions = kCorners;
-  mesh.vertex_count = 4;
-  mesh.indices = kSquare;
-  mesh.triangle_count = 2;
-  REQUIRE(gno_scene_create(&scene) == GNO_OK);
-  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
   REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
   return scene;
 }

@@ -157,7 +157,7 @@ TEST_CASE("effects and motion of a list equal the reference") {
     CHECK(requireEffects(variedList(), first, (first + 9) % effectNames().size()) > 0.2);
 }
 
-// Light that deviates to the side changes its elevation, the more the steeper the beam is.
+// Light that deviates sideways from a beam changes its elevation, too, and more so for a steep beam.
 TEST_CASE("wide beams and angle errors of a list near the poles equal the reference") {
   needVulkan();
   MeshBuilder builder;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory of a device: blocks that buffers share, heaps that are full, and types as graphics cards have them.
 #include <algorithm>
-#include <atomic>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <deque>

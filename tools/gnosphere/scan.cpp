@@ -75,17 +75,14 @@ bool seesNothing(const Counters& counters) {
   return counters.hits == 0 && (none == 0 || none + count(Cause::dead) == counters.beams);
 }
 
-/// Tells where the scene is if the sensor is far from it, or if the scene has another unit than metres.
+/// Warns of a scan without hits: the sensor may be far from the scene, or the scene may have another unit than metres.
 void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& sensor, const Pose& pose) {
   const Bounds bounds = worldBounds(scene);
-  const auto range = [](double low, double high) { return formatted("%g", low) + ".." + formatted("%g", high); };
-  const auto place = [](const Vec3& at) {
-    return formatted("%g", at.x) + ", " + formatted("%g", at.y) + ", " + formatted("%g", at.z);
-  };
-  complain("warning: no beam hits anything; " + options.scene + " spans x " + range(bounds.min.x, bounds.max.x) +
-           ", y " + range(bounds.min.y, bounds.max.y) + ", z " + range(bounds.min.z, bounds.max.z) +
-           " m, and the sensor at " + place(pose.position) + " sees as far as " + formatted("%g", sensor.rangeMax) +
-           " m; --pose moves it, --scale changes the unit of the scene");
+  const Vec3 &low = bounds.min, &high = bounds.max, &at = pose.position;
+  complain("warning: no beam hits anything; " + options.scene +
+           formatted(" spans x %g..%g, y %g..%g, z %g..%g m", low.x, high.x, low.y, high.y, low.z, high.z) +
+           formatted(", and the sensor at %g, %g, %g sees as far as %g m", at.x, at.y, at.z, sensor.rangeMax) +
+           "; --pose moves it, --scale changes the unit of the scene");
 }
 
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {

@@ -146,7 +146,7 @@ class Lidar(adapter.Lidar):
         and after each step of it; the next scan() ends where `data` then is. Flexes and skins stay as they are at its
         end. Records of a later time, from before mj_resetData(), are dropped."""
         self._drop_later(data)
-        if all(sensor.rotation_period == 0 for sensor in self.sensors) and not self._warned:
+        if not self._warned and all(sensor.rotation_period == 0 for sensor in self.sensors):
             self._warned = True
             warnings.warn(
                 f"gnosphere.mujoco: record() changes nothing, because {self.sensors[0].name} fires all beams at once; "
