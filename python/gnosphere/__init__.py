@@ -13,3 +13,4 @@ except ImportError:
 from ._gnosphere import *
 from ._gnosphere import __version__ as __version__
 from . import _text as _text
+from . import _values as _values

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds what gnosphere/simulator.hpp says of devices and of how a scan is computed.
+#include <cstring>
+
 #include "rows.hpp"
 
 namespace gnosphere::python {
@@ -7,6 +9,14 @@ namespace {
 
 nb::bytes bytesOf(const std::array<uint8_t, 16>& uuid) {
   return nb::bytes(reinterpret_cast<const char*>(uuid.data()), uuid.size());
+}
+
+std::array<uint8_t, 16> uuidIn(const nb::bytes& bytes) {
+  std::array<uint8_t, 16> uuid = {};
+  if (bytes.size() != uuid.size())
+    refuse("DeviceChoice: uuid has " + std::to_string(bytes.size()) + " bytes; it must have 16");
+  std::memcpy(uuid.data(), bytes.c_str(), uuid.size());
+  return uuid;
 }
 
 void bindAccuracy(nb::module_& m) {
@@ -132,10 +142,17 @@ void bindDevices(nb::module_& m) {
       .value("reference", DeviceChoice::Kind::reference,
              "Every beam in double precision on the CPU; the other devices are compared with it.");
   choice
-      .def(nb::init<DeviceChoice::Kind, std::string>(), "kind"_a = DeviceChoice::Kind::vulkan, "name"_a = "",
-           "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
-           "device; "
-           "if empty, the best device.")
+      .def(
+          "__init__",
+          [](DeviceChoice* self, DeviceChoice::Kind kind, std::string name, const nb::bytes& uuid) {
+            DeviceChoice made(kind, std::move(name));
+            made.uuid = uuidIn(uuid);
+            new (self) DeviceChoice(std::move(made));
+          },
+          "kind"_a = DeviceChoice::Kind::vulkan, "name"_a = "", "uuid"_a = bytesOf({}),
+          "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
+          "device; if empty, the best device.\n"
+          "uuid: DeviceInfo.uuid of the device, 16 bytes, in which case `name` is ignored; zeros for any device.")
       .def(nb::init<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
       .def_ro("kind", &DeviceChoice::kind, "Which kind of device.")
       .def_ro("name", &DeviceChoice::name, "Its number or a part of its name; empty for the best device.")

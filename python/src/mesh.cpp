@@ -6,11 +6,17 @@
 namespace gnosphere::python {
 namespace {
 
+// An empty array, as Mesh.joints of a mesh without joints is, counts as none.
+bool isGiven(const std::optional<ArrayLike>& array) {
+  return array && nb::cast<size_t>(nb::module_::import_("numpy").attr("size")(array->object)) > 0;
+}
+
 void setJoints(Mesh& mesh, uint32_t count, const std::optional<ArrayLike>& joints,
                const std::optional<ArrayLike>& weights) {
-  if (joints.has_value() != weights.has_value() || joints.has_value() != (count > 0))
+  const bool given = isGiven(joints);
+  if (given != isGiven(weights) || given != (count > 0))
     refuse("Mesh: joint_count, joints and joint_weights are given together or not at all");
-  if (!joints) return;
+  if (!given) return;
   const auto numbers = arrayOf<uint16_t>(*joints, "Mesh: joints", kAnyWidth);
   const auto shares = arrayOf<float>(*weights, "Mesh: joint_weights", kAnyWidth);
   const std::string vertices = std::to_string(mesh.vertexCount());

@@ -36,6 +36,13 @@ class Taken {
   std::shared_ptr<Result> value_;
 };
 
+SharedScan scanShot(Self& self, const Shot& shot) {
+  const Shot chosen = shot;
+  auto result = std::make_shared<Scan>();
+  self.use([&](Simulator& simulator) { simulator.scanInto(chosen, *result); });
+  return {std::move(result)};
+}
+
 void scanInto(Self& self, const Shot& shot, SharedScan& result) {
   const Shot chosen = shot;
   Taken taken(result);
@@ -138,14 +145,12 @@ void bindScans(nb::class_<Self>& simulator) {
            "Makes one scan from the fixed pose `pose`, without holding the GIL. Raises Error(invalid_argument) for a "
            "pose "
            "that is not finite or an unknown sensor, Error(device) or Error(out_of_memory) if the device fails.")
-      .def(
-          "scan_into", &scanInto, "shot"_a, "result"_a,
-          "Makes one scan of a shot, with motion, weather and frame number, into an existing Scan, without holding the "
-          "GIL. Its arrays are reused, so nothing is allocated once they have their size, unless a view of them is "
-          "still "
-          "held: then the scan gets new ones. Raises as scan() does, and Error(invalid_argument) for weather that is "
-          "not "
-          "planned (see SensorRequest.variable_weather).")
+      .def("scan", &scanShot, "shot"_a,
+           "Makes one scan of a shot, with motion, weather and frame number. Raises as scan() of a pose does, and "
+           "Error(invalid_argument) for weather that is not planned (see SensorRequest.variable_weather).")
+      .def("scan_into", &scanInto, "shot"_a, "result"_a,
+           "As scan() of a shot, into an existing Scan, without holding the GIL. Its arrays are reused, so nothing is "
+           "allocated once they have their size, unless a view of them is still held: then the scan gets new ones.")
       .def(
           "scan_all", &scanAll, "shots"_a, "receive"_a,
           "Makes many scans, each with the same result as scan_into(), pipelined: while Python receives one scan, the "
