@@ -23,7 +23,7 @@ static int report(gno_scan scan) {
   range = (const float*)ranges.values;
   instance = (const uint32_t*)instances.values;
   for (i = 0; i < ranges.entries; ++i) {
-    if (isnan(range[i * ranges.stride])) continue; /* nothing came back */
+    if (isnan(range[i * ranges.stride])) continue; /* no return */
     if (hits++ == 0 || range[i * ranges.stride] < range[nearest * ranges.stride]) nearest = i;
   }
   printf("%zu of %zu beams hit\n", hits, ranges.entries);

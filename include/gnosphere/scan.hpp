@@ -232,4 +232,9 @@ struct Scan {
   std::array<std::vector<std::byte>, kFieldCount> columns_;
 };
 
+/// Returns the scan with its points, normals and velocities in the world frame, to which Scan::pose maps them; the pose
+/// becomes the identity. Coordinates stay in single precision: 1 mm apart at 8 km from the world's origin. Throws
+/// Error(invalidArgument) if the scan has no points.
+GNOSPHERE_API Scan inWorld(Scan scan);
+
 }  // namespace gnosphere

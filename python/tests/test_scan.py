@@ -229,3 +229,19 @@ def test_without_a_vulkan_driver_one_line_names_the_package_that_brings_one(fold
     assert done.returncode == 1
     assert done.stderr.endswith("; pip install 'gnosphere[cpu]' brings one that runs on the CPU\n"), done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_in_world_maps_points_normals_and_velocities_by_the_pose(simulator, town):
+    pose = gnosphere.Pose((3, -2, 1.8), (0, 0, 0.6, 0.8))
+    scan = simulator.scan(pose)
+    before = scan.points.copy()
+    world = scan.in_world()
+    turned = np.array([[0.28, -0.96, 0], [0.96, 0.28, 0], [0, 0, 1]])
+    np.testing.assert_allclose(world.points, scan.points @ turned.T + pose.position, rtol=0, atol=2e-5)
+    np.testing.assert_allclose(world["normal"], scan["normal"] @ turned.T, rtol=0, atol=1e-6)
+    assert world.pose == gnosphere.Pose() and scan.pose == pose
+    assert np.array_equal(world.ranges, scan.ranges, equal_nan=True)
+    assert np.array_equal(scan.points, before, equal_nan=True)
+    low, high = np.nanmin(world.points, 0), np.nanmax(world.points, 0)
+    bounds = gnosphere.world_bounds(town)
+    assert (low > np.array(bounds.min) - 1e-3).all() and (high < np.array(bounds.max) + 1e-3).all()

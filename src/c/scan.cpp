@@ -128,6 +128,13 @@ gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* colum
   return guard([&] { getColumn(*Locked(scan), field, column); });
 }
 
+gno_status gno_scan_in_world(gno_scan scan, gno_scan* in_world) {
+  return guard([&] {
+    the(in_world, "in_world");
+    *in_world = make<gno_scan>(inWorld(*Locked(scan)));
+  });
+}
+
 gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters) {
   return guard([&] { getCounters(Locked(scan)->counters, counters); });
 }

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/nearest_text.hpp"
+#include "base/transform.hpp"
 #include "gnosphere/error.hpp"
-#include "scene/node_transform.hpp"
 
 namespace gnosphere {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "base/transform.hpp"
 #include "gnosphere/animation.hpp"
 #include "scene/gltf_clips.hpp"
-#include "scene/node_transform.hpp"
 
 namespace gnosphere {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/transform.hpp"
 #include "scene/gltf_animation.hpp"
-#include "scene/node_transform.hpp"
 
 namespace gnosphere {
 namespace {

@@ -169,12 +169,19 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   moved[2] = 2;
   CHECK(gno_simulator_set_positions(simulator, 1, moved, 4) == GNO_OK);
   expected.setPositions(1, moved);
-  gno_scan before = scan;
+  gno_scan before = scan, inTheWorld = nullptr;
   compareAll(shot, cShot, scan);
+  REQUIRE(gno_scan_in_world(scan, &inTheWorld) == GNO_OK);
+  Scan wanted;
+  expected.scanInto(shot, wanted);
+  wanted = inWorld(wanted);
+  for (gno_field field : {GNO_FIELD_X, GNO_FIELD_Y, GNO_FIELD_Z, GNO_FIELD_NORMAL})
+    CHECK(sameColumn<float>(inTheWorld, field, wanted));
+  CHECK(gno_scan_destroy(inTheWorld) == GNO_OK);
+  CHECK(fails(gno_scan_in_world(scan, nullptr), GNO_INVALID_ARGUMENT, "in_world is null"));
   CHECK(before == scan);
 
   // The same rows, files and comparison.
-  Scan wanted;
   expected.scanInto(shot, wanted);
   gno_layout_value values[] = {{GNO_FIELD_X, 0, 0, GNO_F32}, {GNO_FIELD_INSTANCE, 0, 8, GNO_F64}};
   gno_layout layout = gno_layout_init();

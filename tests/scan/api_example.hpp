@@ -94,7 +94,7 @@ void thickeningFog(Simulator& simulator, const std::function<void(const Scan&)>&
   }
 }
 
-/// How strong what came back is on average.
+/// The mean intensity of the returns.
 double meanIntensity(const Scan& scan) {
   const auto intensities = scan.column<float>(Field::intensity);
   double sum = 0, count = 0;
@@ -103,7 +103,7 @@ double meanIntensity(const Scan& scan) {
   return count > 0 ? sum / count : 0;
 }
 
-/// The data of a ROS PointCloud2 of x, y, z and intensity, with what came back.
+/// The data of a ROS PointCloud2 of x, y, z and intensity, with one point per return.
 std::vector<std::byte> pointCloud(const Scan& scan) {
   RecordLayout layout;
   layout.values = {{Field::x, 0, 0}, {Field::y, 0, 4}, {Field::z, 0, 8}, {Field::intensity, 0, 16}};

@@ -159,6 +159,42 @@ TEST_CASE("times, angles and classes follow from the sensor and the instances") 
   }
 }
 
+// The quaternion turns x to y, y to z and z to x.
+TEST_CASE("a scan in the world frame has its points, normals and velocities turned, and its points moved") {
+  const uint32_t returns = GENERATE(1u, 2u);
+  Scan scan = full(returns);
+  scan.pose = {{10, 20, 30}, {0.5, 0.5, 0.5, 0.5}};
+  const Scan world = inWorld(scan);
+  const auto checkTurned = [&](const auto& valueOf, const auto& worldValueOf, const std::array<double, 3>& moved) {
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry)
+      for (uint32_t axis = 0; axis < 3; ++axis) {
+        const auto wanted = static_cast<float>(valueOf(entry, (axis + 2) % 3) + moved[axis]);
+        const float found = worldValueOf(entry, axis);
+        CHECK((found == wanted || (std::isnan(found) && std::isnan(wanted))));
+      }
+  };
+  const auto pointsOf = [](const Scan& of) {
+    return [&of](size_t entry, uint32_t axis) { return of.points[3 * entry + axis]; };
+  };
+  checkTurned(pointsOf(scan), pointsOf(world), {10, 20, 30});
+  for (const Field field : {Field::normal, Field::velocity}) {
+    const auto vectorsOf = [field](const Scan& of) {
+      return [&of, field](size_t entry, uint32_t axis) { return of.column<float>(field, axis)[entry]; };
+    };
+    checkTurned(vectorsOf(scan), vectorsOf(world), {});
+  }
+  CHECK(world.pose.position.x == 0);
+  CHECK(world.pose.orientation.w == 1);
+  CHECK(sameFloats(world.ranges, scan.ranges));
+  CHECK(sameFloats(inWorld(world).points, world.points));
+  for (const Field field : {Field::incidence, Field::azimuth, Field::trueRange})
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry)
+      CHECK(std::bit_cast<uint32_t>(world.column<float>(field)[entry]) ==
+            std::bit_cast<uint32_t>(scan.column<float>(field)[entry]));
+  scan.points.clear();
+  REQUIRE_THROWS_AS(inWorld(scan), Error);
+}
+
 TEST_CASE("a cloud of several returns has a row per return, without grid and misses") {
   const Folder folder;
   const Scan scan = full(2);

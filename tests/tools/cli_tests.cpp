@@ -22,6 +22,9 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
   checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
   checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
+  checkRefused("scan floor.obj -o a.npy --ascii", 2, "--ascii changes .pcd and .ply files");
+  checkRefused("scan floor.obj --frame world", 2, "there is no --output");
+  checkRefused("scan floor.obj --frame lidar -o a.pcd", 2, "sensor,world");
   checkRefused("scan floor.obj --fields x,y,colour", 2, "x, y, z, range, ring");
   checkRefused("scan floor.obj --fields x,tie", 2, "--device reference");
   checkRefused("scan floor.obj --image a.jpg", 2, ".png");
@@ -92,6 +95,31 @@ TEST_CASE("a pose may begin with a minus, and its quaternion need not be normali
   const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
   CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
   CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
+}
+
+TEST_CASE("with --frame world clouds of all poses lie on the scene's surfaces") {
+  const Workplace place;
+  place.put("wall.obj", "v 10 -50 -50\nv 10 50 -50\nv 10 50 50\nv 10 -50 50\nf 1 2 3\nf 1 3 4\n");
+  place.put("poses.tum", "0 1 2 3 0 0 0 1\n1 4 -5 6 0 0.6 0 0.8\n2 20 0 0 0 0 1 0\n");
+  const std::string command =
+      "scan wall.obj --up z --sensor VLP-16 --faces both --trajectory poses.tum -o a.npy --frame ";
+  for (const bool world : {false, true}) {
+    REQUIRE(place.run(command + (world ? "world" : "sensor")).status == 0);
+    float low = 1e9f, high = -1e9f;
+    for (const char* file : {"a-000000.npy", "a-000001.npy", "a-000002.npy"}) {
+      const gnosphere::Scan scan = gnosphere::readCloud(place / file);
+      size_t hits = 0;
+      for (size_t i = 0; i < scan.ranges.size(); ++i) {
+        if (!scan.hit(i)) continue;
+        ++hits;
+        low = std::min(low, scan.points[3 * i]);
+        high = std::max(high, scan.points[3 * i]);
+      }
+      CHECK(hits > 1000);
+    }
+    if (world) CHECK((low > 9.999f && high < 10.001f));
+    if (!world) CHECK(high - low > 5);
+  }
 }
 
 TEST_CASE("a scene away from the origin is scanned from its middle by default") {
@@ -170,8 +198,8 @@ TEST_CASE("scan tells the effects that an accuracy leaves out, and why") {
   const Workplace place;
   const Result exact = place.run("scan floor.obj --sensor Puck --accuracy exact -o cloud.pcd");
   REQUIRE(exact.status == 0);
-  CHECK_THAT(exact.out, ContainsSubstring("\nleft out   sensor-motion (motion within a scan needs accuracy standard), "
-                                          "object-motion (motion within a scan needs accuracy standard)\n"));
+  CHECK_THAT(exact.out, ContainsSubstring("\nleft out   sensor-motion   motion within a scan needs accuracy standard\n"
+                                          "           object-motion   motion within a scan needs accuracy standard\n"));
   CHECK_THAT(place.run("scan floor.obj --sensor Puck -o cloud.pcd").out, !ContainsSubstring("left out"));
 }
 

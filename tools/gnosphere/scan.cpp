@@ -18,7 +18,7 @@ namespace gnosphere::cli {
 namespace {
 
 struct ScanOptions : ScanningOptions, EffectOptions {
-  std::string trajectory, fields, image, stats;
+  std::string trajectory, fields, frame = "sensor", image, stats;
   std::vector<std::string> outputs;
   std::optional<double> maxError;
   bool trace = false;
@@ -47,7 +47,14 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   if (!options.image.empty() && std::filesystem::path(options.image).extension() != ".png") {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
   }
+  const auto asciiChanges = [](const std::string& file) {
+    return cloudFormat(file).text == CloudFormat::Text::ifAsked;
+  };
   for (const std::string& output : options.outputs) cloudFormat(output);
+  if (options.ascii && std::ranges::none_of(options.outputs, asciiChanges))
+    throw Error(ErrorCode::invalidArgument, "--ascii changes .pcd and .ply files, and no --output is one");
+  if (options.frame == "world" && options.outputs.empty())
+    throw Error(ErrorCode::invalidArgument, "--frame world changes cloud files, and there is no --output");
   std::vector<std::string> files;
   for (size_t i = 0; i < scans; ++i) {
     for (const std::string& output : options.outputs) files.push_back(fileOf(options, output, i));
@@ -118,7 +125,10 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
 }
 
 void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan& scan, size_t number) {
-  for (const std::string& output : options.outputs) writeCloud(scan, fileOf(options, output, number), cloud);
+  std::optional<Scan> mapped;
+  if (options.frame == "world" && !options.outputs.empty()) mapped = inWorld(scan);
+  for (const std::string& output : options.outputs)
+    writeCloud(mapped ? *mapped : scan, fileOf(options, output, number), cloud);
   if (!options.image.empty()) writePicture(scan, fileOf(options, options.image, number));
 }
 
@@ -252,6 +262,12 @@ Action addScan(CLI::App& app) {
       "Fields to write, in this order: x,y,z,range,ring,beam,triangle,instance (default, plus "
       "return,returns if beams have several), tie, tolerance, intensity, true_range, cause, label, width, normal, "
       "incidence, material, barycentrics (u, v), class, velocity, radial_speed, time, azimuth, elevation");
+  app.add_option(
+         "--frame", options->frame,
+         "The frame of points, normals and velocities in the cloud files: the sensor's, or the scene's, in which "
+         "the clouds of a trajectory make up a map")
+      ->check(CLI::IsMember({"sensor", "world"}))
+      ->capture_default_str();
   app.add_flag("--compact", options->compact, "Write only hits instead of every beam");
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "Write a .png picture of the scan, as the sensor sees it and from above");

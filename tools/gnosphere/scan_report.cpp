@@ -119,6 +119,9 @@ void printTriangles(const Counters& c) {
 void printTimes(const ScanReport& report) {
   const auto wall = collect(report.runs, [](const Timings& run) { return run.wallMs; });
   std::string text = milliseconds(spreadOf(wall).median);
+  // Drivers of CPUs compile a kernel when it first runs.
+  if (report.trajectory.empty() && wall.size() == 1 && report.simulator.device().type != "reference")
+    text += ", the first scan, in which the driver may still compile; --repeat times further ones";
   if (wall.size() > 1) {
     text += " median of " + grouped(wall.size()) + " scans, " +
             milliseconds(*std::min_element(wall.begin(), wall.end())) + " at best";
@@ -142,13 +145,13 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// Returns the names and reasons of the effects for which `member` is true, such as "transmission (3 of 48 materials
-/// let light through), intensity (needed by transmission)"; empty if there are none.
-std::string effectsWith(bool Plan::Decision::*member, const Plan& plan) {
-  std::string text;
-  for (const Plan::Decision& decision : plan.effects)
-    if (decision.*member) text += (text.empty() ? "" : ", ") + decision.effect + " (" + decision.reason + ")";
-  return text;
+/// Prints the names and reasons of the effects for which `member` is true, one per line.
+void printEffects(const char* label, bool Plan::Decision::*member, const Plan& plan) {
+  for (const Plan::Decision& decision : plan.effects) {
+    if (!(decision.*member)) continue;
+    say(label, formatted("%-15s ", decision.effect.c_str()) + decision.reason);
+    label = "";
+  }
 }
 
 }  // namespace
@@ -174,8 +177,8 @@ void printSummary(const ScanReport& report) {
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   const Plan plan = report.simulator.plan();
-  if (const std::string in = effectsWith(&Plan::Decision::in, plan); !in.empty()) say("effects", in);
-  if (const std::string out = effectsWith(&Plan::Decision::leftOut, plan); !out.empty()) say("left out", out);
+  printEffects("effects", &Plan::Decision::in, plan);
+  printEffects("left out", &Plan::Decision::leftOut, plan);
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   shareOf(counters.hits, counters.beams) + ")");
   if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);

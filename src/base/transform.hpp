@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps of nodes, in double.
+// Affine maps, in double.
 #pragma once
 
 #include "gnosphere/scene.hpp"
