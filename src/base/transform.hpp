@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Affine maps, in double.
+// Makes and inverts affine maps in double precision.
 #pragma once
 
 #include "gnosphere/scene.hpp"

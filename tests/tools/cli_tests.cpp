@@ -91,6 +91,26 @@ TEST_CASE("a scan writes the requested files and lists them") {
   CHECK(scan.sensor == "VLP-16");
 }
 
+TEST_CASE("a scan tells whether its head is an ideal one of the paper or a real one") {
+  const Workplace place;
+  const auto told = [&](const std::string& sensor) {
+    const Result result = place.run("scan floor.obj --effects clean --sensor " + sensor);
+    CHECK(result.status == 0);
+    return result.out;
+  };
+  CHECK_THAT(told("VLP-16"), ContainsSubstring("\nsensor     VLP-16, an ideal head of the paper, at 0, 0, 1.8: "));
+  CHECK_THAT(told("Puck"), ContainsSubstring("\nsensor     Puck:10Hz (Velodyne VLP-16) at 0, 0, 1.8: "));
+  CHECK_THAT(told("OS1-32:512x10"), ContainsSubstring(" (Ouster OS1, 32 channels) at "));
+  // A sensor of another file is not that head, whatever its name.
+  nlohmann::json own = place.runJson("sensors VLP-16 --json");
+  own["columns"] = 900;
+  place.put("own.json", own.dump());
+  CHECK_THAT(told("own.json"), ContainsSubstring("\nsensor     VLP-16 at 0, 0, 1.8: "));
+  own["name"] = "OS1-32:mine";
+  place.put("own.json", own.dump());
+  CHECK_THAT(told("own.json"), ContainsSubstring("\nsensor     OS1-32:mine at 0, 0, 1.8: "));
+}
+
 TEST_CASE("a pose may begin with a minus, and its quaternion need not be normalised") {
   const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
   CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
