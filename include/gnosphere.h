@@ -691,7 +691,7 @@ typedef struct gno_memory_use {
   uint64_t scene, sensor, work;
 } gno_memory_use;
 
-/* Uploads the scene and compiles the stages; options may be null. */
+/* Uploads the scene and compiles the stages (on a CPU the first scan does that); options may be null. */
 GNO_API gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
                                         const gno_options* options, gno_simulator* simulator);
 GNO_API gno_status gno_simulator_destroy(gno_simulator simulator);

@@ -176,7 +176,9 @@ struct StageTime {
 /// unless Tuning::stageTimes asks for them, they are zero and empty. The stage "resolve" runs on the host if only
 /// geometry is planned; its time is not part of `gpuMs`.
 struct Timings {
-  double wallMs = 0;  ///< from the submission until the results can be read on the host
+  /// From the submission until the results can be read on the host, without the time in which the library had kernels
+  /// compiled. Drivers of CPUs still compile when a kernel first runs.
+  double wallMs = 0;
   double gpuMs = 0;
   std::vector<StageTime> stages;
 

@@ -289,8 +289,9 @@ struct Shot {
 /// on one device share its queue and the kernels that are compiled for it.
 class GNOSPHERE_API Simulator {
  public:
-  /// Uploads the scene and compiles the stages. Throws Error(invalidArgument) for an invalid argument, Error(device)
-  /// that gives the reason per device if no device is suitable, Error(outOfMemory).
+  /// Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Throws
+  /// Error(invalidArgument) for an invalid argument, Error(device) that gives the reason per device if no device is
+  /// suitable, Error(outOfMemory).
   Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options = {});
   Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options = {});
   ~Simulator();

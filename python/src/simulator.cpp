@@ -316,7 +316,8 @@ void bindSimulator(nb::module_& m) {
           },
           "scene"_a, "sensor"_a, "options"_a = SimulatorOptions(), "A simulator with one sensor.")
       .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = SimulatorOptions(),
-           "Uploads the scene and compiles the stages. Raises Error(invalid_argument) for an invalid argument, "
+           "Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Raises "
+           "Error(invalid_argument) for an invalid argument, "
            "Error(device) that gives the reason per device if no device is suitable, Error(out_of_memory).");
   bindScans(simulator);
   bindChanges(simulator);

@@ -306,7 +306,9 @@ class DeviceBackend final : public Backend {
     if (views > 1) instances.inViews = slot.placed.inViews();
     const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), shots, part.views, part.last, slot.motions,
                                                    instances, slot.placed.groups(), use, arrays);
+    const Clock::duration before = machine_->compiling();
     machine_->submit(frame, steps, arrays);
+    slot.start += machine_->compiling() - before;
     if (use == StillImage::Use::make) still.begin(frame);
   }
 

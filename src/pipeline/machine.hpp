@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <span>
 
@@ -33,7 +34,8 @@ class Machine {
   virtual const Traits& traits() const = 0;
   /// Throws Error(outOfMemory) that names the array. `name` must outlive the memory.
   virtual std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) = 0;
-  /// Compiles the kernels that are not yet compiled, on all threads of the host.
+  /// Compiles the kernels that are not yet compiled, on all threads of the host. A machine may leave that to the first
+  /// scan that needs them.
   virtual void prepare(std::span<const Variant> variants) = 0;
   /// Adds what the driver says of a compiled kernel, if that is known.
   virtual void describe(const Variant& /*variant*/, Plan::Pipeline& /*pipeline*/) const {}
@@ -41,6 +43,8 @@ class Machine {
   virtual void prepared() {}
   /// Number of scans that may run at a time.
   virtual size_t framesInFlight() const = 0;
+  /// How long submit() and record() have compiled kernels until now.
+  virtual std::chrono::steady_clock::duration compiling() const { return {}; }
   /// Starts the steps as frame in flight `frame`. wait() must have been called for its previous scan.
   virtual void submit(size_t frame, std::span<const Step> steps, const BoundArrays& arrays) = 0;
   /// Waits until the frame is done; returns at once if it is not running.

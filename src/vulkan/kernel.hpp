@@ -47,6 +47,8 @@ class Kernels {
   VkPipelineLayout layout() const { return layout_.get(); }
   /// Compiles the kernels that are not yet compiled, on all threads of the host.
   void prepare(std::span<const Variant> variants);
+  /// Returns the pipeline of a kernel; null if it is not compiled.
+  VkPipeline known(const Variant& variant) const;
   /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
   VkPipeline of(const Variant& variant);
   /// Returns the number of pipelines.
@@ -62,8 +64,7 @@ class Kernels {
   };
   struct Missing;
   void make(Missing& one) const;
-  /// Returns the pipeline of a kernel; null if it is not compiled.
-  const Compiled* find(const Variant& variant) const;
+  const Compiled* find(const Variant& variant) const;  ///< null if the kernel is not compiled
 
   const Device& device_;
   const PipelineCache& cache_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Machine for Vulkan: memory, and scans recorded from lists of steps.
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <deque>
 #include <string>
@@ -17,18 +18,22 @@ namespace gnosphere {
 namespace vulkan {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // Number of scans submitted at a time: the device works on one while the host receives the one before.
 constexpr size_t kFramesInFlight = 2;
 
 // Records the steps of scans.
 class StepRecorder {
  public:
-  StepRecorder(Kernels& kernels, CommandBuffer& commands, VkDeviceAddress addresses, const BoundArrays& arrays)
-      : kernels_(kernels), commands_(commands), addresses_(addresses), arrays_(arrays) {}
+  StepRecorder(Kernels& kernels, CommandBuffer& commands, VkDeviceAddress addresses, const BoundArrays& arrays,
+               std::span<const Step> steps)
+      : kernels_(kernels), commands_(commands), addresses_(addresses), arrays_(arrays), steps_(steps) {}
 
-  /// Calls done(step) for the steps that are timestamps or cuts, and after every other step.
+  /// Calls done(step) for the steps that are timestamps or cuts, and after every other step. Returns how long kernels
+  /// were compiled.
   template <typename Done>
-  void record(std::span<const Step> steps, const Done& done) {
+  Clock::duration record(const Done& done) {
     const char* stage = nullptr;  // whose label is open
     const auto label = [&](const char* next) {
       if (stage == next) return;
@@ -36,23 +41,36 @@ class StepRecorder {
       if (next) commands_.beginLabel(next);
       stage = next;
     };
-    for (size_t i = 0; i < steps.size(); ++i) {
-      if (steps[i].kind == Step::Kind::dispatch) label(steps[i].stage);
-      if (steps[i].kind == Step::Kind::cut) label(nullptr);
-      record(steps[i]);
-      if (needsBarrier(steps, i)) commands_.barrier();
-      done(steps[i]);
+    for (size_t i = 0; i < steps_.size(); ++i) {
+      if (steps_[i].kind == Step::Kind::dispatch) label(steps_[i].stage);
+      if (steps_[i].kind == Step::Kind::cut) label(nullptr);
+      record(steps_[i]);
+      if (needsBarrier(steps_, i)) commands_.barrier();
+      done(steps_[i]);
     }
     label(nullptr);
     for (const DeviceMemory* memory : arrays_)
       if (const auto* own = dynamic_cast<const VulkanMemory*>(memory); own && own->copy().handle())
         commands_.copy(own->buffer(), own->copy());
     commands_.barrier();
+    return compiling_;
   }
 
  private:
   const Buffer& bufferOf(gpu::Array array) const {
     return static_cast<const VulkanMemory*>(arrays_[static_cast<size_t>(array)])->buffer();
+  }
+
+  // Compiles all kernels of the steps together, on all threads of the host.
+  VkPipeline pipelineOf(const Variant& variant) {
+    if (const VkPipeline pipeline = kernels_.known(variant)) return pipeline;
+    const Clock::time_point start = Clock::now();
+    std::vector<Variant> variants;
+    for (const Step& step : steps_)
+      if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
+    kernels_.prepare(variants);
+    compiling_ += Clock::now() - start;
+    return kernels_.known(variant);
   }
 
   void record(const Step& step) {
@@ -63,9 +81,9 @@ class StepRecorder {
       case Step::Kind::copy: return commands_.copy(bufferOf(step.from), bufferOf(step.array));
       case Step::Kind::dispatch:
         if (step.arguments)
-          return commands_.dispatchIndirect(kernels_.of(step.variant), kernels_.layout(), {addresses_, step.pass},
+          return commands_.dispatchIndirect(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass},
                                             bufferOf(gpu::Array::shells), *step.arguments);
-        return commands_.dispatch(kernels_.of(step.variant), kernels_.layout(), {addresses_, step.pass}, step.groupsX,
+        return commands_.dispatch(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass}, step.groupsX,
                                   step.groupsY);
       case Step::Kind::start:
       case Step::Kind::finish:
@@ -77,6 +95,8 @@ class StepRecorder {
   CommandBuffer& commands_;
   VkDeviceAddress addresses_;
   const BoundArrays& arrays_;
+  std::span<const Step> steps_;
+  Clock::duration compiling_ = {};
 };
 
 bool isStamp(const Step& step) {
@@ -121,8 +141,12 @@ class VulkanMachine final : public Machine {
     if (recordsOnly()) return std::make_unique<RecordedMemory>(device_, recordings_, name, bytes, kind);
     return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }
-  void prepare(std::span<const Variant> variants) override { kernels_.prepare(variants); }
+  // Drivers of CPUs compile a kernel when it first runs, so there scans do not gain by a start with all kernels.
+  void prepare(std::span<const Variant> variants) override {
+    if (!traits_.cpu) kernels_.prepare(variants);
+  }
   void prepared() override { lent_->cache.save(warn_); }
+  Clock::duration compiling() const override { return compiling_; }
   size_t framesInFlight() const override { return kFramesInFlight; }
   void wait(size_t frame) override {
     if (frame < frames_.size()) lent_->watched([&] { frames_[frame].commands.wait(); });
@@ -141,13 +165,14 @@ class VulkanMachine final : public Machine {
     Commands& commands = frame.commands;
     const auto stamps = timesStages_ ? std::count_if(steps.begin(), steps.end(), isStamp) : 0;
     commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : stamps));
-    StepRecorder(kernels_, commands.buffer(), frame.addresses.address(), arrays).record(steps, [&](const Step& step) {
+    StepRecorder recorder(kernels_, commands.buffer(), frame.addresses.address(), arrays, steps);
+    noteCompiling(recorder.record([&](const Step& step) {
       if (isStamp(step) && !timesStages_) return;
       if (step.kind == Step::Kind::start) return commands.start();
       if (step.kind == Step::Kind::finish) return commands.finished(step.stage);
       if (step.kind == Step::Kind::cut) commands.cut();
       if (trace_) commands.traced(textOf(step));
-    });
+    }));
     lent_->watched([&] { commands.submit(); });
   }
 
@@ -163,11 +188,12 @@ class VulkanMachine final : public Machine {
   void record(DeviceMemory& addresses, std::span<const Step> steps, const BoundArrays& arrays) override {
     writeAddresses(arrays, addresses.host());
     addresses.flush();
-    StepRecorder(kernels_, recorded_, addresses.address(), arrays).record(steps, [&](const Step& step) {
+    StepRecorder recorder(kernels_, recorded_, addresses.address(), arrays, steps);
+    noteCompiling(recorder.record([&](const Step& step) {
       if (step.kind != Step::Kind::cut) return;
       streamed_->cut();
       recorded_ = streamed_->buffer();
-    });
+    }));
   }
 
   void endRecording() override { recorded_.fullBarrier(); }
@@ -180,6 +206,11 @@ class VulkanMachine final : public Machine {
   }
 
  private:
+  void noteCompiling(Clock::duration time) {
+    if (time > Clock::duration::zero()) prepared();
+    compiling_ += time;
+  }
+
   struct Frame {
     explicit Frame(const Device& device)
         : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device) {}
@@ -193,6 +224,7 @@ class VulkanMachine final : public Machine {
   std::function<void(const std::string&)> warn_, trace_;
   Traits traits_;
   bool timesStages_, recordsOnly_;
+  Clock::duration compiling_ = {};
   Transfer transfer_{device_, traits_.info.maxBufferBytes};
   Recordings recordings_{device_, traits_.info.maxBufferBytes};
   std::deque<Frame> frames_;

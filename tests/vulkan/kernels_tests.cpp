@@ -7,9 +7,11 @@
 
 #include "base/threads.hpp"
 #include "support.hpp"
+#include "town/town.hpp"
 #include "vulkan/device_functions.hpp"
 #include "vulkan/kernel.hpp"
 #include "vulkan/pipeline_cache.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -89,6 +91,38 @@ TEST_CASE("a kernel's digest changes with every word, and with lanes and constan
   CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
   code.constants = {9};
   CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+}
+
+TEST_CASE("a CPU compiles kernels with the first scan that needs them, which is no time of the scan") {
+  needVulkan();
+  TestOptions options = vulkanOptions();
+  options.effects.sensorMotion.use = EffectUse::on;
+  options.tuning.keepStill = false;  // the second scan would make the still image
+  vulkan::destroyIdleDevices();
+  Simulator simulator = makeSimulator(makeTown({.triangles = 1'000u}), builtinSensor("Puck"), options);
+  const auto compiled = [&] { return vulkan::lendDevice(options)->kernels.count(); };
+  if (simulator.device().type != "cpu") {
+    const size_t all = compiled();
+    CHECK(all > 0);
+    (void)simulator.scan({});
+    CHECK(compiled() == all);
+    return;
+  }
+  CHECK(compiled() == 0);
+  const auto start = std::chrono::steady_clock::now();
+  const Scan scan = simulator.scan({{0, 0, 1.8}, {}});
+  const std::chrono::duration<double, std::milli> first = std::chrono::steady_clock::now() - start;
+  CHECK(scan.counters.hits > 0);
+  CHECK(first.count() - scan.timings.wallMs > 1);
+  const size_t atRest = compiled();
+  CHECK(atRest > 0);
+  (void)simulator.scan({{0, 0, 1.8}, {}});
+  CHECK(compiled() == atRest);
+  Shot drive;
+  drive.motion = {{{0, {{0, 0, 1.8}, {}}}, {0.1, {{1, 0, 1.8}, {}}}}};
+  Scan moving;
+  simulator.scanInto(drive, moving);
+  CHECK(compiled() > atRest);
 }
 
 }  // namespace

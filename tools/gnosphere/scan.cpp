@@ -105,13 +105,16 @@ void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& c
   }
 }
 
-/// With --repeat, scans once to warm up and then `repeat` times; the last scan is the result.
-Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs) {
+/// With --repeat, scans once to warm up and then `repeat` times; the last scan is the result. Adds to `setUpMs` how
+/// long the first scan had kernels compiled.
+Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs, double& setUpMs) {
   Progress progress("scan", repeat);
   Shot shot;
   shot.pose = pose;
   Scan scan;
+  const double start = nowMs();
   simulator.scanInto(shot, scan);
+  setUpMs += nowMs() - start - scan.timings.wallMs;
   if (repeat == 0) {
     runs.push_back(scan.timings);
     return scan;
@@ -218,7 +221,7 @@ int runScan(const ScanOptions& options) {
                        choice ? &*choice : nullptr};
   start = nowMs();
   if (trajectory.empty()) {
-    result.scan = runScans(simulator, pose, options.repeat, result.runs);
+    result.scan = runScans(simulator, pose, options.repeat, result.runs, result.setUpMs);
     writeScan(options, cloud, result.scan, 0);
   } else {
     result.trajectory = scanTrajectory(simulator, sensor, trajectory,
