@@ -13,37 +13,27 @@ from typing import Any
 
 from . import _gnosphere
 
-_NOT_VALUES = {"Simulator", "BatchStream", "Scan", "Batch"}
-
-
-def _signatures(kind: Any) -> list[str]:
-    """The constructors' first lines in their docstring; none if only the library makes such objects."""
-    return re.findall(r"__init__\(self.*", kind.__init__.__doc__)
-
-
-def _keywords(kind: type) -> set[str]:
-    return {name for signature in _signatures(kind) for name in re.findall(r"(\w+): ", signature)}
+_RESULTS = {"Simulator", "BatchStream", "Scan", "Batch"}
+_keywords: dict[type, set[str]] = {}  # by class: the keywords of its constructor
+_properties: dict[type, list[str]] = {}
 
 
 def _state(self: Any) -> dict[str, Any]:
-    keywords = _keywords(type(self))
-    return {
-        name: getattr(self, name)
-        for name, kind in vars(type(self)).items()
-        if isinstance(kind, property) and (kind.fset or name in keywords)
-    }
+    kind = next(base for base in type(self).__mro__ if base in _properties)
+    return {name: getattr(self, name) for name in _properties[kind]}
 
 
 def _made(kind: type, state: dict[str, Any]) -> Any:
-    keywords = _keywords(kind)
-    made = kind(**{name: value for name, value in state.items() if name in keywords})
+    made = kind(**{name: value for name, value in state.items() if name in _keywords[kind]})
     for name, value in state.items():
-        if name not in keywords:
+        if name not in _keywords[kind]:
             setattr(made, name, value)
     return made
 
 
 def _reduce(self: Any) -> tuple[Any, ...]:
+    if type(self) not in _keywords:
+        raise TypeError(f"cannot copy or pickle {type(self).__name__!r}, a class derived from one of gnosphere")
     return _made, (type(self), _state(self))
 
 
@@ -66,9 +56,18 @@ def _give(holder: Any) -> None:
     for kind in list(vars(holder).values()):
         if not isinstance(kind, type) or not kind.__module__.startswith("gnosphere."):
             continue
-        if issubclass(kind, (enum.Enum, Exception)) or kind.__name__ in _NOT_VALUES:
+        if issubclass(kind, (enum.Enum, Exception)) or kind.__name__ in _RESULTS:
             continue
-        if _signatures(kind):
+        # A class that only the library makes objects of has no constructor in its docstring.
+        signatures = re.findall(r"__init__\(self.*", vars(kind)["__init__"].__doc__)
+        if signatures:
+            members = vars(kind).items()
+            _keywords[kind] = {name for signature in signatures for name in re.findall(r"(\w+): ", signature)}
+            _properties[kind] = [
+                name
+                for name, member in members
+                if isinstance(member, property) and (member.fset or name in _keywords[kind])
+            ]
             setattr(kind, "__reduce__", _reduce)
             setattr(kind, "__eq__", _equal)
             setattr(kind, "__hash__", None)  # it can change

@@ -174,6 +174,17 @@ def test_results_and_simulators_are_not_copied(simulator, pose):
                 way(one)
 
 
+def test_a_derived_class_is_compared_but_not_copied():
+    class Named(gnosphere.Pose):
+        pass
+
+    pose = Named((1, 2, 3))
+    assert pose == Named((1, 2, 3)) and pose != Named((1, 2, 4))
+    for way in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="'Named', a class derived from one of gnosphere"):
+            way(pose)
+
+
 def ranges_of(scene: gnosphere.Scene, request: gnosphere.SensorRequest, one: gnosphere.Shot) -> bytes:
     reference = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
     scan = gnosphere.Simulator(scene, request, reference).scan(one)
