@@ -303,7 +303,7 @@ def pages(root: Path, package: Path | None):
             yield f"reference/python/{name}.md", f"# gnosphere: {Path(name).name}\n\n{absent}\n"
         ros2 = [sources / "ros2.py"]
     yield "reference/python/ros2.md", _python_page("gnosphere.ros2", ros2)
-    for module in ("adapter", "pictures", "primitives", "testing"):
+    for module in ("adapter", "patterns", "pictures", "primitives", "testing"):
         yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", [sources / f"{module}.py"])
     for module in ("mujoco", "robotics"):
         initial = sources / module / "__init__.py"

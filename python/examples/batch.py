@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 import gnosphere
-from gnosphere import Effects, Field, SensorRequest, primitives
+from gnosphere import Effects, Field, SensorRequest, patterns, primitives
 
 worlds = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
 steps = int(sys.argv[2]) if len(sys.argv) > 2 else 3
@@ -24,13 +24,8 @@ def mesh(triangles: tuple[np.ndarray, np.ndarray]) -> gnosphere.Mesh:
     return gnosphere.Mesh(np.asarray(vertices, np.float32), np.asarray(faces, np.uint32), [part])
 
 
-# Rays from the robot's base to 17 x 11 points that are 0.1 m apart on level ground 0.6 m below it.
-x, y = np.meshgrid(np.linspace(-0.8, 0.8, 17), np.linspace(-0.5, 0.5, 11))
-rays = np.stack([x, y, np.full_like(x, -0.6)], axis=-1).reshape(-1, 3)
-heights = gnosphere.Sensor()
-heights.name = "height scan"
-heights.range_max = 5
-heights.patterns = [gnosphere.BeamList(rays / np.linalg.norm(rays, axis=1)[:, None], width=17, height=11)]
+# Beams from above down to 17 x 11 points that are 0.1 m apart on level ground 0.6 m below the robot's base.
+heights = patterns.grid((1.6, 1.0), 0.1, level=-0.6)
 
 head = gnosphere.Sensor()
 head.name = "head"
