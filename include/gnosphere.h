@@ -794,7 +794,8 @@ GNO_API gno_status gno_scan_destroy(gno_scan scan);
 GNO_API gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info);
 /* An error if the scan does not have the field. */
 GNO_API gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* column);
-/* Gives a new scan with points, normals and velocities in the world frame, to which the scan's pose maps them. */
+/* Gives a new scan with points, normals and velocities in the world frame, to which the scan's pose maps them.
+ * If the sensor moves during the scan, the scan must be deskewed. */
 GNO_API gno_status gno_scan_in_world(gno_scan scan, gno_scan* in_world);
 GNO_API gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters);
 /* The stages are valid until this function is called again for this scan, or the scan changes. */

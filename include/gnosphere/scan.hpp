@@ -235,8 +235,9 @@ struct Scan {
 };
 
 /// Returns the scan with its points, normals and velocities in the world frame, to which Scan::pose maps them; the pose
-/// becomes the identity. Coordinates stay in single precision: 1 mm apart at 8 km from the world's origin. Throws
-/// Error(invalidArgument) if the scan has no points.
+/// becomes the identity. A scan with motion of the sensor must be deskewed (Effects::SensorMotion::deskew), or each of
+/// its columns has a frame of its own. Coordinates stay in single precision: 1 mm apart at 8 km from the world's
+/// origin. Throws Error(invalidArgument) if the scan has no points.
 GNOSPHERE_API Scan inWorld(Scan scan);
 
 }  // namespace gnosphere

@@ -325,7 +325,8 @@ void bindScan(nb::module_& m) {
           "in_world", [](const SharedScan& self) { return SharedScan{std::make_shared<Scan>(inWorld(*self.value))}; },
           "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
           "is "
-          "the identity. Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
+          "the identity. If the sensor moves during the scan, the scan must be deskewed (Effects.SensorMotion.deskew). "
+          "Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
       .def(
           "has", [](const SharedScan& self, Field field) { return self.value->has(field); }, "field"_a,
           "Whether column() has the field. A scan may have more fields than were requested.")

@@ -180,7 +180,9 @@ int runScan(const ScanOptions& options) {
   check(options);
   std::vector<SensorMotion::Stamp> trajectory;
   if (!options.trajectory.empty()) trajectory = drive::readTum(options.trajectory);
-  const Effects effects = effectsOf(options);
+  Effects effects = effectsOf(options);
+  // Each column of a moving sensor has a frame of its own otherwise.
+  if (options.frame == "world") effects.sensorMotion.deskew = true;
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
   const Sensor sensor = sensorOf(options.sensor);
@@ -268,7 +270,7 @@ Action addScan(CLI::App& app) {
   app.add_option(
          "--frame", options->frame,
          "The frame of points, normals and velocities in the cloud files: the sensor's, or the scene's, in which "
-         "the clouds of a trajectory make up a map")
+         "the clouds of a trajectory, deskewed, make up a map")
       ->check(CLI::IsMember({"sensor", "world"}))
       ->capture_default_str();
   app.add_flag("--compact", options->compact, "Write only hits instead of every beam");
