@@ -141,7 +141,7 @@ class VulkanMachine final : public Machine {
     if (recordsOnly()) return std::make_unique<RecordedMemory>(device_, recordings_, name, bytes, kind);
     return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }
-  // Drivers of CPUs compile a kernel when it first runs, so there scans do not gain by a start with all kernels.
+  // Drivers of CPUs compile a kernel when it first runs, so a pipeline that is made earlier spares no scan a wait.
   void prepare(std::span<const Variant> variants) override {
     if (!traits_.cpu) kernels_.prepare(variants);
   }
