@@ -7,6 +7,7 @@ import enum
 from typing import Any
 
 from . import _gnosphere
+from ._classes import classes_in
 
 
 def _shown(value: Any) -> str:
@@ -55,14 +56,7 @@ def _simulator(self: _gnosphere.Simulator) -> str:
         return "Simulator(at work in another thread)"
 
 
-def _give(holder: Any) -> None:
-    for kind in list(vars(holder).values()):
-        if not isinstance(kind, type) or not kind.__module__.startswith("gnosphere."):
-            continue
-        if not issubclass(kind, (enum.Enum, Exception)) and "__repr__" not in vars(kind):
-            setattr(kind, "__repr__", _simulator if kind is _gnosphere.Simulator else _text)
-        _give(kind)
-
-
-_give(_gnosphere)
-_give(_gnosphere.drive)
+for _module in (_gnosphere, _gnosphere.drive):
+    for _kind in classes_in(_module):
+        if "__repr__" not in vars(_kind):
+            setattr(_kind, "__repr__", _simulator if _kind is _gnosphere.Simulator else _text)

@@ -7,11 +7,11 @@ hold memory of a device or of the library instead, so they are not copied.
 
 from __future__ import annotations
 
-import enum
 import re
 from typing import Any
 
 from . import _gnosphere
+from ._classes import classes_in
 
 _RESULTS = {"Simulator", "BatchStream", "Scan", "Batch"}
 _keywords: dict[type, set[str]] = {}  # by class: the keywords of its constructor
@@ -52,26 +52,20 @@ def _equal(self: Any, other: Any) -> Any:
     return all(_same(mine[name], its[name]) for name in mine)
 
 
-def _give(holder: Any) -> None:
-    for kind in list(vars(holder).values()):
-        if not isinstance(kind, type) or not kind.__module__.startswith("gnosphere."):
-            continue
-        if issubclass(kind, (enum.Enum, Exception)) or kind.__name__ in _RESULTS:
-            continue
-        # A class that only the library makes objects of has no constructor in its docstring.
-        signatures = re.findall(r"__init__\(self.*", vars(kind)["__init__"].__doc__)
-        if signatures:
-            members = vars(kind).items()
-            _keywords[kind] = {name for signature in signatures for name in re.findall(r"(\w+): ", signature)}
-            _properties[kind] = [
-                name
-                for name, member in members
-                if isinstance(member, property) and (member.fset or name in _keywords[kind])
-            ]
-            setattr(kind, "__reduce__", _reduce)
-            setattr(kind, "__eq__", _equal)
-            setattr(kind, "__hash__", None)  # it can change
-        _give(kind)
+def _make_value(kind: Any) -> None:
+    # A class that only the library makes objects of has no constructor in its docstring.
+    signatures = re.findall(r"__init__\(self.*", vars(kind)["__init__"].__doc__)
+    if not signatures:
+        return
+    keywords = {name for signature in signatures for name in re.findall(r"(\w+): ", signature)}
+    properties = ((name, member) for name, member in vars(kind).items() if isinstance(member, property))
+    _keywords[kind] = keywords
+    _properties[kind] = [name for name, member in properties if member.fset or name in keywords]
+    setattr(kind, "__reduce__", _reduce)
+    setattr(kind, "__eq__", _equal)
+    setattr(kind, "__hash__", None)  # it can change
 
 
-_give(_gnosphere)
+for _kind in classes_in(_gnosphere):
+    if _kind.__name__ not in _RESULTS:
+        _make_value(_kind)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Beams as policies of robots are trained with them."""
+"""Patterns of beams that robot learning uses."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@
 namespace gnosphere {
 namespace {
 
-/// Maps `count` vectors of three floats, side by side.
+/// Maps `count` vectors of three floats each in place; they lie side by side.
 void map(const Transform& map, float* vectors, size_t count) {
   for (float* v = vectors; v < vectors + 3 * count; v += 3) {
     const Vec3 mapped = map * Vec3{v[0], v[1], v[2]};

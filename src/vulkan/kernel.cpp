@@ -234,15 +234,9 @@ void Kernels::prepare(std::span<const Variant> variants) {
   for (const Missing& one : missing) pipelines_[one.variant] = &compiled_.at(one.digest);
 }
 
-VkPipeline Kernels::known(const Variant& variant) const {
+VkPipeline Kernels::of(const Variant& variant) const {
   const Compiled* const compiled = find(variant);
   return compiled ? compiled->pipeline.get() : VK_NULL_HANDLE;
-}
-
-VkPipeline Kernels::of(const Variant& variant) {
-  if (const VkPipeline pipeline = known(variant)) return pipeline;
-  prepare({&variant, 1});
-  return known(variant);
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {

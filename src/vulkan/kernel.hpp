@@ -48,9 +48,7 @@ class Kernels {
   /// Compiles the kernels that are not yet compiled, on all threads of the host.
   void prepare(std::span<const Variant> variants);
   /// Returns the pipeline of a kernel; null if it is not compiled.
-  VkPipeline known(const Variant& variant) const;
-  /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
-  VkPipeline of(const Variant& variant);
+  VkPipeline of(const Variant& variant) const;
   /// Returns the number of pipelines.
   size_t count() const;
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
@@ -64,7 +62,8 @@ class Kernels {
   };
   struct Missing;
   void make(Missing& one) const;
-  const Compiled* find(const Variant& variant) const;  ///< null if the kernel is not compiled
+  /// Returns a kernel that is compiled, or null.
+  const Compiled* find(const Variant& variant) const;
 
   const Device& device_;
   const PipelineCache& cache_;

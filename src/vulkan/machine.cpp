@@ -63,14 +63,14 @@ class StepRecorder {
 
   // Compiles all kernels of the steps together, on all threads of the host.
   VkPipeline pipelineOf(const Variant& variant) {
-    if (const VkPipeline pipeline = kernels_.known(variant)) return pipeline;
+    if (const VkPipeline pipeline = kernels_.of(variant)) return pipeline;
     const Clock::time_point start = Clock::now();
     std::vector<Variant> variants;
     for (const Step& step : steps_)
       if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
     kernels_.prepare(variants);
     compiling_ += Clock::now() - start;
-    return kernels_.known(variant);
+    return kernels_.of(variant);
   }
 
   void record(const Step& step) {

@@ -313,7 +313,7 @@ TEST_CASE("simulators whose choices of an adopted device are copies share kernel
   variant.kernel = Kernel::prefix_sum;
   {
     const vulkan::LentDevice first = vulkan::lendDevice(options), second = vulkan::lendDevice(options);
-    first->kernels.of(variant);
+    first->kernels.prepare({&variant, 1});
     CHECK(second->kernels.count() == 1);
     vulkan::LentDevice ofThread;
     std::thread([&] { ofThread = vulkan::lendDevice(options); }).join();

@@ -159,7 +159,7 @@ TEST_CASE("times, angles and classes follow from the sensor and the instances") 
   }
 }
 
-// The quaternion turns x to y, y to z and z to x.
+// The orientation of the pose turns the x axis to y, y to z and z to x.
 TEST_CASE("a scan in the world frame has its points, normals and velocities turned, and its points moved") {
   const uint32_t returns = GENERATE(1u, 2u);
   Scan scan = full(returns);

@@ -101,8 +101,10 @@ TEST_CASE("a scan tells whether its head is an ideal one of the paper or a real 
   CHECK_THAT(told("VLP-16"), ContainsSubstring("\nsensor     VLP-16, an ideal head of the paper, at 0, 0, 1.8: "));
   CHECK_THAT(told("Puck"), ContainsSubstring("\nsensor     Puck:10Hz (Velodyne VLP-16) at 0, 0, 1.8: "));
   CHECK_THAT(told("OS1-32:512x10"), ContainsSubstring(" (Ouster OS1, 32 channels) at "));
-  // A sensor of another file is not that head, whatever its name.
+  // A sensor of a file is not that head, whatever its name.
   nlohmann::json own = place.runJson("sensors VLP-16 --json");
+  place.put("own.json", own.dump());
+  CHECK_THAT(told("own.json"), ContainsSubstring("\nsensor     VLP-16 at 0, 0, 1.8: "));
   own["columns"] = 900;
   place.put("own.json", own.dump());
   CHECK_THAT(told("own.json"), ContainsSubstring("\nsensor     VLP-16 at 0, 0, 1.8: "));
@@ -121,7 +123,7 @@ TEST_CASE("with --frame world clouds of all poses lie on the scene's surfaces") 
   const Workplace place;
   place.put("wall.obj", "v 10 -50 -50\nv 10 50 -50\nv 10 50 50\nv 10 -50 50\nf 1 2 3\nf 1 3 4\n");
   place.put("poses.tum", "0 1 2 3 0 0 0 1\n1 4 -5 6 0 0.6 0 0.8\n2 20 0 0 0 0 1 0\n");
-  // The Puck moves and turns while it scans.
+  // On this trajectory a Puck moves and turns during each scan; a VLP-16 fires all beams at once.
   for (const char* sensor : {"VLP-16", "Puck"})
     for (const char* frame : {"world", "sensor"}) {
       INFO(sensor << ", " << frame);

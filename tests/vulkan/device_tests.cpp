@@ -111,7 +111,7 @@ void makeEverything(const vulkan::Device& device) {
   for (const Kernel kernel : {Kernel::prefix_sum, Kernel::project_groups}) {
     Variant variant;
     variant.kernel = kernel;
-    kernels.of(variant);
+    kernels.prepare({&variant, 1});
   }
   const vulkan::Commands commands(device);
   vulkan::Transfer transfer(device, device.maxBufferBytes());
@@ -364,12 +364,12 @@ TEST_CASE("a module that cannot be specialised goes to the driver with its const
   variant.kernel = Kernel::resolve;
   variant.options.LAYERS = 3;
   const vulkan::PipelineCache cache(device, "off");
-  vulkan::Kernels(device, cache).of(variant);
+  vulkan::Kernels(device, cache).prepare({&variant, 1});
   CHECK(constants.empty());
   const auto refuses = [](std::span<const uint32_t> module, std::span<const uint32_t>) {
     return vulkan::Code{{module.begin(), module.end()}, false};
   };
-  vulkan::Kernels(device, cache, refuses).of(variant);
+  vulkan::Kernels(device, cache, refuses).prepare({&variant, 1});
   CHECK(constants == vulkan::codeOf(device.capabilities(), variant).constants);
   CHECK(std::count(constants.begin(), constants.end(), 3) > 0);
   CHECK_NOTHROW(device.throwOnMessages());
@@ -397,7 +397,7 @@ TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the d
     Variant variant;
     variant.kernel = kernel;
     const vulkan::PipelineCache cache(device, "off");
-    vulkan::Kernels(device, cache).of(variant);
+    vulkan::Kernels(device, cache).prepare({&variant, 1});
     std::sort(modes.begin(), modes.end());
     return modes;
   };
@@ -452,7 +452,7 @@ TEST_CASE("kernels of many registers get fewer lanes, where the device is better
   vulkan::Kernels kernels(device, cache);
   const auto lanesOf = [&](Kernel kernel, const Options& options = {}) {
     const Variant variant = {kernel, options, false};
-    kernels.of(variant);
+    kernels.prepare({&variant, 1});
     Plan::Pipeline told;
     kernels.describe(variant, told);
     CHECK((lanes == 0 || told.subgroupSize == lanes));

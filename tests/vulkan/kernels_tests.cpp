@@ -43,7 +43,7 @@ TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches
   kernels.prepare(variants);
   CHECK(atOnce == 2);
   kernels.prepare(variants);
-  kernels.of(sums);
+  kernels.prepare({&sums, 1});
   CHECK(made == 2);
 }
 
@@ -65,6 +65,8 @@ TEST_CASE("kernels whose options lead to the same code share a pipeline, and no 
   CHECK(kernels.of(plain) != kernels.of(listed));
   CHECK(kernels.of(culling) != kernels.of(careless));
   plain.options.RAYS = 7;
+  CHECK(kernels.of(plain) == VK_NULL_HANDLE);
+  kernels.prepare({&plain, 1});
   CHECK(kernels.of(plain) == kernels.of(motion));  // it was compiled by an earlier call
   CHECK(kernels.count() == 4);
   CHECK_NOTHROW(device.throwOnMessages());

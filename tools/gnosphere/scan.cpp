@@ -157,6 +157,12 @@ void tell(const ScanOptions& options, const ScanReport& report) {
   if (!options.stats.empty()) say("wrote", options.stats + ", " + fileSize(options.stats));
 }
 
+/// Returns which built-in head a sensor is, because the ideal heads of the paper have names of real ones.
+std::string textOf(const BuiltInHead& head) {
+  if (head.ideal) return ", an ideal head of the paper,";
+  return head.real ? " (" + head.real->product + ")" : "";
+}
+
 /// With --max-error, chooses the setting; empty if none is within the limit.
 std::optional<AccuracyChoice> choose(const ScanOptions& options, const Scene& scene, const Sensor& sensor,
                                      const Pose& pose) {
@@ -213,6 +219,7 @@ int runScan(const ScanOptions& options) {
   ScanReport result = {options.scene,
                        scene,
                        sensor,
+                       textOf(builtInHead(options.sensor)),
                        simulator,
                        {},
                        accuracyText(settings),

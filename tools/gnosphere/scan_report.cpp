@@ -145,20 +145,6 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// Returns which head a sensor is: the ideal heads of the paper have names of real ones. Empty for a sensor that is not
-/// built in.
-std::string headOf(const Sensor& sensor) {
-  const Json figures = sensorJson(sensor);
-  for (const Sensor& ideal : builtinSensors())
-    if (ideal.name == sensor.name && sensorJson(ideal) == figures) return ", an ideal head of the paper,";
-  for (const CatalogueHead& head : sensorCatalogue()) {
-    const auto isMode = [&](const std::string& mode) { return sensor.name == head.name + ":" + mode; };
-    if (sensor.name != head.name && std::ranges::none_of(head.modes, isMode)) continue;
-    if (sensorJson(builtinSensor(sensor.name)) == figures) return " (" + head.product + ")";
-  }
-  return "";
-}
-
 /// Prints the names and reasons of the effects for which `member` is true, one per line.
 void printEffects(const char* label, bool Plan::Decision::*member, const Plan& plan) {
   for (const Plan::Decision& decision : plan.effects) {
@@ -186,7 +172,7 @@ void printSummary(const ScanReport& report) {
   const uint32_t channels = report.scan.channels, columns = report.scan.columns;
   const std::string cloud =
       channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
-  say("sensor", report.sensor.name + headOf(report.sensor) +
+  say("sensor", report.sensor.name + report.head +
                     (moves ? " at " + grouped(report.trajectory.size()) + " poses: "
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));

@@ -17,6 +17,7 @@ struct ScanReport {
   std::string sceneFile;
   const Scene& scene;
   const Sensor& sensor;
+  std::string head;  ///< what follows the sensor's name: which built-in head it is; empty for a sensor of a file
   const Simulator& simulator;
   Scan scan;             ///< the last scan, or summaryOf() a trajectory
   std::string accuracy;  ///< as requested

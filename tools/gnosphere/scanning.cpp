@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "console.hpp"
 #include "drive/number_list.hpp"
 #include "drive/trajectory.hpp"
@@ -142,6 +143,14 @@ void checkScanning(const ScanningOptions& options) {
 
 Sensor sensorOf(const std::string& nameOrFile) {
   return namedOrLoaded(nameOrFile, builtinSensor, loadSensor);
+}
+
+BuiltInHead builtInHead(const std::string& name) {
+  BuiltInHead head;
+  for (const Sensor& sensor : builtinSensors()) head.ideal = head.ideal || sameWord(sensor.name, name);
+  for (const CatalogueHead& candidate : sensorCatalogue())
+    if (sameWord(candidate.name, name.substr(0, name.find(':')))) head.real = &candidate;
+  return head;
 }
 
 SimulatorOptions simulatorOptions(const ScanningOptions& options, SimulatorOptions settings) {

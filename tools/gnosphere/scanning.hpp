@@ -57,6 +57,14 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
 /// The sensor that --sensor names.
 Sensor sensorOf(const std::string& nameOrFile);
 
+/// A head that is built in: an ideal one of the paper, or a real one of the catalogue; or neither of them.
+struct BuiltInHead {
+  bool ideal = false;
+  const CatalogueHead* real = nullptr;
+};
+/// Returns the head that --sensor names. A file of the same name does not count, because sensorOf() does not read it.
+BuiltInHead builtInHead(const std::string& name);
+
 /// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 /// The options of the simulator; the settings change those that `settings` starts from.

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "base/file.hpp"
-#include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "output/pattern_picture.hpp"
@@ -181,14 +180,10 @@ int runSensors(const SensorsOptions& options) {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image.string() + " must end in .png");
   for (const std::filesystem::path& file : {options.beams, options.image})
     if (!file.empty()) checkWritable(file);
-  const CatalogueHead* head = nullptr;
-  bool builtIn = false;
-  for (const CatalogueHead& candidate : sensorCatalogue())
-    if (sameWord(candidate.name, options.name.substr(0, options.name.find(':')))) head = &candidate;
-  for (const Sensor& sensor : builtinSensors()) builtIn = builtIn || sameWord(sensor.name, options.name);
+  const BuiltInHead head = builtInHead(options.name);
   SensorFile file;
   std::error_code missing;
-  if (!head && !builtIn && std::filesystem::exists(options.name, missing))
+  if (!head.real && !head.ideal && std::filesystem::exists(options.name, missing))
     file = readSensorFile(std::filesystem::path(options.name), options.file);
   else
     file.sensor = sensorOf(options.name);
@@ -205,8 +200,8 @@ int runSensors(const SensorsOptions& options) {
     return 0;
   }
   describe(file);
-  if (head) describe(*head);
-  if (builtIn) say("source", "Table 2 of the GnoSphere360 paper");
+  if (head.real) describe(*head.real);
+  if (head.ideal) say("source", "Table 2 of the GnoSphere360 paper");
   return 0;
 }
 
