@@ -205,6 +205,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   offer.compute = family >= 0;
   // For a footprint of 19 sub-rays in unrolled loops, SwiftShader's compiler takes more than 8 GB; in loops, 0.1 GB.
   result.unrolls = offer.driver.driverID != VK_DRIVER_ID_GOOGLE_SWIFTSHADER;
+  result.keepsVectors = offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   result.subgroups = fullSubgroupsOf(offer);
   info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
   result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;

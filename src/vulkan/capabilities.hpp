@@ -68,6 +68,7 @@ struct Capabilities {
   double timestampMs = 0;           ///< milliseconds per tick
   bool cpu = false;                 ///< true for a software device
   bool unrolls = true;              ///< false if the driver's compiler cannot cope with long unrolled loops
+  bool keepsVectors = false;        ///< true if the driver's compiler keeps variables of several scalars whole
   uint32_t queueFamily = 0;
   uint32_t mostGroups = 65535;      ///< workgroups along the first axis of a dispatch; more are divided
   uint32_t mostAllocations = 4096;  ///< of memory, of all users of the device together

@@ -15,6 +15,29 @@ bool isPure(Instruction instruction) {
          op == spv::OpCompositeExtract || op == spv::OpCompositeConstruct;
 }
 
+// Returns the words of an instruction that are ids of values, as far as copies of values have a use there.
+std::span<uint32_t> valuesOf(std::span<uint32_t> instruction) {
+  const spv::Op op = opOf(instruction);
+  const auto within = [op](spv::Op first, spv::Op last) { return first <= op && op <= last; };
+  if (within(spv::OpConvertFToU, spv::OpConvertUToPtr) || within(spv::OpBitcast, spv::OpBitCount))
+    return instruction.subspan(3);
+  switch (op) {
+    case spv::OpReturnValue:
+    case spv::OpStore:
+    case spv::OpBranchConditional: return instruction.subspan(1, op == spv::OpStore ? 2 : 1);
+    case spv::OpCopyObject:
+    case spv::OpAccessChain:
+    case spv::OpCompositeConstruct:
+    case spv::OpPhi: return instruction.subspan(3);
+    case spv::OpLoad:
+    case spv::OpCompositeExtract: return instruction.subspan(3, 1);
+    case spv::OpVectorShuffle: return instruction.subspan(3, 2);
+    case spv::OpFunctionCall: return instruction.subspan(kFirstArgument);
+    case spv::OpExtInst: return instruction.subspan(5);
+    default: return {};
+  }
+}
+
 // Tells which blocks of a function dominate others. Blocks are numbered in the order of the function.
 class Dominators {
  public:
@@ -73,7 +96,7 @@ class Dominators {
 class Forwarding {
  public:
   Forwarding(const KnownValues& values, uint32_t bound)
-      : values_(values), dominators_(bound), variables_(bound), chains_(bound), used_(bound) {}
+      : values_(values), dominators_(bound), variables_(bound), chains_(bound), originals_(bound), used_(bound) {}
 
   void rewrite(LiveFunction& function) {
     const std::vector<Instruction> instructions = instructionsOf(function.words);
@@ -166,15 +189,25 @@ class Forwarding {
         if (!chains_[instruction[2]].empty() && goes(instruction[3])) return;
         break;
       case spv::OpLoad:
-        if (goes(instruction[3]))
-          return append(to, spv::OpCopyObject, {instruction[1], instruction[2], variables_[instruction[3]].value});
+        if (goes(instruction[3])) return copy(instruction, variables_[instruction[3]].value, to);
         if (const Instruction chain = chains_[instruction[3]]; !chain.empty() && goes(chain[3]))
-          return appendPart(to, instruction, chain, variables_[chain[3]].value, values_);
+          return appendPart(to, instruction, chain, originalOf(variables_[chain[3]].value), values_);
         break;
+      case spv::OpCopyObject: return copy(instruction, instruction[3], to);
       default: break;
     }
+    const size_t start = to.size();
     append(to, instruction);
+    for (uint32_t& id : valuesOf(std::span(to).subspan(start))) id = originalOf(id);
   }
+
+  // Writes a copy of a value in the place of an instruction.
+  void copy(Instruction instruction, uint32_t value, Words& to) {
+    originals_[instruction[2]] = originalOf(value);
+    append(to, spv::OpCopyObject, {instruction[1], instruction[2], originalOf(value)});
+  }
+
+  uint32_t originalOf(uint32_t value) const { return originals_[value] == 0 ? value : originals_[value]; }
 
   // Returns the instructions of a function but for values that no instruction uses.
   Words withoutUnused(const Words& function) {
@@ -199,6 +232,7 @@ class Forwarding {
   Dominators dominators_;
   std::vector<Variable> variables_;  // by id
   std::vector<Instruction> chains_;  // by id: the access to a part, with constant indices
+  std::vector<uint32_t> originals_;  // by id: the value of which it is a copy, or 0
   std::vector<bool> used_;           // by id: whether an instruction that is kept uses it
 };
 

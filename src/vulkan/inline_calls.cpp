@@ -39,7 +39,7 @@ class Inliner {
   // Writes a function in the place of the instruction `call`, or as a function if there is none.
   void write(const LiveFunction& function, Instruction call) {
     const bool whole = call.empty();
-    size_t argument = 4;     // of the call, by its word
+    size_t argument = kFirstArgument;
     uint32_t readLabel = 0;  // of the block that is read; it ends as the block writtenLabel_
     for (const Instruction instruction : instructionsOf(function.words)) {
       Words& part = whole && readLabel == 0 ? head_ : body_;

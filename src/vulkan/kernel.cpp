@@ -167,7 +167,8 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
   code.lanes = lanesOf(capabilities.subgroups, variant);
   code.constants.push_back(vertexRounds(code.lanes));
   code.constants.push_back(capabilities.cpu);
-  static_cast<Code&>(code) = specialise(moduleOf(variant, capabilities.unrolls), code.constants);
+  static_cast<Code&>(code) =
+      specialise(moduleOf(variant, capabilities.unrolls), code.constants, capabilities.keepsVectors);
   if (capabilities.keepsSpecialFloats) code.words = keepingSpecialFloats(code.words);
   if (capabilities.uniformControlFlow && usesSubgroups(variant.kernel)) code.words = withUniformControlFlow(code.words);
   return code;

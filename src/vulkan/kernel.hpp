@@ -23,7 +23,7 @@ struct PushConstants {
 };
 
 /// Puts constants into a module: codeOf() of specialise.hpp, or a replacement in a test.
-using Specialise = Code (*)(std::span<const uint32_t> module, std::span<const uint32_t> constants);
+using Specialise = Code (*)(std::span<const uint32_t> module, std::span<const uint32_t> constants, bool split);
 
 /// A kernel as a driver gets it.
 struct KernelCode : Code {

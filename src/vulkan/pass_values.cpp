@@ -7,8 +7,6 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr size_t kFirstArgument = 4;  // word of a call
-
 class Passing {
  public:
   Passing(std::vector<LiveFunction>& functions, Types& types, const KnownValues& values,

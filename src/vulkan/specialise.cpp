@@ -11,6 +11,8 @@
 #include "vulkan/inline_calls.hpp"
 #include "vulkan/live_branches.hpp"
 #include "vulkan/pass_values.hpp"
+#include "vulkan/split_variables.hpp"
+#include "vulkan/store_results.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -139,23 +141,27 @@ std::vector<bool> usedIds(const Globals& globals, const std::vector<LiveFunction
 
 }  // namespace
 
-std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<const uint32_t> constants) {
+std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<const uint32_t> constants, bool split) {
   const uint32_t bound = module[kBoundWord];
   const std::vector<Instruction> instructions = instructionsOf(module.subspan(kHeaderWords));
   const auto isFunction = [](Instruction instruction) { return opOf(instruction) == spv::OpFunction; };
-  const auto split = std::find_if(instructions.begin(), instructions.end(), isFunction);
+  const auto functionsStart = std::find_if(instructions.begin(), instructions.end(), isFunction);
   KnownValues values(bound);
-  const Globals globals({instructions.begin(), split}, constants, values);
-  std::vector<LiveFunction> functions = functionsOf({split, instructions.end()}, values, bound);
+  const Globals globals({instructions.begin(), functionsStart}, constants, values);
+  std::vector<LiveFunction> functions = functionsOf({functionsStart, instructions.end()}, values, bound);
   keepCalled(functions, globals.entryPoint());
   std::set<uint32_t> decorated;
   globals.each([&](Instruction instruction) {
     if (opOf(instruction) == spv::OpDecorate) decorated.insert(instruction[1]);
   });
-  Types types(bound);
+  Types types(bound, values);
   globals.each([&](Instruction instruction) { types.read(instruction); });
   passValues(functions, types, values, decorated);
   inlineSingleCalls(functions, decorated);
+  if (split) {
+    storeResults(functions, types);
+    splitVariables(functions, types, values, decorated);
+  }
   forwardStores(functions, values, types.bound());
 
   // The module loses the constants that no instruction uses any more, so that constants of different values which leave
@@ -179,9 +185,9 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   return words;
 }
 
-Code codeOf(std::span<const uint32_t> module, std::span<const uint32_t> constants) {
+Code codeOf(std::span<const uint32_t> module, std::span<const uint32_t> constants, bool split) {
   try {
-    return {specialised(module, constants)};
+    return {specialised(module, constants, split)};
   } catch (const std::logic_error&) {
     return {{module.begin(), module.end()}, false};
   }

@@ -13,7 +13,8 @@
 namespace gnosphere::vulkan {
 
 using Words = std::vector<uint32_t>;
-inline constexpr size_t kHeaderWords = 5;  ///< before the first instruction of a module
+inline constexpr size_t kHeaderWords = 5;    ///< before the first instruction of a module
+inline constexpr size_t kFirstArgument = 4;  ///< word of a call
 /// The words of one instruction; the first one holds its length and what it does.
 using Instruction = std::span<const uint32_t>;
 
@@ -38,9 +39,10 @@ inline std::vector<Instruction> instructionsOf(std::span<const uint32_t> words) 
 inline void append(Words& words, Instruction instruction) {
   words.insert(words.end(), instruction.begin(), instruction.end());
 }
-inline void append(Words& words, spv::Op op, std::initializer_list<uint32_t> operands) {
-  words.push_back(static_cast<uint32_t>((operands.size() + 1) << spv::WordCountShift | op));
+inline void append(Words& words, spv::Op op, std::initializer_list<uint32_t> operands, const Words& further = {}) {
+  words.push_back(static_cast<uint32_t>((operands.size() + further.size() + 1) << spv::WordCountShift | op));
   words.insert(words.end(), operands);
+  words.insert(words.end(), further.begin(), further.end());
 }
 
 /// Loads and stores without further operands, such as volatile.

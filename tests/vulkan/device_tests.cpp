@@ -366,7 +366,7 @@ TEST_CASE("a module that cannot be specialised goes to the driver with its const
   const vulkan::PipelineCache cache(device, "off");
   vulkan::Kernels(device, cache).prepare({&variant, 1});
   CHECK(constants.empty());
-  const auto refuses = [](std::span<const uint32_t> module, std::span<const uint32_t>) {
+  const auto refuses = [](std::span<const uint32_t> module, std::span<const uint32_t>, bool) {
     return vulkan::Code{{module.begin(), module.end()}, false};
   };
   vulkan::Kernels(device, cache, refuses).prepare({&variant, 1});
