@@ -33,8 +33,8 @@ struct GoldenCloud {
 /// The committed table, which is bench/golden_hashes.inc.
 std::span<const GoldenCloud> goldenTable();
 
-/// Scans all the golden clouds. Of the options the accuracy is replaced by `exact`.
-std::vector<GoldenCloud> scanGolden(SimulatorOptions options);
+/// Scans the golden clouds of these groups. Of the options the accuracy is replaced by `exact`.
+std::vector<GoldenCloud> scanGolden(SimulatorOptions options, std::span<const GoldenGroup> groups);
 
 /// Returns a sentence for each cloud that a table has not, or has with another hash, and for each that is missing.
 std::vector<std::string> differencesOf(std::span<const GoldenCloud> clouds, std::span<const GoldenCloud> table);

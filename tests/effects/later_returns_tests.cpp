@@ -71,17 +71,21 @@ Shot shotOf(const Scene& scene, bool moves) {
 
 }  // namespace
 
-TEST_CASE("two returns per beam are the same whether the device computes those of all beams or of those at panes") {
+TEST_CASE("two returns per beam are the same whether the device computes those of all beams or of those at panes",
+          "[combinations]") {
   needVulkan();
   const Scene& scene = glassTown();
-  for (const Sensor& head : heads())
+  const std::vector<Sensor> sensors = heads();
+  for (size_t i = 0; i < sensors.size(); ++i)
     for (const bool moves : {false, true}) {
+      const Sensor& head = sensors[i];
       TestOptions options = twoReturns();
       const Shot shot = shotOf(scene, moves);
       options.device = DeviceChoice::Kind::reference;
       const Scan reference = scanOn(scene, head, shot, options);
       for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
-        if (moves && binning == Binning::nearest && !everyCombination()) continue;
+        const bool other = binning == Binning::nearest ? !moves && i % 2 == 0 : i % 2 == 1;
+        if (binning != Binning::slabs && !other && !everyCombination()) continue;
         INFO(head.name << (moves ? ", moving" : ", at rest") << ", binning " << static_cast<int>(binning));
         options = twoReturns();
         options.tuning.binning = binning;

@@ -83,7 +83,7 @@ TEST_CASE("the rows of a triangle between two columns include all its beams") {
   }
 }
 
-TEST_CASE("the columns of a small triangle in a row include all its beams") {
+TEST_CASE("the columns of a small triangle in a row include all its beams", "[combinations]") {
   needVulkan();
   // The triangles are round, or slivers along or across the rows. Triangles cover from none to some hundred beams and
   // lie up to 60 degrees above or below the horizon. On the way between its ends, an edge rises above the straight line
@@ -115,6 +115,8 @@ TEST_CASE("the columns of a small triangle in a row include all its beams") {
     options.accuracy = other.accuracy = accuracy;
     Simulator slabs = makeSimulator(scene, sensors, options), lists = makeSimulator(scene, sensors, other);
     for (size_t i = 0; i < sensors.size(); ++i) {
+      // Without every combination, sensors with offsets have one accuracy more, and the others another one.
+      if (accuracy == (i % 2 ? Accuracy::draft : Accuracy::exact) && !everyCombination()) continue;
       INFO(sensors[i].columns << " columns, offsets " << i % 2 << ", accuracy " << int(accuracy));
       const Scan scan = slabs.scan({}, i);
       REQUIRE(scan.counters.hits > 5'000);
