@@ -34,6 +34,13 @@ struct RoughBox {
 
 }  // namespace
 
+/// The first child of an inner node follows it in the array.
+struct Bvh::BinaryNode {
+  Box box;
+  uint32_t next = 0;   ///< the second child, or a leaf's first triangle
+  uint32_t count = 0;  ///< triangles of a leaf; 0 in an inner node
+};
+
 struct Bvh::Item {
   RoughBox box;
   uint32_t triangle = 0;
@@ -135,13 +142,16 @@ Bvh::Bvh(std::vector<Triangle> triangles, Sweeps sweeps)
                  {static_cast<float>(max.x), static_cast<float>(max.y), static_cast<float>(max.z)}},
                 static_cast<uint32_t>(i)};
   }
-  build(items, 0, items.size(), 0, nodes_);
+  std::vector<BinaryNode> binary;
+  build(items, 0, items.size(), 0, binary);
+  bounds_ = binary.front().box;
+  addNode(binary, 0);
   std::vector<Triangle> sorted(triangles_.size());
   for (size_t i = 0; i < items.size(); ++i) sorted[i] = triangles_[items[i].triangle];
   triangles_ = std::move(sorted);
 }
 
-void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, std::vector<Node>& nodes) const {
+void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, std::vector<BinaryNode>& nodes) const {
   const size_t self = nodes.size();
   nodes.emplace_back();
   if (end - begin <= kLeafSize) {
@@ -154,11 +164,11 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
   const auto plane =
       split(first + static_cast<ptrdiff_t>(begin), first + static_cast<ptrdiff_t>(end), depth >= kHalvingDepth);
   const auto middle = static_cast<size_t>(plane - first);
-  std::future<std::vector<Node>> task;
+  std::future<std::vector<BinaryNode>> task;
   if (depth < kTaskDepth && end - middle > kTaskSize) {
     try {
       task = std::async(std::launch::async, [&, middle, end, depth] {
-        std::vector<Node> branch;
+        std::vector<BinaryNode> branch;
         build(items, middle, end, depth + 1, branch);
         return branch;
       });
@@ -169,7 +179,7 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
   build(items, begin, middle, depth + 1, nodes);
   const auto second = static_cast<uint32_t>(nodes.size());
   if (task.valid()) {
-    for (Node node : task.get()) {
+    for (BinaryNode node : task.get()) {
       if (node.count == 0) node.next += second;
       nodes.push_back(node);
     }
@@ -179,6 +189,37 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
   nodes[self].next = second;
   nodes[self].box = nodes[self + 1].box;
   nodes[self].box.add(nodes[second].box);
+}
+
+// Adds the node of a node of the binary tree, whose largest descendants become its children, and those below it.
+void Bvh::addNode(const std::vector<BinaryNode>& binary, uint32_t from) {
+  std::array<uint32_t, kChildren> children = {from};
+  uint32_t count = 1;
+  while (count < kChildren) {
+    const auto areaOf = [&](uint32_t child) {
+      const Vec3 size = binary[child].box.max - binary[child].box.min;
+      return binary[child].count > 0 ? -1 : size.x * size.y + size.y * size.z + size.z * size.x;
+    };
+    uint32_t& largest = *std::max_element(children.begin(), children.begin() + count,
+                                          [&](uint32_t a, uint32_t b) { return areaOf(a) < areaOf(b); });
+    if (binary[largest].count > 0) break;  // all are leaves
+    children[count++] = binary[largest].next;
+    ++largest;
+  }
+  const size_t self = nodes_.size();
+  nodes_.emplace_back().children = count;
+  for (size_t i = 0; i < kChildren; ++i) {
+    const BinaryNode& child = binary[children[i < count ? i : 0]];
+    if (i < count && child.count == 0) {
+      const auto next = static_cast<uint32_t>(nodes_.size());
+      addNode(binary, children[i]);
+      nodes_[self].next[i] = next;
+    }
+    Node& node = nodes_[self];
+    if (child.count > 0) node.next[i] = child.next;
+    node.count[i] = child.count;
+    node.boxes.set(i, child.box);
+  }
 }
 
 }  // namespace gnosphere::reference
