@@ -30,6 +30,12 @@ inline bool everyCombination() {
   return std::getenv("GNOSPHERE_SLOW") != nullptr;
 }
 
+/// Whether a test tries fewer combinations on this device, because SwiftShader compiles for seconds what lavapipe
+/// compiles in a fraction of one.
+inline bool fewerCombinations(const DeviceInfo& device) {
+  return device.name.find("SwiftShader") != std::string::npos && !everyCombination();
+}
+
 /// Options that a test scans with: the options of a simulator, and what each of its sensors simulates and reports.
 struct TestOptions : SimulatorOptions {
   Effects effects = Effects::none();

@@ -149,7 +149,7 @@ PFN_vkVoidFunction failingLookUp(void* library) {
 long failEach(const std::string& name, Fails what, Lasts lasts, const Trial& trial) {
   long failed = 0, survived = 0, tried = 0, all = 0;
   // Calls that compile kernels make tens of thousands of allocations, most of them in the same loops.
-  const auto following = [](long n) { return n + 1 + (everyCombination() ? n / 100 : n / 5); };
+  const auto following = [](long n) { return n + 1 + (everyCombination() ? n / 100 : n / 3); };
   for (long n = 1;; n = following(n)) {
     bool fired = false, threw = false;
     std::string problem;
