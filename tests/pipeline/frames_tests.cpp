@@ -139,17 +139,20 @@ TEST_CASE("scans in many submissions have the bytes of scans in one", "[combinat
     for (const char* effect : {"divergence.sub_rays=7", "divergence.horizontal=0.003", "divergence.vertical=0.0015"})
       assign(requests.back().effects, effect);
   }
-  const std::vector<Shot> shots = driveThrough(requests.size(), 2 * requests.size());
   for (const Binning binning : {Binning::automatic, Binning::nearest, Binning::lists}) {
     if (binning == Binning::nearest && !everyCombination()) continue;
+    std::vector<SensorRequest> tried;
+    for (size_t i = 0; i < requests.size(); ++i)
+      if (i % 3 == i / 3 || binning == Binning::automatic || everyCombination()) tried.push_back(requests[i]);
+    const std::vector<Shot> shots = driveThrough(tried.size(), 2 * tried.size());
     options.tuning.binning = binning;
     options.tuning.maxSubmissionWork = 0;
     cuts = 0;
     std::vector<Scan> expected;
-    Simulator(scene, requests, options).scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
+    Simulator(scene, tried, options).scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
     CHECK(cuts == 0);
     options.tuning.maxSubmissionWork = 2500;
-    Simulator(scene, requests, options).scanAll(shots, [&](size_t i, const Scan& scan) {
+    Simulator(scene, tried, options).scanAll(shots, [&](size_t i, const Scan& scan) {
       INFO("shot " << i << ", binning " << int(binning));
       CHECK(firstBytes(expected[i], scan) == "none");
     });

@@ -36,7 +36,7 @@ Request anyRequest(uint32_t number);
 /// Makes the changes of a step.
 void change(Simulator& simulator, const Step& step);
 
-/// Returns the numbers of the requests that a test tries: `count` of them, or 20 times as many with every combination.
-std::vector<uint32_t> numbersToTry(uint32_t count);
+/// Returns the numbers of the requests that a test tries: one of them, or `ofEvery` with every combination.
+std::vector<uint32_t> numbersToTry(uint32_t ofEvery);
 
 }  // namespace gnosphere::test
