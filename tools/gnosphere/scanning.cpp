@@ -98,7 +98,10 @@ CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::strin
   const Parameter<SimulatorOptions>& parameter = simulatorOption(option).parameter;
   std::vector<std::string> words;
   for (const ChoiceWord& word : wordsOf(option)) words.push_back(word.name);
-  const auto set = [&settings, option](const std::string& word) { settings.push_back(option + "=" + word); };
+  // Before those of --set, which therefore wins, wherever it is on the command line.
+  const auto set = [&settings, option](const std::string& word) {
+    settings.insert(settings.begin(), option + "=" + word);
+  };
   return app.add_option_function<std::string>(flag, set, parameter.doc)
       ->check(CLI::IsMember(words))
       ->default_str(defaultText(parameter));
@@ -115,7 +118,7 @@ void addSetOption(CLI::App& app, Settings& settings) {
   app.add_option_function<Settings>(
          "--set", [&settings](const Settings& more) { settings.insert(settings.end(), more.begin(), more.end()); },
          "Set an option by NAME=VALUE, as tuning.binning=lists; gnosphere options lists them; may be given more than "
-         "once")
+         "once, and wins over options such as --accuracy")
       ->allow_extra_args(false);
 }
 
