@@ -31,7 +31,7 @@ class Divider {
     double farthest = 0;
     for (const Vec3& o : origins_) farthest = std::max(farthest, std::hypot(o.x, o.y, o.z));
     if (origins_.empty() || !isWide(static_cast<double>(all.size()), farthest))
-      add(middleOfLasers(sensor_), all);
+      add(startTogether() ? origins_[0] : middleOfLasers(sensor_), all);
     else
       divide(std::move(all));
     return std::move(groups_);
@@ -41,6 +41,13 @@ class Divider {
   static std::span<const Vec3> originsOf(const Sensor& sensor, uint64_t frame) {
     if (sensor.isGrid()) return {};
     return patternOf(sensor, frame).origins;
+  }
+
+  // Whether the beams start at one point. Seen from there they need no origins.
+  bool startTogether() const {
+    return !origins_.empty() && std::ranges::all_of(origins_, [&](const Vec3& o) {
+      return o.x == origins_[0].x && o.y == origins_[0].y && o.z == origins_[0].z;
+    });
   }
 
   // Halves the longest side of the box around the lasers until the group is small enough.

@@ -15,7 +15,8 @@ struct OriginGroup {
 };
 
 /// Divides the beams that scan number `frame` fires. A grid, and a list whose lasers are all near the sensor's origin,
-/// is one group, seen from the sensor's origin. The groups do not depend on the order of the beams.
+/// is one group, seen from the sensor's origin; a list with all lasers at one point is seen from there. The groups do
+/// not depend on the order of the beams.
 std::vector<OriginGroup> originGroups(const Sensor& sensor, uint64_t frame);
 
 }  // namespace gnosphere

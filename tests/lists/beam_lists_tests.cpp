@@ -221,6 +221,37 @@ TEST_CASE("heads far apart in one list have the hits of each head alone") {
   }
 }
 
+TEST_CASE("a list whose beams start at one point near the sensor's origin is seen from there, and needs no origins") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const Vec3 at = {0.125, -0.0625, 0.25};
+  const BeamList head = rosette(700, 1.2);
+  const Sensor away = listSensor("away", headsAt({at}, head));
+  const std::vector<OriginGroup> groups = originGroups(away, 0);
+  REQUIRE(groups.size() == 1);
+  CHECK(groups[0].lasers.centre.x == at.x);
+  CHECK(groups[0].lasers.distance == 0);
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    INFO(nameOf(accuracy));
+    Simulator simulator = makeSimulator(scene, {away, listSensor("head", head)}, optionsWith(accuracy));
+    const Scan scan = simulator.scan(Pose{{1.5, 0.5, 1.75}, {}}, 0);
+    requireSame(referenceOf(scene, away, {{1.5, 0.5, 1.75}, {}}), scan);
+    const Scan moved = simulator.scan(Pose{{1.5 + at.x, 0.5 + at.y, 1.75 + at.z}, {}}, 1);
+    CHECK(moved.counters.hits > 300);
+    CHECK(std::ranges::equal(scan.ranges, moved.ranges));
+    CHECK(std::ranges::equal(scan.triangles, moved.triangles));
+    CHECK(std::ranges::equal(scan.instances, moved.instances));
+    const auto kernelsOf = [&](size_t sensor) {
+      std::vector<std::pair<std::string, std::vector<uint32_t>>> kernels;
+      const Plan plan = simulator.plan(sensor);
+      for (const Plan::Stage& stage : plan.stages)
+        for (const Plan::Pipeline& pipeline : stage.pipelines) kernels.emplace_back(pipeline.name, pipeline.constants);
+      return kernels;
+    };
+    CHECK(kernelsOf(0) == kernelsOf(1));
+  }
+}
+
 TEST_CASE("patterns with heads far apart and with one head alternate") {
   needVulkan();
   const BeamList head = rosette(300, 1.2);
@@ -261,7 +292,9 @@ TEST_CASE("lasers are grouped by place, whatever the order of the beams") {
   std::reverse(origins.begin(), origins.end());
   CHECK(groupsOf() == expected);
   origins.assign(origins.size(), {0.1, -0.2, 0.1});
-  CHECK(groupsOf() == std::vector<std::vector<double>>{{0, 0, 0, 250}});  // one head is seen from its own origin
+  CHECK(groupsOf() == std::vector<std::vector<double>>{{0.1, -0.2, 0.1, 250}});
+  origins[7] = {0.1, -0.2, 0.15};
+  CHECK(groupsOf() == std::vector<std::vector<double>>{{0, 0, 0, 250}});  // one head is seen from the sensor's origin
   origins.assign(origins.size(), {10, -0.2, 0.1});
   CHECK(groupsOf() == std::vector<std::vector<double>>{{10, -0.2, 0.1, 250}});
 }
