@@ -191,7 +191,8 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
   nodes[self].box.add(nodes[second].box);
 }
 
-// Adds the node of a node of the binary tree, whose largest descendants become its children, and those below it.
+// Adds a node in the place of one of the binary tree, and the nodes below it. A child gives way to its own two
+// children, the largest one first, until there are four.
 void Bvh::addNode(const std::vector<BinaryNode>& binary, uint32_t from) {
   std::array<uint32_t, kChildren> children = {from};
   uint32_t count = 1;

@@ -59,7 +59,7 @@ Box boxOf(const Triangle& triangle, const Sweeps& sweeps);
 /// farthest corner (in the 1-norm, which is no less than the true distance) plus `floor` metres.
 struct Ray {
   Ray(const Vec3& from, const Vec3& direction, double spread, double floor);
-  /// Returns where the ray enters each box: 0 if it starts inside, infinity if it misses.
+  /// Returns how many metres along the ray each box begins: 0 if the ray starts inside, infinity if it misses.
   template <size_t N>
   std::array<double, N> enter(const Boxes<N>& boxes) const {
     std::array<double, N> result;
@@ -90,9 +90,9 @@ struct Ray {
   double floor;
 };
 
-/// A tree in which each node has up to four children: a binary tree, split by the surface area heuristic with 16 bins
-/// (Wald 2007, On fast Construction of SAH-based Bounding Volume Hierarchies), of which every other level is left out.
-/// The same triangles in the same order give the same tree on any number of threads.
+/// A tree in which each node has up to four children. First a binary tree is split by the surface area heuristic with
+/// 16 bins (Wald 2007, On fast Construction of SAH-based Bounding Volume Hierarchies). Then the largest children give
+/// way to their own children. The same triangles in the same order give the same tree on any number of threads.
 class Bvh {
  public:
   explicit Bvh(std::vector<Triangle> triangles, Sweeps sweeps = {});

@@ -33,7 +33,7 @@ class Splitting {
   }
 
  private:
-  // A variable, or the parameter that is a pointer to one.
+  // Describes a variable of a function, or a parameter that points to one.
   struct Variable {
     uint32_t type = 0;   // 0 if the variable stays whole
     Words scalars = {};  // ids of their variables
@@ -114,20 +114,15 @@ class Splitting {
         append(to, spv::OpFunction, {instruction[1], instruction[2], instruction[3], typeOf(function)});
         return;
       case spv::OpFunctionParameter:
-        if (const Part part = partOf(instruction[2]); part.type != 0)
-          return eachScalar(part, [&](uint32_t type, uint32_t scalar) {
-            append(to, spv::OpFunctionParameter, {types_.pointer(type), scalar});
-          });
-        break;
       case spv::OpVariable:
         if (const Part part = partOf(instruction[2]); part.type != 0)
           return eachScalar(part, [&](uint32_t type, uint32_t scalar) {
-            append(to, spv::OpVariable, {types_.pointer(type), scalar, spv::StorageClassFunction});
+            append(to, opOf(instruction), {types_.pointer(type), scalar}, {instruction.begin() + 3, instruction.end()});
           });
         break;
       case spv::OpCopyObject:
         if (const auto parts = parts_.find(instruction[3]); parts != parts_.end())
-          parts_[instruction[2]] = Words(parts->second);
+          parts_[instruction[2]] = parts->second;
         [[fallthrough]];
       case spv::OpAccessChain:
         if (partOf(instruction[2]).type != 0) return;
@@ -202,11 +197,10 @@ class Splitting {
   void store(Part& part, uint32_t value, Words& to) {
     const Words& types = types_.parts(part.type);
     if (types.empty()) return append(to, spv::OpStore, {*part.scalars++, value});
-    const auto parts = parts_.find(value);
-    const Words known = parts == parts_.end() ? Words() : parts->second;
+    const auto known = parts_.find(value);
     for (uint32_t i = 0; i < types.size(); ++i) {
-      const uint32_t one = known.empty() ? types_.newId() : known[i];
-      if (known.empty()) append(to, spv::OpCompositeExtract, {types[i], one, value, i});
+      const uint32_t one = known == parts_.end() ? types_.newId() : known->second[i];
+      if (known == parts_.end()) append(to, spv::OpCompositeExtract, {types[i], one, value, i});
       part.type = types[i];
       store(part, one, to);
     }

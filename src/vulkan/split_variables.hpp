@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of a SPIR-V module with a variable for each scalar.
+// Splits the variables of a SPIR-V module's functions into a variable for each scalar.
 #pragma once
 
 #include <set>

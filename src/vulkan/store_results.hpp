@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of a SPIR-V module that store their results in variables of their callers.
+// Lets functions of a SPIR-V module store their results in variables of their callers.
 #pragma once
 
 #include <vector>

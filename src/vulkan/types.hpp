@@ -40,6 +40,7 @@ class Types {
     }
   }
 
+  /// Returns the type of a function's result if it returns no value.
   uint32_t nothing() const { return void_; }
 
   /// Returns the types of the parts of a vector, a matrix, an array or a structure; none for other types.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clouds of `exact` have the committed hashes on every device; `gnosphere-bench golden --renew` writes the table.
-#include <algorithm>
 #include <catch2/matchers/catch_matchers_range_equals.hpp>
 
 #include "cuda/twin.hpp"
@@ -21,17 +20,16 @@ TEST_CASE("golden: clouds of every Vulkan and CUDA device have the committed has
     TestOptions options = vulkanOptions();
     options.device = device;
     std::vector<GoldenGroup> groups = goldenGroups();
-    if (fewerCombinations(device)) groups.resize(1);  // without effects
+    std::vector<GoldenCloud> table(goldenTable().begin(), goldenTable().end());
+    REQUIRE(table.size() > 6);
+    if (fewerCombinations(device)) {  // The first group has no effects.
+      groups.resize(1);
+      table.resize(groups[0].names.size());
+    }
     const std::vector<GoldenCloud> clouds = scanGolden(options, groups);
-    std::vector<GoldenCloud> table;
-    for (const GoldenCloud& golden : goldenTable())
-      for (const GoldenGroup& group : groups)
-        if (std::ranges::find(group.names, golden.name) != group.names.end()) table.push_back(golden);
-    CHECK(table.size() == clouds.size());
     CHECK_THAT(differencesOf(clouds, table), RangeEquals(Sentences{}));
 
     // The comparison finds a wrong digit, a cloud that is not in the table, and one that is there alone.
-    REQUIRE(table.size() > 2);
     const GoldenCloud& wrong = table[0];
     const std::string hash = wrong.hash;
     table[0].hash[7] ^= 1;

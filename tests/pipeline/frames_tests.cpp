@@ -141,6 +141,7 @@ TEST_CASE("scans in many submissions have the bytes of scans in one", "[combinat
   }
   for (const Binning binning : {Binning::automatic, Binning::nearest, Binning::lists}) {
     if (binning == Binning::nearest && !everyCombination()) continue;
+    // Without every combination, each sensor has one of its three requests with lists, and each another one.
     std::vector<SensorRequest> tried;
     for (size_t i = 0; i < requests.size(); ++i)
       if (i % 3 == i / 3 || binning == Binning::automatic || everyCombination()) tried.push_back(requests[i]);

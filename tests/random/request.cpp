@@ -403,9 +403,9 @@ void change(Simulator& simulator, const Step& step) {
   simulator.addInstances(step.added);
 }
 
-std::vector<uint32_t> numbersToTry(uint32_t ofEvery) {
+std::vector<uint32_t> numbersToTry(uint32_t most) {
   const char* first = std::getenv("GNOSPHERE_RANDOM_SEED");
-  std::vector<uint32_t> numbers(everyCombination() ? ofEvery : 1);
+  std::vector<uint32_t> numbers(everyCombination() ? most : 1);
   std::iota(numbers.begin(), numbers.end(), static_cast<uint32_t>(first ? std::stoul(first) : 0));
   return numbers;
 }

@@ -36,7 +36,7 @@ Request anyRequest(uint32_t number);
 /// Makes the changes of a step.
 void change(Simulator& simulator, const Step& step);
 
-/// Returns the numbers of the requests that a test tries: one of them, or `ofEvery` with every combination.
-std::vector<uint32_t> numbersToTry(uint32_t ofEvery);
+/// Returns the numbers of the requests that a test tries: one, or `most` with every combination.
+std::vector<uint32_t> numbersToTry(uint32_t most);
 
 }  // namespace gnosphere::test

@@ -187,7 +187,7 @@ int runScan(const ScanOptions& options) {
   std::vector<SensorMotion::Stamp> trajectory;
   if (!options.trajectory.empty()) trajectory = drive::readTum(options.trajectory);
   Effects effects = effectsOf(options);
-  // Each column of a moving sensor has a frame of its own otherwise.
+  // Without deskewing, each column of a moving sensor has a frame of its own, and no single pose leads to the world.
   if (options.frame == "world") effects.sensorMotion.deskew = true;
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
