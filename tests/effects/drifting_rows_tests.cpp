@@ -74,7 +74,8 @@ Scene confetti() {
 
 }  // namespace
 
-TEST_CASE("rows that fire at different times find the same hits, whether silhouettes drift or all beams are tried") {
+TEST_CASE("rows that fire at different times find the same hits, whether silhouettes drift or all beams are tried",
+          "[combinations]") {
   needVulkan();
   const std::vector<Sensor> heads = {builtinSensor("Pandar64"), spread()};
   const std::vector<SensorMotion> motions = {driving(15, 0.5, 1), driving(30, -3, 8), driving(20, 1, 40, 2),
@@ -90,6 +91,7 @@ TEST_CASE("rows that fire at different times find the same hits, whether silhoue
               truth = makeSimulator(scene, heads, reference);
     for (size_t sensor = 0; sensor < heads.size(); ++sensor)
       for (size_t i = 0; i < motions.size(); ++i) {
+        if (sensor == 0 && i % 2 != 0 && !everyCombination()) continue;  // the larger head has three of the motions
         INFO(scene.instances.size() << " instances, " << heads[sensor].name << ", motion " << i);
         Shot shot;
         shot.sensor = sensor;

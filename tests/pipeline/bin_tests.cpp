@@ -104,6 +104,7 @@ TEST_CASE("the columns of a small triangle in a row include all its beams", "[co
   std::vector<Sensor> sensors;
   for (uint32_t columns : {360u, 5000u})
     for (bool offsets : {false, true}) {
+      if (offsets == (columns == 360) && !everyCombination()) continue;
       Sensor& sensor = sensors.emplace_back(gridSensor(columns, columns == 360 ? 900 : 200, -60, 60));
       for (size_t j = 0; offsets && j < sensor.channels.size(); ++j)
         sensor.channels[j].azimuthOffsetDeg = 1.3 * (double(j % 5) - 2.2);
@@ -115,9 +116,8 @@ TEST_CASE("the columns of a small triangle in a row include all its beams", "[co
     options.accuracy = other.accuracy = accuracy;
     Simulator slabs = makeSimulator(scene, sensors, options), lists = makeSimulator(scene, sensors, other);
     for (size_t i = 0; i < sensors.size(); ++i) {
-      // Without every combination, sensors with offsets have one accuracy more, and the others another one.
-      if (accuracy == (i % 2 ? Accuracy::draft : Accuracy::exact) && !everyCombination()) continue;
-      INFO(sensors[i].columns << " columns, offsets " << i % 2 << ", accuracy " << int(accuracy));
+      INFO(sensors[i].columns << " columns, first offset " << sensors[i].channels[0].azimuthOffsetDeg << ", accuracy "
+                              << int(accuracy));
       const Scan scan = slabs.scan({}, i);
       REQUIRE(scan.counters.hits > 5'000);
       if (accuracy != Accuracy::draft) requireSame(references[i], scan);
