@@ -41,10 +41,12 @@ Course courseOf(mat3 corners, mat3 velocities) {
 
 float seemingMotion = 0.0;  // the part of `seeming` that is due to motion
 
-// Sets the angles by which a triangle appears elsewhere if it moves by up to `shift` metres, is turned by up to `turn`
-// radians, and is seen from any laser. The corners are in the frame that the triangle moves from.
-void seemInMotion(mat3 corners, float shift, float turn) {
-  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+vec3 lowestOf(mat3 corners) { return min(min(corners[0], corners[1]), corners[2]); }
+vec3 highestOf(mat3 corners) { return max(max(corners[0], corners[1]), corners[2]); }
+
+// Sets the angles by which what lies between two points appears elsewhere if it moves by up to `shift` metres, is turned
+// by up to `turn` radians, and is seen from any laser. The points are in the frame that it moves from.
+void seemInMotion(vec3 low, vec3 high, float shift, float turn) {
   float angle = seemingAngle(shift, turn, nearestPoint(low, high));
   seemingMotion = angle;
   setSeeming(0.0);
@@ -108,7 +110,8 @@ bool widenByMotion(uint at, mat3 seen, Course course, inout Outline outline, ino
   // Rows with shifts look in that direction earlier or later.
   if (STAGGERED) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
-  seemInMotion(seen, course.perColumn * columnsAway + course.rounding, motion.turnPerColumn * columnsAway);
+  seemInMotion(lowestOf(seen), highestOf(seen), course.perColumn * columnsAway + course.rounding,
+               motion.turnPerColumn * columnsAway);
   if (seeming > 0.25) return false;
   widenBySeeming(outline, box);
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
@@ -130,6 +133,50 @@ mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
   ColumnMotion at = columnMotionOfPlace(place);
   return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
               inColumn(at, corners[2], velocities[2]));
+}
+
+// Returns the most metres by which a corner is off the straight line between its places in the frames of two entries of
+// columnMotions that lie `count` entries apart, if both are within the sensor's stamps. A series whose second differences
+// are at most B is off its chord by at most n^2 / 8 B. A triangle that moves itself is also turned with the sensor, which
+// bends its way by twice the product of both.
+float bendWithin(float count, float farthest, mat3 velocities) {
+  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
+  float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
+  return 0.125 * count * count * bent;
+}
+
+vec3 keysOf(mat3 p) {
+  return vec3(elevationKey(length(p[0].xy), p[0].z), elevationKey(length(p[1].xy), p[1].z),
+              elevationKey(length(p[2].xy), p[2].z));
+}
+// Returns the tangents of the azimuths of three corners, as seen beside that of a point.
+vec3 tangentsFrom(vec2 p, mat3 q) {
+  return vec3(p.x * q[0].y - p.y * q[0].x, p.x * q[1].y - p.y * q[1].x, p.x * q[2].y - p.y * q[2].x) /
+         vec3(dot(p, q[0].xy), dot(p, q[1].xy), dot(p, q[2].xy));
+}
+float smallestOf(vec3 v) { return min(min(v.x, v.y), v.z); }
+float greatestOf(vec3 v) { return max(max(v.x, v.y), v.z); }
+float spanOf(vec3 v) { return greatestOf(v) - smallestOf(v); }
+
+// Bounds a triangle between two entries of columnMotions by its corners in the frames of both. Meanwhile each corner moves
+// along a nearly straight line, so the triangle stays within the hull of these six points, and by `bend` metres around it.
+// As narrowOutline() and coverNarrowColumns(); returns false if the hull is not narrow. Sets the area of the triangle's
+// own box in the first frame.
+bool narrowHull(mat3 start, mat3 end, float bend, out Outline outline, inout Box box, out float nearest, out float area) {
+  vec3 low = min(lowestOf(start), lowestOf(end)), high = max(highestOf(start), highestOf(end)), size = high - low;
+  nearest = nearestPoint(low, high);
+  float squares = dot(size, size) / (nearest * nearest);
+  vec3 keys = keysOf(start), endKeys = keysOf(end);
+  float keyMin = smallestOf(min(keys, endKeys)), keyMax = greatestOf(max(keys, endKeys));
+  float widening = 0.35 * squares + keySlack();
+  outline = Outline(keyMin - widening, keyMax + widening);
+  vec3 tangents = tangentsFrom(start[0].xy, start), endTangents = tangentsFrom(start[0].xy, end);
+  float slack = columnSlack(outline.keyMin, outline.keyMax), columnLow = smallestOf(min(tangents, endTangents));
+  box.columnMin = columnAt(azimuthOf(start[0].y, start[0].x) + columnLow) - slack;
+  box.columnMax = box.columnMin + (greatestOf(max(tangents, endTangents)) - columnLow) * frame.columnsPerRadian + 2.0 * slack;
+  area = (spanOf(tangents) * frame.columnsPerRadian + 2.0 * slack) * (spanOf(keys) + 2.0 * keySlack());
+  seemInMotion(low, high, bend, 0.0);
+  return squares < 0.04 && max(-keyMin, keyMax) < 0.6 && slack < 0.25 * float(frame.columns) && seeming < 0.25;
 }
 
 // Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
@@ -179,12 +226,29 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
         setSeeming(0.0);
       }
     } else {
-      float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));
-      float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
-      rangeMin = max(nearest - shift, course.nearest);
-      float area = areaOf(outline, box);
-      seemInMotion(seen, min(course.perColumn * reach + course.rounding, 2.0 * course.shift),
-                   min(motion.turnPerColumn * reach, 2.0 * motion.turn));
+      float before = float(frame.momentsBefore), nearest, area, shift;
+      bool straight = anyBeams && places.x + before >= float(motion.bendFirst) && places.y + before < float(motion.bendEnd);
+      bool hull = false;
+      if (straight) {
+        float farthest = max(max(length(a), length(b)), length(c)) + 2.0 * course.shift;
+        shift = bendWithin(places.y - places.x, farthest, velocities) + course.rounding;
+        Outline hullOutline;
+        Box hullBox = box;
+        hull = narrowHull(cornersAt(places.x, corners, velocities), cornersAt(places.y, corners, velocities), shift,
+                          hullOutline, hullBox, nearest, area);
+        if (hull) {
+          outline = hullOutline;
+          box = hullBox;
+        }
+      }
+      if (!hull) {
+        float reach = reachOf(places);
+        nearest = nearestPoint(lowestOf(seen), highestOf(seen));
+        shift = min(course.perColumn * reach + course.rounding, 2.0 * course.shift);
+        area = areaOf(outline, box);
+        seemInMotion(lowestOf(seen), highestOf(seen), shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn));
+      }
+      rangeMin = max(nearest - shift - motion.origins, course.nearest);
       widenBySeeming(outline, box);
       setSeeming(0.0);
       bool muchWider = areaOf(outline, box) > 2.0 * area;
@@ -215,7 +279,6 @@ Silhouette silhouetteOf(Triangle triangle, mat3 corners, Box box) {
   return silhouetteOf(triangle, prepare(triangle), box);
 }
 
-float spanOf(vec3 v) { return max(max(v.x, v.y), v.z) - min(min(v.x, v.y), v.z); }
 float largestOf(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // Returns the silhouette of a triangle in one box for rows that fire at different times. Between the first and the last
@@ -227,15 +290,11 @@ Silhouette driftingSilhouette(Triangle triangle, mat3 corners, Projected project
   float before = float(frame.momentsBefore);
   bool within = from + before >= float(motion.bendFirst) && to + before < float(motion.bendEnd);
   // An apparent motion by the angle A is off a straight line by at most A^2 / 4, in azimuth or elevation, and at 56 degrees
-  // of elevation by five times that. The motion between the two moments is up to twice `seemingMotion`. A series whose
-  // second differences are at most B is off its chord by at most n^2 / 8 B. A triangle that moves itself is also turned
-  // with the sensor, which bends its way by twice the product of both.
+  // of elevation by five times that. The motion between the two moments is up to twice `seemingMotion`.
   vec3 a = projected.seen[0], b = projected.seen[1], c = projected.seen[2];
   float farthest = max(max(length(a), length(b)), length(c)) + motion.shift;
   mat3 velocities = projected.velocities;
-  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
-  float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
-  float bend = 0.125 * moments * moments * bent;
+  float bend = bendWithin(moments, farthest, velocities);
   float off = 4.0 * seemingMotion * seemingMotion + seemingAngle(bend, 0.0, projected.b.w) + 2e-6;
   bool drifts = within && off < 0.5 * seemingMotion && seemingMotion < 0.02 &&
                 seemingMotion * frame.columnsPerRadian > kRepays;
