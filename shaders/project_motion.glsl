@@ -128,13 +128,6 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
   return !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
-// Returns the corners as the sensor sees them at a place in its table of poses.
-mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
-  ColumnMotion at = columnMotionOfPlace(place);
-  return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
-              inColumn(at, corners[2], velocities[2]));
-}
-
 // Returns the most metres by which a corner is off the straight line between its places in the frames of two entries of
 // columnMotions that lie `count` entries apart, if both are within the sensor's stamps. A series whose second differences
 // are at most B is off its chord by at most n^2 / 8 B. A triangle that moves itself is also turned with the sensor, which
@@ -143,6 +136,13 @@ float bendWithin(float count, float farthest, mat3 velocities) {
   float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
   float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
   return 0.125 * count * count * bent;
+}
+
+// Returns the corners as the sensor sees them at a place in its table of poses.
+mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
+  ColumnMotion at = columnMotionOfPlace(place);
+  return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
+              inColumn(at, corners[2], velocities[2]));
 }
 
 vec3 keysOf(mat3 p) {
@@ -158,25 +158,34 @@ float smallestOf(vec3 v) { return min(min(v.x, v.y), v.z); }
 float greatestOf(vec3 v) { return max(max(v.x, v.y), v.z); }
 float spanOf(vec3 v) { return greatestOf(v) - smallestOf(v); }
 
-// Bounds a triangle between two entries of columnMotions by its corners in the frames of both. Meanwhile each corner moves
-// along a nearly straight line, so the triangle stays within the hull of these six points, and by `bend` metres around it.
-// As narrowOutline() and coverNarrowColumns(); returns false if the hull is not narrow. Sets the area of the triangle's
-// own box in the first frame.
-bool narrowHull(mat3 start, mat3 end, float bend, out Outline outline, inout Box box, out float nearest, out float area) {
-  vec3 low = min(lowestOf(start), lowestOf(end)), high = max(highestOf(start), highestOf(end)), size = high - low;
-  nearest = nearestPoint(low, high);
-  float squares = dot(size, size) / (nearest * nearest);
-  vec3 keys = keysOf(start), endKeys = keysOf(end);
-  float keyMin = smallestOf(min(keys, endKeys)), keyMax = greatestOf(max(keys, endKeys));
-  float widening = 0.35 * squares + keySlack();
-  outline = Outline(keyMin - widening, keyMax + widening);
-  vec3 tangents = tangentsFrom(start[0].xy, start), endTangents = tangentsFrom(start[0].xy, end);
-  float slack = columnSlack(outline.keyMin, outline.keyMax), columnLow = smallestOf(min(tangents, endTangents));
-  box.columnMin = columnAt(azimuthOf(start[0].y, start[0].x) + columnLow) - slack;
-  box.columnMax = box.columnMin + (greatestOf(max(tangents, endTangents)) - columnLow) * frame.columnsPerRadian + 2.0 * slack;
-  area = (spanOf(tangents) * frame.columnsPerRadian + 2.0 * slack) * (spanOf(keys) + 2.0 * keySlack());
-  seemInMotion(low, high, bend, 0.0);
-  return squares < 0.04 && max(-keyMin, keyMax) < 0.6 && slack < 0.25 * float(frame.columns) && seeming < 0.25;
+// Bounds a triangle between two places in the table of the sensor's poses by its corners at both. Meanwhile each corner
+// moves along a nearly straight line, so the triangle stays near the hull of these six points. As narrowOutline() and
+// coverNarrowColumns(); returns false if the hull is not narrow. Sets the area of the triangle's box at the first place.
+bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out Outline outline, inout Box box,
+                out float rangeMin, out float area) {
+  float before = float(frame.momentsBefore);
+  bool narrow = places.x + before >= float(motion.bendFirst) && places.y + before < float(motion.bendEnd);
+  if (narrow) {
+    mat3 start = cornersAt(places.x, corners, velocities), end = cornersAt(places.y, corners, velocities);
+    vec3 low = min(lowestOf(start), lowestOf(end)), high = max(highestOf(start), highestOf(end)), size = high - low;
+    float nearest = nearestPoint(low, high), squares = dot(size, size) / (nearest * nearest);
+    vec3 keys = keysOf(start), endKeys = keysOf(end);
+    float keyMin = smallestOf(min(keys, endKeys)), keyMax = greatestOf(max(keys, endKeys));
+    float widening = 0.35 * squares + keySlack();
+    outline = Outline(keyMin - widening, keyMax + widening);
+    vec3 tangents = tangentsFrom(start[0].xy, start), endTangents = tangentsFrom(start[0].xy, end);
+    float from = smallestOf(min(tangents, endTangents)), to = greatestOf(max(tangents, endTangents));
+    float slack = columnSlack(outline.keyMin, outline.keyMax);
+    box.columnMin = columnAt(azimuthOf(start[0].y, start[0].x) + from) - slack;
+    box.columnMax = box.columnMin + (to - from) * frame.columnsPerRadian + 2.0 * slack;
+    area = (spanOf(tangents) * frame.columnsPerRadian + 2.0 * slack) * (spanOf(keys) + 2.0 * keySlack());
+    float bend = bendWithin(places.y - places.x, length(max(abs(low), abs(high))), velocities) + course.rounding;
+    rangeMin = max(nearest - bend - motion.origins, course.nearest);
+    seemInMotion(low, high, bend, 0.0);
+    narrow = squares < 0.04 && max(-keyMin, keyMax) < 0.6 && slack < 0.25 * float(frame.columns) && seeming < 0.25;
+  }
+  if (!narrow) setSeeming(0.0);
+  return narrow;
 }
 
 // Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
@@ -211,13 +220,23 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   for (bool more = true; more;) {
     vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesIn(part);
     bool anyBeams = places.x <= places.y;
-    mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
-    vec3 a = seen[0], b = seen[1], c = seen[2];
-    Outline outline = outlineOf(a, b, c);
-    coverColumns(a, b, c, outline, box);
+    Outline outline;
+    float area;
+    if (inOne || !anyBeams || !narrowHull(places, corners, velocities, course, outline, box, rangeMin, area)) {
+      mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
+      outline = outlineOf(seen[0], seen[1], seen[2]);
+      coverColumns(seen[0], seen[1], seen[2], outline, box);
+      if (inOne) projected.seen = seen;
+      if (!inOne) {
+        area = areaOf(outline, box);
+        float reach = reachOf(places), shift = min(course.perColumn * reach + course.rounding, 2.0 * course.shift);
+        vec3 low = lowestOf(seen), high = highestOf(seen);
+        rangeMin = max(nearestPoint(low, high) - shift - motion.origins, course.nearest);
+        seemInMotion(low, high, shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn));
+      }
+    }
     if (inOne) {
       inOne = false;
-      projected.seen = seen;
       projected.inOneFrame = widenByMotion(uint(places.x), projected.seen, course, outline, box);
       if (projected.inOneFrame) {
         fate = fateIn(outline, rangeMin, box);
@@ -226,29 +245,6 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
         setSeeming(0.0);
       }
     } else {
-      float before = float(frame.momentsBefore), nearest, area, shift;
-      bool straight = anyBeams && places.x + before >= float(motion.bendFirst) && places.y + before < float(motion.bendEnd);
-      bool hull = false;
-      if (straight) {
-        float farthest = max(max(length(a), length(b)), length(c)) + 2.0 * course.shift;
-        shift = bendWithin(places.y - places.x, farthest, velocities) + course.rounding;
-        Outline hullOutline;
-        Box hullBox = box;
-        hull = narrowHull(cornersAt(places.x, corners, velocities), cornersAt(places.y, corners, velocities), shift,
-                          hullOutline, hullBox, nearest, area);
-        if (hull) {
-          outline = hullOutline;
-          box = hullBox;
-        }
-      }
-      if (!hull) {
-        float reach = reachOf(places);
-        nearest = nearestPoint(lowestOf(seen), highestOf(seen));
-        shift = min(course.perColumn * reach + course.rounding, 2.0 * course.shift);
-        area = areaOf(outline, box);
-        seemInMotion(lowestOf(seen), highestOf(seen), shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn));
-      }
-      rangeMin = max(nearest - shift - motion.origins, course.nearest);
       widenBySeeming(outline, box);
       setSeeming(0.0);
       bool muchWider = areaOf(outline, box) > 2.0 * area;
