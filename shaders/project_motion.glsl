@@ -158,6 +158,10 @@ float smallestOf(vec3 v) { return min(min(v.x, v.y), v.z); }
 float greatestOf(vec3 v) { return max(max(v.x, v.y), v.z); }
 float spanOf(vec3 v) { return greatestOf(v) - smallestOf(v); }
 
+// True if boxes between two times are those of hulls. Few triangles of a grid need such boxes, and on GPUs the hull would
+// take registers of all: 12 waves instead of 14 on AMD's navi31.
+#define HULLS (LISTED || BINNING == kBinningSlabs)
+
 // Bounds a triangle between two places in the table of the sensor's poses by its corners at both. Meanwhile each corner
 // moves along a nearly straight line, so the triangle stays near the hull of these six points. As narrowOutline() and
 // coverNarrowColumns(); returns false if the hull is not narrow. Sets the area of the triangle's box at the first place.
@@ -166,19 +170,32 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
   float before = float(frame.momentsBefore);
   bool narrow = places.x + before >= float(motion.bendFirst) && places.y + before < float(motion.bendEnd);
   if (narrow) {
-    mat3 start = cornersAt(places.x, corners, velocities), end = cornersAt(places.y, corners, velocities);
-    vec3 low = min(lowestOf(start), lowestOf(end)), high = max(highestOf(start), highestOf(end)), size = high - low;
+    vec3 low = vec3(uintBitsToFloat(0x7f800000u)), high = -low;
+    vec2 beside = vec2(0.0);
+    float keyMin = 2.0, keyMax = -2.0, from = 0.0, to = 0.0, ownKeys, ownTangents;
+    for (uint k = 0; k < 2; ++k) {
+      mat3 seen = cornersAt(k == 0 ? places.x : places.y, corners, velocities);
+      low = min(low, lowestOf(seen));
+      high = max(high, highestOf(seen));
+      if (k == 0) beside = seen[0].xy;
+      vec3 keys = keysOf(seen), tangents = tangentsFrom(beside, seen);
+      if (k == 0) {
+        ownKeys = spanOf(keys);
+        ownTangents = spanOf(tangents);
+      }
+      keyMin = min(keyMin, smallestOf(keys));
+      keyMax = max(keyMax, greatestOf(keys));
+      from = min(from, smallestOf(tangents));
+      to = max(to, greatestOf(tangents));
+    }
+    vec3 size = high - low;
     float nearest = nearestPoint(low, high), squares = dot(size, size) / (nearest * nearest);
-    vec3 keys = keysOf(start), endKeys = keysOf(end);
-    float keyMin = smallestOf(min(keys, endKeys)), keyMax = greatestOf(max(keys, endKeys));
     float widening = 0.35 * squares + keySlack();
     outline = Outline(keyMin - widening, keyMax + widening);
-    vec3 tangents = tangentsFrom(start[0].xy, start), endTangents = tangentsFrom(start[0].xy, end);
-    float from = smallestOf(min(tangents, endTangents)), to = greatestOf(max(tangents, endTangents));
     float slack = columnSlack(outline.keyMin, outline.keyMax);
-    box.columnMin = columnAt(azimuthOf(start[0].y, start[0].x) + from) - slack;
+    box.columnMin = columnAt(azimuthOf(beside.y, beside.x) + from) - slack;
     box.columnMax = box.columnMin + (to - from) * frame.columnsPerRadian + 2.0 * slack;
-    area = (spanOf(tangents) * frame.columnsPerRadian + 2.0 * slack) * (spanOf(keys) + 2.0 * keySlack());
+    area = (ownTangents * frame.columnsPerRadian + 2.0 * slack) * (ownKeys + 2.0 * keySlack());
     float bend = bendWithin(places.y - places.x, length(max(abs(low), abs(high))), velocities) + course.rounding;
     rangeMin = max(nearest - bend - motion.origins, course.nearest);
     seemInMotion(low, high, bend, 0.0);
@@ -222,7 +239,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     bool anyBeams = places.x <= places.y;
     Outline outline;
     float area;
-    if (inOne || !anyBeams || !narrowHull(places, corners, velocities, course, outline, box, rangeMin, area)) {
+    if (!HULLS || inOne || !anyBeams || !narrowHull(places, corners, velocities, course, outline, box, rangeMin, area)) {
       mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
       outline = outlineOf(seen[0], seen[1], seen[2]);
       coverColumns(seen[0], seen[1], seen[2], outline, box);
