@@ -131,7 +131,8 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
 // Returns the most metres by which a corner is off the straight line between its places in the frames of two entries of
 // columnMotions that lie `count` entries apart, if both are within the sensor's stamps. A series whose second differences
 // are at most B is off its chord by at most n^2 / 8 B. A triangle that moves itself is also turned with the sensor, which
-// bends its way by twice the product of both.
+// bends its way by twice the product of both. `farthest` is the largest distance of a corner from the sensor in the middle
+// of the scan.
 float bendWithin(float count, float farthest, mat3 velocities) {
   float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
   float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
@@ -149,7 +150,8 @@ vec3 keysOf(mat3 p) {
   return vec3(elevationKey(length(p[0].xy), p[0].z), elevationKey(length(p[1].xy), p[1].z),
               elevationKey(length(p[2].xy), p[2].z));
 }
-// Returns the tangents of the azimuths of three corners, as seen beside that of a point.
+
+// Returns the tangents of the azimuths of three corners, counted from that of a point.
 vec3 tangentsFrom(vec2 p, mat3 q) {
   return vec3(p.x * q[0].y - p.y * q[0].x, p.x * q[1].y - p.y * q[1].x, p.x * q[2].y - p.y * q[2].x) /
          vec3(dot(p, q[0].xy), dot(p, q[1].xy), dot(p, q[2].xy));
@@ -196,7 +198,8 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
     box.columnMin = columnAt(azimuthOf(beside.y, beside.x) + from) - slack;
     box.columnMax = box.columnMin + (to - from) * frame.columnsPerRadian + 2.0 * slack;
     area = (ownTangents * frame.columnsPerRadian + 2.0 * slack) * (ownKeys + 2.0 * keySlack());
-    float bend = bendWithin(places.y - places.x, length(max(abs(low), abs(high))), velocities) + course.rounding;
+    float farthest = length(max(abs(low), abs(high))) + motion.shift;
+    float bend = bendWithin(places.y - places.x, farthest, velocities) + course.rounding;
     rangeMin = max(nearest - bend - motion.origins, course.nearest);
     seemInMotion(low, high, bend, 0.0);
     narrow = squares < 0.04 && max(-keyMin, keyMax) < 0.6 && slack < 0.25 * float(frame.columns) && seeming < 0.25;
