@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lists of beams from a sensor whose way bends. Between two times a triangle is bounded by its corners at both, and by
-// how far the way bends meanwhile, so no hit may be lost however it bends.
+// how far the way bends meanwhile. A bound that is too narrow loses hits.
 #include <numbers>
 
 #include "effects/scan_support.hpp"
@@ -41,8 +41,8 @@ Scene ahead() {
   return sceneOf(builder.take());
 }
 
-/// A motion through the poses that `poseAt` returns for shares 0..1 of the period, which it takes to be the sensor's
-/// place beside kStart and its turn about the axes x, y and z.
+/// Returns a motion during the period. `poseAt` takes a share of the period, 0..1, and returns the place relative to
+/// kStart in metres, and the turn as a rotation vector in radians.
 template <typename PoseAt>
 SensorMotion through(const PoseAt& poseAt) {
   SensorMotion motion;
@@ -50,7 +50,7 @@ SensorMotion through(const PoseAt& poseAt) {
   for (int i = 0; i <= kPieces; ++i) {
     const double share = static_cast<double>(i) / kPieces;
     const auto [place, turn] = poseAt(share);
-    const double angle = std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z), half = 0.5 * angle;
+    const double angle = std::hypot(turn.x, turn.y, turn.z), half = 0.5 * angle;
     const double scale = angle > 0 ? std::sin(half) / angle : 0;
     motion.stamps.push_back({kPeriod * share,
                              {{kStart.x + place.x, kStart.y + place.y, kStart.z + place.z},
