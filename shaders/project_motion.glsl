@@ -208,6 +208,18 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
   return narrow;
 }
 
+// Bounds a triangle that each laser sees in one place throughout the scan; the box keeps its times.
+uint restingBox(mat3 corners, inout Box box, out float rangeMin) {
+  vec3 low = lowestOf(corners), high = highestOf(corners);
+  rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
+  if (rangeMin > frame.rangeMax) return kRange;
+  seemFromLasers(low, high);
+  uvec2 times = box.times;
+  uint fate = boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
+  box.times = times;
+  return fate;
+}
+
 // Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
 // box; it is empty if there is none. If the box is that of one frame, sets the corners in that frame, and by how much
 // the triangle seems elsewhere in others.
@@ -219,15 +231,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   box.times = uvec2(part.from, part.to);
   projected.seen = corners;
   projected.inOneFrame = true;
-  if (!MOTION || atRest(moves)) {
-    vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
-    rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
-    if (rangeMin > frame.rangeMax) return kRange;
-    seemFromLasers(low, high);
-    uint fate = boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
-    box.times = uvec2(part.from, part.to);
-    return fate;
-  }
+  if (!MOTION || atRest(moves)) return restingBox(corners, box, rangeMin);
   Course course = courseOf(corners, velocities);
   rangeMin = course.nearest;
   if (rangeMin > frame.rangeMax) return kRange;
@@ -246,8 +250,9 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
       mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
       outline = outlineOf(seen[0], seen[1], seen[2]);
       coverColumns(seen[0], seen[1], seen[2], outline, box);
-      if (inOne) projected.seen = seen;
-      if (!inOne) {
+      if (inOne) {
+        projected.seen = seen;
+      } else {
         area = areaOf(outline, box);
         float reach = reachOf(places), shift = min(course.perColumn * reach + course.rounding, 2.0 * course.shift);
         vec3 low = lowestOf(seen), high = highestOf(seen);
