@@ -76,8 +76,8 @@ GNO_CONST uint kSliceIntervals = 64;
 GNO_CONST uint kSliceColumns = 16;
 GNO_CONST uint kSliceRows = 8;
 GNO_CONST uint kMostSliceMasks = 64;
-// Columns and rows of cells whose beams are sorted by slices together. A scan takes 1.03 to 1.06 of the time with
-// blocks of 4 x 4 cells, because boxes are smaller.
+// Columns and rows of the blocks of cells whose beams are sorted by slices together. With blocks of 4 x 4 cells a scan
+// of a moving list took 1.03 to 1.06 of the time, because most triangles' boxes are smaller than these blocks.
 GNO_CONST uint kTimedColumns = 4;
 GNO_CONST uint kTimedRows = 2;
 // Number of placed triangles per entry of ownerRanges.

@@ -63,8 +63,12 @@ struct Outline {
   float keyMin, keyMax;
 };
 
+vec3 keysOf(vec3 a, vec3 b, vec3 c) {
+  return vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
+}
+
 Outline outlineOf(vec3 a, vec3 b, vec3 c) {
-  vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
+  vec3 keys = keysOf(a, b, c);
   Outline outline;
   outline.keyMin = min(min(keys.x, keys.y), keys.z);
   outline.keyMax = max(max(keys.x, keys.y), keys.z);

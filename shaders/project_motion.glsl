@@ -44,8 +44,8 @@ float seemingMotion = 0.0;  // the part of `seeming` that is due to motion
 vec3 lowestOf(mat3 corners) { return min(min(corners[0], corners[1]), corners[2]); }
 vec3 highestOf(mat3 corners) { return max(max(corners[0], corners[1]), corners[2]); }
 
-// Sets the angles by which what lies between two points appears elsewhere if it moves by up to `shift` metres, is turned
-// by up to `turn` radians, and is seen from any laser. The points are in the frame that it moves from.
+// Sets the angles by which the content of the box low..high appears elsewhere if it moves by up to `shift` metres, is
+// turned by up to `turn` radians, and is seen from any laser. The box is in the frame that the content moves from.
 void seemInMotion(vec3 low, vec3 high, float shift, float turn) {
   float angle = seemingAngle(shift, turn, nearestPoint(low, high));
   seemingMotion = angle;
@@ -146,16 +146,12 @@ mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
               inColumn(at, corners[2], velocities[2]));
 }
 
-vec3 keysOf(mat3 p) {
-  return vec3(elevationKey(length(p[0].xy), p[0].z), elevationKey(length(p[1].xy), p[1].z),
-              elevationKey(length(p[2].xy), p[2].z));
-}
-
 // Returns the tangents of the azimuths of three corners, counted from that of a point.
 vec3 tangentsFrom(vec2 p, mat3 q) {
   return vec3(p.x * q[0].y - p.y * q[0].x, p.x * q[1].y - p.y * q[1].x, p.x * q[2].y - p.y * q[2].x) /
          vec3(dot(p, q[0].xy), dot(p, q[1].xy), dot(p, q[2].xy));
 }
+
 float smallestOf(vec3 v) { return min(min(v.x, v.y), v.z); }
 float greatestOf(vec3 v) { return max(max(v.x, v.y), v.z); }
 float spanOf(vec3 v) { return greatestOf(v) - smallestOf(v); }
@@ -165,8 +161,9 @@ float spanOf(vec3 v) { return greatestOf(v) - smallestOf(v); }
 #define HULLS (LISTED || BINNING == kBinningSlabs)
 
 // Bounds a triangle between two places in the table of the sensor's poses by its corners at both. Meanwhile each corner
-// moves along a nearly straight line, so the triangle stays near the hull of these six points. As narrowOutline() and
-// coverNarrowColumns(); returns false if the hull is not narrow. Sets the area of the triangle's box at the first place.
+// moves along a nearly straight line, so the triangle stays near the hull of these six points. The hull is bounded as
+// narrowOutline() and coverNarrowColumns() bound a triangle, and false is returned if it is not narrow. `area` becomes
+// that of the triangle's own box at the first place.
 bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out Outline outline, inout Box box,
                 out float rangeMin, out float area) {
   float before = float(frame.momentsBefore);
@@ -180,7 +177,7 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
       low = min(low, lowestOf(seen));
       high = max(high, highestOf(seen));
       if (k == 0) beside = seen[0].xy;
-      vec3 keys = keysOf(seen), tangents = tangentsFrom(beside, seen);
+      vec3 keys = keysOf(seen[0], seen[1], seen[2]), tangents = tangentsFrom(beside, seen);
       if (k == 0) {
         ownKeys = spanOf(keys);
         ownTangents = spanOf(tangents);
@@ -190,10 +187,8 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
       from = min(from, smallestOf(tangents));
       to = max(to, greatestOf(tangents));
     }
-    vec3 size = high - low;
-    float nearest = nearestPoint(low, high), squares = dot(size, size) / (nearest * nearest);
-    float widening = 0.35 * squares + keySlack();
-    outline = Outline(keyMin - widening, keyMax + widening);
+    float nearest = nearestPoint(low, high);
+    narrow = narrowOutline(keyMin, keyMax, high - low, nearest, outline);
     float slack = columnSlack(outline.keyMin, outline.keyMax);
     box.columnMin = columnAt(azimuthOf(beside.y, beside.x) + from) - slack;
     box.columnMax = box.columnMin + (to - from) * frame.columnsPerRadian + 2.0 * slack;
@@ -202,7 +197,7 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
     float bend = bendWithin(places.y - places.x, farthest, velocities) + course.rounding;
     rangeMin = max(nearest - bend - motion.origins, course.nearest);
     seemInMotion(low, high, bend, 0.0);
-    narrow = squares < 0.04 && max(-keyMin, keyMax) < 0.6 && slack < 0.25 * float(frame.columns) && seeming < 0.25;
+    narrow = narrow && slack < 0.25 * float(frame.columns) && seeming < 0.25;
   }
   if (!narrow) setSeeming(0.0);
   return narrow;

@@ -96,18 +96,21 @@ bool withoutBeams(Box box) {
   return beams == 0;
 }
 
-// Computes the outline of a triangle from the angles of its corners and a margin, which is much cheaper than
-// outlineOf(). An edge that spans d radians (at most its length divided by the nearest range) rises above its ends by
-// at most d^2 / 8 times the tangent of its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6.
-// Returns false for any other triangle.
-bool narrowOutline(vec3 a, vec3 b, vec3 c, float rangeMin, out Outline outline) {
-  vec3 size = max(max(a, b), c) - min(min(a, b), c);
-  vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
-  float keyMin = min(min(keys.x, keys.y), keys.z), keyMax = max(max(keys.x, keys.y), keys.z);
+// Computes the outline of points from the span of their elevation keys and a margin, which is much cheaper than
+// outlineOf(). `size` is that of the box around them, and `rangeMin` the range of its nearest point. An edge that spans d
+// radians (at most its length divided by the nearest range) rises above its ends by at most d^2 / 8 times the tangent of
+// its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6. Returns false for any other points.
+bool narrowOutline(float keyMin, float keyMax, vec3 size, float rangeMin, out Outline outline) {
   float squares = dot(size, size) / (rangeMin * rangeMin);
   float widening = 0.35 * squares + keySlack();
   outline = Outline(keyMin - widening, keyMax + widening);
   return squares < 0.04 && max(-keyMin, keyMax) < 0.6;
+}
+
+bool narrowOutline(vec3 a, vec3 b, vec3 c, float rangeMin, out Outline outline) {
+  vec3 size = max(max(a, b), c) - min(min(a, b), c), keys = keysOf(a, b, c);
+  float keyMin = min(min(keys.x, keys.y), keys.z), keyMax = max(max(keys.x, keys.y), keys.z);
+  return narrowOutline(keyMin, keyMax, size, rangeMin, outline);
 }
 
 // Sets the columns of a triangle with a narrow outline; false if it lies between two columns. Seen from corner a the

@@ -50,8 +50,8 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
     Place place;
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
-    // No range is less than `rangeMin`. This comparison also lets the test overlap with the load: lavapipe's compiler moves
-    // a load to its first use, which would be behind the test.
+    // No hit of the triangle is nearer than `rangeMin`. This comparison also lets the test overlap with the load: lavapipe's
+    // compiler moves a load to its first use, which would be behind the test.
     uint known = words.at[beamEntry(place.index)].y;
     if (floatBitsToUint(triangle.rangeMin) > known) continue;
     float range;

@@ -43,7 +43,7 @@ class Divider {
     return patternOf(sensor, frame).origins;
   }
 
-  // Whether the beams start at one point. Seen from there they need no origins.
+  // True if all beams start at one point. A scan that is seen from this point needs no origins of beams.
   bool startTogether() const {
     return !origins_.empty() && std::ranges::all_of(origins_, [&](const Vec3& o) {
       return o.x == origins_[0].x && o.y == origins_[0].y && o.z == origins_[0].z;

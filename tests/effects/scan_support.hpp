@@ -268,4 +268,17 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
   return sum;
 }
 
+/// Checks that a device's scan of a shot differs from the reference's in doubtful beams alone, and that more than one
+/// in `oneIn` of its beams hits.
+inline void checkBesideReference(Simulator& device, Simulator& reference, const Shot& shot, const Slack& slack,
+                                 uint64_t oneIn) {
+  Scan found, expected;
+  device.scanInto(shot, found);
+  reference.scanInto(shot, expected);
+  CHECK(found.counters.hits > found.beamCount() / oneIn);
+  const Differences result = differences(expected, found, slack);
+  INFO("first: " << result.first);
+  CHECK(result.all() == 0);
+}
+
 }  // namespace gnosphere::test

@@ -98,7 +98,7 @@ CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::strin
   const Parameter<SimulatorOptions>& parameter = simulatorOption(option).parameter;
   std::vector<std::string> words;
   for (const ChoiceWord& word : wordsOf(option)) words.push_back(word.name);
-  // Before those of --set, which therefore wins, wherever it is on the command line.
+  // The setting goes before the settings of --set, so --set wins wherever it is on the command line.
   const auto set = [&settings, option](const std::string& word) {
     settings.insert(settings.begin(), option + "=" + word);
   };
