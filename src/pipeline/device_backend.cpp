@@ -259,12 +259,12 @@ class DeviceBackend final : public Backend {
 
   // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
   // valid.
-  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Shot& shot, bool moves) {
+  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Shot& shot, bool forgets) {
     if (still.inMaking()) {
       machine_->wait(still.frame());
       still.end(!sensor.cutShort(still.frame()));
     }
-    if (!moves) return still.next(shot, scene_.instances());
+    if (!forgets) return still.next(shot, scene_.instances());
     still.forget();
     return StillImage::Use::none;
   }
@@ -277,17 +277,18 @@ class DeviceBackend final : public Backend {
     std::vector<Shot> copies;
     const std::span<const Shot> shots = shotsOfViews(part, copies);
     StillImage& still = sensors_[shots[0].sensor]->still;
-    StillImage::Use use = StillImage::Use::none;
     slot.reused = 0;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
       sensor.makeRoomForViews(views);
     }
     slot.motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
+    // A submission of several views, or with motion, overwrites the farthest-range table that the still image needs.
+    const bool forgets = views > 1 || (!slot.motions.empty() && slot.motions[0].moves);
+    const StillImage::Use use = useStill(still, sensor, shots[0], forgets);
     if (views > 1) {
       placeViews(scene_, sensor, shots, slot.motions, slot.placed);
     } else {
-      use = useStill(still, sensor, shots[0], !slot.motions.empty() && slot.motions[0].moves);
       slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
       const Pose pose = seenFrom(shots, 0, slot.motions);
       Selection selection = still.selection(use);

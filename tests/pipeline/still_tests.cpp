@@ -258,6 +258,30 @@ TEST_CASE("the still image is dropped when the pose, vertices or numbers change"
   }
 }
 
+// The views fill the farthest-range table with the ranges of the wall right in front of them, and a scan that started
+// from the still image would hide the moving ball behind these ranges.
+TEST_CASE("the still image is dropped when several views are scanned together") {
+  needVulkan();
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder wall;
+  wall.quad({20, -30, -30}, {0, 60, 0}, {0, 0, 60}, 40);
+  scene.meshes = {wall.take(), ball(10, 16, 1)};
+  scene.instances = {{"wall", 0, {}}, {"ball", 1, translation(6, 0, 0)}};
+  Pair pair(scene, vulkanOptions(), {sensors()[0]});
+  const std::vector<Shot> still(1, at(0));
+  const std::vector<Shot> together = {at(19.5), at(19.6), at(19.7), at(19.8)};
+  uint64_t reused = 0;
+  for (int round = 0; round < 4; ++round) {
+    for (int step = 0; step < 4; ++step) {
+      pair.move(1, translation(6, 0.1 * step, 0));
+      reused += pair.requireSame(still)[0].reused;
+    }
+    pair.requireSame(together);
+  }
+  CHECK(reused > 0);
+}
+
 TEST_CASE("if most of the scene moves, everything is scanned at once") {
   needVulkan();
   Random random(3);
