@@ -44,35 +44,36 @@ struct Effects {
   } intensity;
 
   /// A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` square to
-  /// the beam at `range`.
+  /// the beam at `range`. Automatic: on if a range is given.
   struct Detection {
-    EffectUse use = EffectUse::off;
+    EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1
     double range = 0;          ///< m, distance of that target; 0 means Sensor::rangeMax
     double softness = 0;  ///< relative width of the probability curve (logistic in ln power); 0 for a sharp threshold
   } detection;
 
-  /// Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams.
+  /// Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams. Automatic: on if a
+  /// rate or a dead beam is given.
   struct DropOut {
-    EffectUse use = EffectUse::off;
+    EffectUse use = EffectUse::automatic;
     double generalRate = 0;           ///< probability for every return, 0..1
     double intensityLimit = 1;        ///< unit intensity above which zeroIntensityRate has no effect
     double zeroIntensityRate = 0;     ///< probability at intensity 0, 0..1; falls linearly to 0 at the limit
     std::vector<uint32_t> deadBeams;  ///< indices of beams that never return anything: channel * columns + column
   } dropOut;
 
-  /// Errors of the range: bias, Gaussian noise and quantisation.
+  /// Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is given.
   struct RangeNoise {
-    EffectUse use = EffectUse::off;
+    EffectUse use = EffectUse::automatic;
     double bias = 0;           ///< m, added to every range
     double sigma = 0;          ///< m, standard deviation
     double sigmaPerMetre = 0;  ///< m per m; times the range, added to sigma
     double step = 0;           ///< m; ranges are rounded to multiples of it; 0 for no quantisation
   } rangeNoise;
 
-  /// Gaussian errors of the beam directions.
+  /// Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.
   struct AngleNoise {
-    EffectUse use = EffectUse::off;
+    EffectUse use = EffectUse::automatic;
     double azimuth = 0;    ///< rad, standard deviation; cut off at 4 sigma
     double elevation = 0;  ///< rad, standard deviation; cut off at 4 sigma
     enum class At {
@@ -81,9 +82,9 @@ struct Effects {
     } at = At::beam;  ///< what deviates
   } angleNoise;
 
-  /// Gaussian noise of the intensity.
+  /// Gaussian noise of the intensity. Automatic: on if a sigma is given.
   struct IntensityNoise {
-    EffectUse use = EffectUse::off;
+    EffectUse use = EffectUse::automatic;
     double sigma = 0;  ///< standard deviation, on the scale of unit intensity
   } intensityNoise;
 

@@ -20,6 +20,8 @@ std::string named(const std::string& why, const Sensor& sensor) {
 }
 
 void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::Decision& decision) {
+  if (answer.wrong && !lenient)
+    refuseRequest(decision.effect + ": " + named(answer.why, sensor) + "; " + answer.wayOut);
   if (decision.request == EffectUse::on) {
     if (!answer.shows && !answer.wayOut.empty() && !lenient) {
       refuseRequest(decision.effect + " is on, but " + named(answer.why, sensor) + "; " + answer.wayOut +
@@ -76,14 +78,14 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
   const Effects& effects = request.effects;
   validate(effects);
   const Question question = {effects, request.sensor, scene, request.fields, materials, request.variableWeather};
-  Effects asked = effects, defaults;
+  Effects asked = effects;
   std::vector<Plan::Decision> decisions;
   for (const EffectInfo& info : effectTable()) {
     Plan::Decision& decision = decisions.emplace_back();
     decision.effect = info.name;
     decision.request = info.use(asked);
     if (decision.request == EffectUse::off) {
-      decision.reason = info.use(defaults) == EffectUse::off ? "not asked for" : "off in the request";
+      decision.reason = "off in the request";
     } else if (effects.intensity.use == EffectUse::off && decision.request == EffectUse::automatic &&
                info.needsIntensity(effects)) {
       decision.reason = "intensity, which it needs, is off in the request";

@@ -47,6 +47,7 @@ Answer countMaterials(const Scene& scene, Has has, const char* does, const char*
 
 Answer judgeDetection(const Question& q) {
   const auto& detection = q.effects.detection;
+  if (detection.use == EffectUse::automatic && detection.range == 0) return {false, "no range is given"};
   const double range = detection.range > 0 ? detection.range : q.sensor.rangeMax;
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
   return {true, format("as strong as %.3g %% at %.6g m", 100 * detection.reflectance, range)};
@@ -58,7 +59,7 @@ Answer judgeDropOut(const Question& q) {
   for (uint32_t beam : dropOut.deadBeams) {
     if (beam < beams) continue;
     return {false, "the sensor has no beam " + std::to_string(beam) + ", it has " + std::to_string(beams),
-            "give drop-out.dead_beams from 0 to " + std::to_string(beams - 1)};
+            "give drop-out.dead_beams from 0 to " + std::to_string(beams - 1), true};
   }
   if (dropOut.generalRate == 0 && dropOut.zeroIntensityRate == 0 && dropOut.deadBeams.empty()) {
     return {false, "no rate and no dead beam is given",
@@ -77,7 +78,7 @@ Answer judgeDropOut(const Question& q) {
 Answer judgeRangeNoise(const Question& q) {
   const auto& noise = q.effects.rangeNoise;
   if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.step == 0) {
-    return {false, "its bias, sigma and step are 0", "give range-noise.sigma"};
+    return {false, "no bias, sigma or step is given", "give range-noise.sigma"};
   }
   std::string why = format("sigma %.3g m", noise.sigma);
   if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
@@ -89,14 +90,14 @@ Answer judgeRangeNoise(const Question& q) {
 Answer judgeAngleNoise(const Question& q) {
   const auto& noise = q.effects.angleNoise;
   if (noise.azimuth == 0 && noise.elevation == 0) {
-    return {false, "its sigmas are 0", "give angle-noise.azimuth or angle-noise.elevation"};
+    return {false, "no standard deviation is given", "give angle-noise.azimuth or angle-noise.elevation"};
   }
   return {true, format("sigma %.3g x %.3g mrad", 1e3 * noise.azimuth, 1e3 * noise.elevation)};
 }
 
 Answer judgeIntensityNoise(const Question& q) {
   const double sigma = q.effects.intensityNoise.sigma;
-  if (sigma == 0) return {false, "its sigma is 0", "give intensity-noise.sigma"};
+  if (sigma == 0) return {false, "no sigma is given", "give intensity-noise.sigma"};
   return {true, format("sigma %.3g", sigma)};
 }
 
@@ -238,7 +239,7 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::detection>(
           "detection", gpu::kDetection, judgeDetection, always,
           "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
-          "square to the beam at `range`.",
+          "square to the beam at `range`. Automatic: on if a range is given.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
            number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,
@@ -248,7 +249,9 @@ std::vector<EffectInfo> makeTable() {
                "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),
       effect<&E::dropOut>(
           "drop-out", gpu::kDropOut, judgeDropOut, dropsByIntensity,
-          "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams.",
+          "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams. Automatic: on if a "
+          "rate "
+          "or a dead beam is given.",
           {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
                                                          "Probability for every return, 0..1."),
            number<&E::dropOut, &E::DropOut::intensityLimit>(
@@ -259,7 +262,8 @@ std::vector<EffectInfo> makeTable() {
                "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")}),
       effect<&E::rangeNoise>(
           "range-noise", gpu::kRangeNoise, judgeRangeNoise, never,
-          "Errors of the range: bias, Gaussian noise and quantisation.",
+          "Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is "
+          "given.",
           {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100, "Added to every range."),
            number<&E::rangeNoise, &E::RangeNoise::sigma>("sigma", "m", 0, 100, "Standard deviation."),
            number<&E::rangeNoise, &E::RangeNoise::sigmaPerMetre>("sigma_per_metre", "", 0, 1,
@@ -267,7 +271,7 @@ std::vector<EffectInfo> makeTable() {
            number<&E::rangeNoise, &E::RangeNoise::step>(
                "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation.")}),
       effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, judgeAngleNoise, never,
-                             "Gaussian errors of the beam directions.",
+                             "Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.",
                              {number<&E::angleNoise, &E::AngleNoise::azimuth>(
                                   "azimuth", "rad", 0, 0.1, "Standard deviation; cut off at 4 sigma."),
                               number<&E::angleNoise, &E::AngleNoise::elevation>(
@@ -280,7 +284,7 @@ std::vector<EffectInfo> makeTable() {
                                     "one."}},
                                   "What deviates.")}),
       effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, judgeIntensityNoise, always,
-                                 "Gaussian noise of the intensity.",
+                                 "Gaussian noise of the intensity. Automatic: on if a sigma is given.",
                                  {number<&E::intensityNoise, &E::IntensityNoise::sigma>(
                                      "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
       effect<&E::divergence>(

@@ -33,6 +33,7 @@ struct Answer {
   bool shows;               ///< true if the scan can show the effect
   std::string why;          ///< what shows the effect, or what is missing
   std::string wayOut = {};  ///< how to supply what is missing; if empty, `on` is accepted nevertheless
+  bool wrong = false;       ///< true if the request does not fit the sensor, an error even if the effect is automatic
 };
 using Judge = Answer (*)(const Question&);
 

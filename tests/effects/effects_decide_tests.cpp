@@ -89,7 +89,11 @@ TEST_CASE("a plain sensor in a plain scene is planned with geometry alone") {
   const Asked asked;
   CHECK(bitsOf(asked.all()) == 0);
   checkOut(asked, "intensity", "nothing asks for it");
-  checkOut(asked, "detection", "not asked for");
+  checkOut(asked, "detection", "no range is given");
+  checkOut(asked, "drop-out", "no rate and no dead beam is given");
+  checkOut(asked, "range-noise", "no bias, sigma or step is given");
+  checkOut(asked, "angle-noise", "no standard deviation is given");
+  checkOut(asked, "intensity-noise", "no sigma is given");
   checkOut(asked, "divergence", "the sensor states no divergence");
   checkOut(asked, "returns", "the sensor reports one return per beam");
   checkOut(asked, "transmission", "no material that is seen lets light through");
@@ -112,7 +116,7 @@ TEST_CASE("Effects::none() plans geometry alone") {
   asked.scene.materials[0].transmission = 0.5f;
   CHECK(bitsOf(asked.all()) == 0);
   checkOut(asked, "divergence", "off in the request");
-  checkOut(asked, "range-noise", "not asked for");
+  checkOut(asked, "range-noise", "off in the request");
 }
 
 TEST_CASE("properties that the sensor states enable effects") {
@@ -193,16 +197,22 @@ TEST_CASE("parameters of the request enable effects") {
   checkIn(asked, "intensity", "needed by detection, drop-out, intensity-noise, fog, rain, snow, volumes");
 }
 
-TEST_CASE("noise left to auto is planned if its size is not 0") {
+TEST_CASE("an effect that is left to auto is planned if the request gives it a value") {
   Asked asked;
-  asked.effects.rangeNoise.use = asked.effects.dropOut.use = EffectUse::automatic;
-  checkOut(asked, "range-noise", "its bias, sigma and step are 0");
-  checkOut(asked, "drop-out", "no rate and no dead beam is given");
   asked.effects.rangeNoise.step = 0.004;
   asked.effects.dropOut.generalRate = 0.1;
   checkIn(asked, "range-noise", "sigma 0 m, steps of 0.004 m");
   checkIn(asked, "drop-out", "10 % at random");
   checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all returns are lost, whatever their strength
+  asked.effects.angleNoise.elevation = 1e-3;
+  checkIn(asked, "angle-noise", "sigma 0 x 1 mrad");
+  asked.effects.intensityNoise.sigma = 0.02;
+  checkIn(asked, "intensity-noise", "sigma 0.02");
+  asked.effects.detection.reflectance = 0.2;
+  checkOut(asked, "detection", "no range is given");
+  asked.effects.detection.range = 50;
+  checkIn(asked, "detection", "as strong as 20 % at 50 m");
+  checkIn(asked, "intensity", "needed by detection, intensity-noise");
 }
 
 TEST_CASE("requested fields enable the effects that compute them") {
@@ -245,22 +255,22 @@ TEST_CASE("an effect that is on but cannot be simulated is refused with advice")
   refused([](Effects& e) -> EffectUse& { return e.volumes.use; },
           "volumes is on, but no box is given; give volumes.boxes, or leave it to auto");
   refused([](Effects& e) -> EffectUse& { return e.rangeNoise.use; },
-          "range-noise is on, but its bias, sigma and step are 0; give range-noise.sigma, or leave it to auto");
+          "range-noise is on, but no bias, sigma or step is given; give range-noise.sigma, or leave it to auto");
   refused([](Effects& e) -> EffectUse& { return e.angleNoise.use; },
-          "angle-noise is on, but its sigmas are 0; give angle-noise.azimuth or angle-noise.elevation, or leave it to "
-          "auto");
+          "angle-noise is on, but no standard deviation is given; give angle-noise.azimuth or angle-noise.elevation, "
+          "or leave it to auto");
   refused([](Effects& e) -> EffectUse& { return e.intensityNoise.use; },
-          "intensity-noise is on, but its sigma is 0; give intensity-noise.sigma, or leave it to auto");
+          "intensity-noise is on, but no sigma is given; give intensity-noise.sigma, or leave it to auto");
   refused([](Effects& e) -> EffectUse& { return e.dropOut.use; },
           "drop-out is on, but no rate and no dead beam is given; give drop-out.general_rate, "
           "drop-out.zero_intensity_rate or drop-out.dead_beams, or leave it to auto");
 
   Asked asked;
-  asked.effects.dropOut.use = EffectUse::on;
   asked.effects.dropOut.deadBeams = {0, 20};
-  checkRefused(asked,
-               "drop-out is on, but sensor 'plain' has no beam 20, it has 20; give drop-out.dead_beams from 0 "
-               "to 19, or leave it to auto");
+  for (const EffectUse use : {EffectUse::on, EffectUse::automatic}) {
+    asked.effects.dropOut.use = use;
+    checkRefused(asked, "drop-out: sensor 'plain' has no beam 20, it has 20; give drop-out.dead_beams from 0 to 19");
+  }
 }
 
 TEST_CASE("an effect that is off but needed is refused, or disables the effects that need it") {

@@ -103,7 +103,7 @@ TEST_CASE("plan --effects takes a preset or a file, and assignments override it 
 TEST_CASE("effects are listed, and a printed preset is a valid file for --effects") {
   const Workplace place;
   CHECK_THAT(place.run("effects").out, ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
-                                           ContainsSubstring("\nrange-noise (off)\n") &&
+                                           ContainsSubstring("\nrange-noise (auto)\n") &&
                                            ContainsSubstring("  visibility           0              0..1000000 m\n"));
   const Result printed = place.run("effects os1-rain");
   REQUIRE(printed.status == 0);
