@@ -76,7 +76,12 @@ void add(Hasher& hasher, const Scene& scene) {
     hasher.add(&material.alphaImage, sizeof(material.alphaImage));
     hasher.add(&material.classId, sizeof(material.classId));
   }
-  for (const AlphaImage& image : scene.alphaImages) hasher.add(image.alpha);
+  for (const AlphaImage& image : scene.alphaImages) {
+    const uint32_t numbers[] = {image.width, image.height, static_cast<uint32_t>(image.wrapU),
+                                static_cast<uint32_t>(image.wrapV)};
+    hasher.add(numbers, sizeof(numbers));
+    hasher.add(image.alpha);
+  }
   for (const Instance& instance : scene.instances) {
     hasher.add(instance.name);
     hasher.add(&instance.mesh, sizeof(instance.mesh));

@@ -61,10 +61,14 @@ class Schedule {
   void wait(double time) {
     using Seconds = std::chrono::duration<double>;
     const auto now = WallClock::now();
-    if (!started_) begin_ = now - std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
-    if (!started_) first_ = now;
+    if (!started_) {
+      begin_ = first_ = now;
+      firstTime_ = time;
+    }
     started_ = true;
-    const auto at = begin_ + std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
+    // The time since the first message, because a drive may count its time from 1970, which at a low speed does not
+    // fit.
+    const auto at = begin_ + std::chrono::duration_cast<WallClock::duration>(Seconds((time - firstTime_) / speed_));
     if (const double late = Seconds(now - at).count(); late > patience_) {
       begin_ += now - at;
       report_.late += late;
@@ -74,8 +78,9 @@ class Schedule {
 
   double speed_, patience_;
   LiveReport& report_;
-  std::multimap<double, Due> due_;  // by the time of the drive; in the order of adding if it is the same
-  WallClock::time_point begin_, first_;
+  std::multimap<double, Due> due_;       // by the time of the drive; in the order of adding if it is the same
+  WallClock::time_point begin_, first_;  // begin_: when the first message was due, later if others were late
+  double firstTime_ = 0;                 // of the first message, in the drive's time
   bool started_ = false;
 };
 

@@ -101,7 +101,7 @@ class FrameManifest {
     return entries;
   }
 
-  std::vector<ScanSummary> scans(const std::vector<PlannedScan>& planned) const {
+  std::vector<ScanSummary> scans(const std::vector<PlannedScan>& planned, size_t actors) const {
     const Json& scans = list(content_, "scans");
     if (scans.size() != planned.size())
       refuse("has " + std::to_string(scans.size()) + " scans instead of " + std::to_string(planned.size()));
@@ -112,6 +112,8 @@ class FrameManifest {
       for (const Json& seen : list(scans[i], "boxes")) {
         Box& box = entry.boxes.emplace_back();
         box.actor = count(seen, "actor");
+        if (box.actor >= actors)
+          refuse("has a box of actor " + std::to_string(box.actor) + ", but the drive has " + std::to_string(actors));
         box.points = count(seen, "points");
         box.visibility = number(seen, "visibility");
       }
@@ -210,7 +212,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
   try {
     const FrameManifest manifest(frameFile(frame));
     entries = manifest.files();
-    manifest.scans(scansOf(drive_, frame));
+    manifest.scans(scansOf(drive_, frame), drive_.actors.size());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::format) throw;
     return false;  // the frame is made again, and its manifest with it
@@ -243,7 +245,7 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
 }
 
 FrameSummary Manifest::summaryOf(uint64_t frame) const {
-  return {FrameManifest(frameFile(frame)).scans(scansOf(drive_, frame))};
+  return {FrameManifest(frameFile(frame)).scans(scansOf(drive_, frame), drive_.actors.size())};
 }
 
 void Manifest::reopen() const {

@@ -15,10 +15,6 @@ Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);
-  for (size_t s = 0; options.warn && s < drive.sensors.size(); ++s)
-    for (const Plan::Decision& decision : simulator_->plan(s).effects)
-      if (decision.leftOut)
-        options.warn("sensor '" + drive.sensors[s].name + "': " + decision.effect + " is left out: " + decision.reason);
   for (size_t i = 0; i < placed_.size(); ++i) placed_[i] = world.scene().instances[i].transform;
 }
 

@@ -103,7 +103,7 @@ Stamps readEuroc(const std::filesystem::path& file) {
     if (v.size() < 8) line.refuse("is not t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
     int64_t nanoseconds = 0;
     const auto end = cells[0].data() + cells[0].size();
-    if (std::from_chars(cells[0].data(), end, nanoseconds).ptr != end)
+    if (const auto read = std::from_chars(cells[0].data(), end, nanoseconds); read.ec != std::errc() || read.ptr != end)
       line.refuse("has a time that is not nanoseconds");
     stamps.push_back(
         {static_cast<double>(nanoseconds) / 1e9, {{v[1], v[2], v[3]}, line.unit({v[5], v[6], v[7], v[4]})}});

@@ -261,6 +261,8 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
   CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
                     ContainsSubstring("has 2 times for the 1"));
   CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "euroc"), ContainsSubstring("line 1 is not t,x,y,z,qw"));
+  CHECK_THROWS_WITH(read("p.txt", "99999999999999999999,1,2,3,1,0,0,0\n", "euroc"),
+                    ContainsSubstring("line 1 has a time that is not nanoseconds"));
   CHECK_THROWS_WITH(read("a.tum", "0 0 0 0 0 0 0 2\n", "tum"), ContainsSubstring("length is not 1"));
 }
 

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <sstream>
 
+#include "drive/fingerprint.hpp"
 #include "drive_support.hpp"
 #include "npy_rows.hpp"
 #include "support.hpp"
@@ -162,6 +164,22 @@ TEST_CASE("points have the class of their material, else that of their instance;
   putMaterialFiles(folder, 300);
   CHECK_THROWS_WITH(folder.run(json, "other"),
                     Catch::Matchers::ContainsSubstring("the file of material '' states the id 300"));
+}
+
+TEST_CASE("every member of an image with holes changes the fingerprint of a drive") {
+  drive::Drive drive;
+  drive.scenes.emplace_back().alphaImages.push_back({2, 8, std::vector<uint8_t>(16, 100)});
+  AlphaImage& image = drive.scenes[0].alphaImages[0];
+  std::set<std::string> fingerprints = {drive::fingerprintOf(drive, "")};
+  const auto changes = [&] { return fingerprints.insert(drive::fingerprintOf(drive, "")).second; };
+  std::swap(image.width, image.height);
+  CHECK(changes());
+  image.wrapU = AlphaImage::Wrap::mirror;
+  CHECK(changes());
+  image.wrapV = AlphaImage::Wrap::clamp;
+  CHECK(changes());
+  image.alpha[3] = 7;
+  CHECK(changes());
 }
 
 TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
