@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -24,7 +26,7 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
     const int reason = errno;
     throw Error(ErrorCode::file, file.string() + ": cannot be read: " + std::strerror(reason));
   };
-  std::FILE* stream = std::fopen(file.c_str(), "rb");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) refuse();
   std::string bytes;
   std::error_code unknown;  // a pipe has no size; it is read block by block like the rest
@@ -32,17 +34,17 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   // One byte more than the size, so that the first block shows the end of a file.
   const size_t block = std::max(!unknown && size < maxBytes ? size_t{size} + 1 : 0, size_t{1} << 16);
   size_t count = 0;
-  do {
-    const size_t start = bytes.size();
-    bytes.resize(start + block);
-    count = std::fread(bytes.data() + start, 1, block, stream);
-    bytes.resize(start + count);
-  } while (count == block && bytes.size() <= maxBytes);
-  const bool failed = std::ferror(stream) != 0;
-  const int reason = errno;
-  std::fclose(stream);
-  errno = reason;
-  if (failed) refuse();
+  try {
+    do {
+      const size_t start = bytes.size();
+      bytes.resize(start + block);
+      count = std::fread(bytes.data() + start, 1, block, stream.get());
+      bytes.resize(start + count);
+    } while (count == block && bytes.size() <= maxBytes);
+  } catch (const std::exception&) {  // bad_alloc, or length_error for the size of a sparse file
+    throw Error(ErrorCode::outOfMemory, file.string() + ": does not fit into memory");
+  }
+  if (std::ferror(stream.get()) != 0) refuse();
   if (bytes.size() > maxBytes) {
     throw Error(ErrorCode::format, file.string() + ": is larger than " + std::to_string(maxBytes >> 20) + " MiB");
   }

@@ -104,16 +104,28 @@ void InstanceTable::addMesh(MeshSummary mesh) {
   reshapedAt_.push_back(0);
 }
 
+InstanceTable::World& InstanceTable::worldWithRoom(uint32_t number) {
+  const auto [entry, isNew] = worlds_.try_emplace(number);
+  try {
+    makeRoom(entry->second.instances, entry->second.instances.size() + 1);
+  } catch (...) {
+    if (isNew) worlds_.erase(entry);
+    throw;
+  }
+  return entry->second;
+}
+
 void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) {
   const bool adds = index == placements_.size();
   const uint32_t meshBefore = adds ? kNoMesh : placements_[index].mesh;
   const bool leaves = meshBefore != kNoMesh && (mesh == kNoMesh || placements_[index].world != world);
   const bool enters = mesh != kNoMesh && (meshBefore == kNoMesh || leaves);
-  World* to = mesh == kNoMesh ? nullptr : &worlds_[world];
-  if (enters) makeRoom(to->instances, to->instances.size() + 1);
   if (adds) {
     makeRoom(placements_, index + 1);
     makeRoom(spheres_, index + 1);
+  }
+  World* to = mesh == kNoMesh ? nullptr : &worldWithRoom(world);
+  if (adds) {
     placements_.emplace_back();
     placements_.back().mesh = kNoMesh;
     spheres_.emplace_back();

@@ -181,6 +181,8 @@ class InstanceTable {
   void moveSpheres();
   Sphere sphereOf(size_t instance) const;
   const World* find(uint32_t world) const;
+  /// Returns a world with room for one more instance. If it throws, no world has been added.
+  World& worldWithRoom(uint32_t number);
   const WorldContent& sumOf(const World& world) const;
   bool isSeen(uint32_t instance, const glm::dvec3& sensor, double reach) const;
   void number();

@@ -111,7 +111,8 @@ class Partitioner {
     float scale[3];
     for (int axis = 0; axis < 3; ++axis) {
       const float width = centres.high[axis] - centres.low[axis];
-      scale[axis] = width > 0.0f ? static_cast<float>(kBins) / width : 0.0f;
+      // The quotient is infinite for centres that differ by a denormal number only.
+      scale[axis] = width > 1e-30f ? static_cast<float>(kBins) / width : 0.0f;
     }
     const auto binOf = [&](const Boxed& item, int axis) {
       return std::min(static_cast<size_t>((centre(item.box, axis) - centres.low[axis]) * scale[axis]), kBins - 1);

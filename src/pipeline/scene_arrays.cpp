@@ -101,9 +101,9 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
   };
   room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
-  const DeviceMemory* before = to.instances_.get();
+  // An array that grows is made anew without the numbers. It grows with the number of instances, which changes the
+  // numbering.
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
-  if (to.instances_.get() != before) to.numbering_ = 0;
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
   const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
   if (to.numbering_ != instances_.numbering() || (meshes && !to.meshes_)) {

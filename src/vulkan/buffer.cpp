@@ -212,6 +212,12 @@ void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vk.vkBeginCommandBuffer(commands, &begin));
   vk.vkCmdCopyBuffer(commands, from, to, 1, &region);
+  // A signalled fence alone does not let the host see what the device has written.
+  VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0,
+                          nullptr, 0, nullptr);
   VK(vk.vkEndCommandBuffer(commands));
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;

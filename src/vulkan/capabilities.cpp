@@ -106,7 +106,7 @@ bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
 
 // Limits that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
 // workgroups per dispatch, and 128 bytes of push constants. Dispatches of more workgroups are divided.
-static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
+static_assert(kWorkgroupSize <= 128);
 
 std::vector<std::string> reasonsAgainst(const Offer& offer) {
   constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |

@@ -21,6 +21,7 @@ struct PushConstants {
   VkDeviceAddress addresses;  ///< address of the frame's gpu::Addresses
   gpu::Pass pass;
 };
+static_assert(sizeof(PushConstants) <= 128, "Vulkan guarantees no more");
 
 /// Puts constants into a module: codeOf() of specialise.hpp, or a replacement in a test.
 using Specialise = Code (*)(std::span<const uint32_t> module, std::span<const uint32_t> constants, bool split);

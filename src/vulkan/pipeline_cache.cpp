@@ -101,7 +101,9 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
   size_t size = 0;
   VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, nullptr));
   std::string bytes(size, '\0');
-  VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, bytes.data()));
+  const VkResult result = device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, bytes.data());
+  if (result == VK_INCOMPLETE) return;  // another thread has added a pipeline meanwhile, and saves the cache after it
+  check(result, "vkGetPipelineCacheData");
   bytes.resize(size);
   if (bytes == stored_) return;
   std::error_code ignored;

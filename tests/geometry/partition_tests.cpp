@@ -59,6 +59,10 @@ TEST_CASE("every box is in one run, whatever the boxes are") {
   // All at one place, empty, and each ten times as large as the one before, which makes uneven halves.
   checkRuns(partition(std::vector(1000, boxAt(1, 2, 3, 0)), 32, 16), 1000, 32);
   checkRuns(partition(std::vector(1000, BoundingBox()), 32, 16), 1000, 32);
+  // Centres that differ by a denormal number, whose quotients are not finite.
+  boxes.clear();
+  for (int i = 0; i < 1000; ++i) boxes.push_back(boxAt(static_cast<float>(i) * 1e-42f, 0, 0, 0));
+  checkRuns(partition(boxes, 32, 16), boxes.size(), 32);
   boxes.clear();
   for (int i = 0; i < 100000; ++i) boxes.push_back(boxAt(std::pow(10.0f, static_cast<float>(i % 18) - 9), 0, 0, 0));
   checkRuns(partition(boxes, 1, 16), boxes.size(), 1);
