@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <set>
 #include <utility>
 
 #include "base/limits.hpp"
@@ -11,6 +12,7 @@
 #include "base/slots.hpp"
 #include "base/threads.hpp"
 #include "effects/sensor_plan.hpp"
+#include "effects/shot_motion.hpp"
 #include "geometry/transform_rows.hpp"
 #include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
@@ -74,6 +76,7 @@ class Simulator::Impl {
       const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
+      warnOfLeftOut(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
     }
@@ -94,6 +97,30 @@ class Simulator::Impl {
                   "this simulator only compiles, so it cannot scan; see SimulatorOptions::compileOnly");
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i) check(shots[i], numbered ? "shot " + std::to_string(i) + ": " : "");
+    for (const Shot& shot : shots) warnOfMotion(shot);
+  }
+
+  /// Tells which effects are called for, but not with this accuracy or device.
+  void warnOfLeftOut(const SensorPlan& plan) const {
+    for (const Plan::Decision& decision : plan.decisions)
+      if (decision.leftOut && options_.warn)
+        options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason);
+  }
+
+  /// Tells once per sensor that its scans leave out the motion that a shot brings, unless the request turned it off.
+  void warnOfMotion(const Shot& shot) {
+    if (!options_.warn || !(shot.sensor < plans_.size()) || warnedOfMotion_.contains(shot.sensor)) return;
+    const SensorPlan& plan = *plans_[shot.sensor];
+    const bool instances = !shot.instanceMotions.empty() || !shot.meshMotions.empty();
+    for (const Plan::Decision& decision : plan.decisions) {
+      const bool brought = decision.effect == "sensor-motion" ? !shot.motion.stamps.empty() && !plan.speeds()
+                                                              : decision.effect == "object-motion" && instances;
+      if (!brought || decision.in || decision.leftOut || decision.request == EffectUse::off) continue;
+      warnedOfMotion_.insert(shot.sensor);
+      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
+                    " is left out, although a shot brings it: " + decision.reason);
+      return;
+    }
   }
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
@@ -106,6 +133,7 @@ class Simulator::Impl {
       result.columns = sensor.width();
       result.channels = sensor.height();
       result.pose = shots[i].pose;
+      result.skewed = isSkewed(*plans_[shots[i].sensor], shots[i]);
       computed_[shots[i].sensor].set(classes_, shots[i].frame, result);
       receive(i);
     });
@@ -176,6 +204,7 @@ class Simulator::Impl {
     SensorRequest request = completed(given, index);
     sensors_.reserve();
     auto plan = planner_.plan(scene_, request, index, false);
+    warnOfLeftOut(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());
     plans_.resize(count);
@@ -196,10 +225,12 @@ class Simulator::Impl {
     plans_[index].reset();
     requests_[index] = std::move(none);
     computed_[index] = {};
+    warnedOfMotion_.erase(index);
     sensors_.giveBack(index);
   }
 
   size_t addMaterial(Material material, const AlphaImage* image) {
+    validate(material, "the new material");
     const size_t index = materials_.next();
     material.alphaImage = kNoImage;
     AlphaImage alpha;
@@ -545,6 +576,7 @@ class Simulator::Impl {
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
+  std::set<size_t> warnedOfMotion_;        // sensors
   bool stale_ = false;  // true if the visible materials may have changed since the sensors were planned
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one

@@ -233,7 +233,7 @@ struct MaterialTable {
 GNOSPHERE_API MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
 /// Returns the optics of every material of the scene at `wavelength` (nm). Names in the table that no material has are
-/// appended to `unused`, if given.
+/// appended to `unused`, if given. Throws Error(invalidArgument) if a value of the table is NaN or beyond its limit.
 GNOSPHERE_API std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
                                            std::vector<std::string>* unused = nullptr);
 

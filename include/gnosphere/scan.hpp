@@ -195,6 +195,9 @@ struct Scan {
   uint32_t channels = 0;
   uint32_t returns = 1;  ///< entries per beam
   Pose pose;
+  /// True if the sensor moved during the scan, and points, normals and velocities are in the frames of their columns:
+  /// they are not deskewed.
+  bool skewed = false;
 
   std::vector<float> points;        ///< x, y, z per entry, in metres in the sensor frame
   std::vector<float> ranges;        ///< metres along the beam
@@ -235,9 +238,8 @@ struct Scan {
 };
 
 /// Returns the scan with its points, normals and velocities in the world frame, to which Scan::pose maps them; the pose
-/// becomes the identity. A scan with motion of the sensor must be deskewed (Effects::SensorMotion::deskew), or each of
-/// its columns has a frame of its own. Coordinates stay in single precision: 1 mm apart at 8 km from the world's
-/// origin. Throws Error(invalidArgument) if the scan has no points.
+/// becomes the identity. Coordinates stay in single precision: 1 mm apart at 8 km from the world's origin. Throws
+/// Error(invalidArgument) if the scan has no points, or if it is skewed; Effects::SensorMotion::deskew avoids this.
 GNOSPHERE_API Scan inWorld(Scan scan);
 
 }  // namespace gnosphere

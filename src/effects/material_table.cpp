@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // {"materials": [{"name": "asphalt", "reflectance_905": 0.17, "reflectance_1550": 0.2, "roughness": 1, "retro": 0,
 // "transmission": 0}]}; a value that a row omits stays as in the scene.
+#include "effects/material_table.hpp"
+
 #include <algorithm>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "base/nearest_text.hpp"
 #include "effects/openmaterial.hpp"
-#include "gnosphere/effects.hpp"
+#include "effects/parameter_text.hpp"
+#include "scene/validate.hpp"
 
 namespace gnosphere {
 namespace {
@@ -21,17 +24,20 @@ struct Column {
   float max;
 };
 
-constexpr Column kColumns[] = {
-    {"reflectance_905", &Row::reflectance905, 1},
-    {"reflectance_1550", &Row::reflectance1550, 1},
-    {"roughness", &Row::roughness, 1},
-    {"retro", &Row::retro, 1e6f},  // a cube corner returns a million times the light of a Lambertian
-    {"transmission", &Row::transmission, 1}};
+constexpr Column kColumns[] = {{"reflectance_905", &Row::reflectance905, 1},
+                               {"reflectance_1550", &Row::reflectance1550, 1},
+                               {"roughness", &Row::roughness, 1},
+                               {"retro", &Row::retro, kMostRetro},
+                               {"transmission", &Row::transmission, 1}};
 
 constexpr size_t kMaxTableBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB
 
 [[noreturn]] void refuseTable(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorCode::format, file.string() + ": " + why);
+}
+
+std::string rangeOf(const Column& column) {
+  return "0.." + std::to_string(static_cast<int>(column.max));
 }
 
 void readColumn(const std::filesystem::path& file, const std::string& key, const json& value, Row& row) {
@@ -44,8 +50,7 @@ void readColumn(const std::filesystem::path& file, const std::string& key, const
   }
   const double number = value.is_number() ? value.get<double>() : -1.0;
   if (!(number >= 0 && number <= static_cast<double>(column->max))) {
-    refuseTable(file, "material '" + row.name + "': " + key + " must be 0.." +
-                          std::to_string(static_cast<int>(column->max)) + ", is " + shown(value));
+    refuseTable(file, "material '" + row.name + "': " + key + " must be " + rangeOf(*column) + ", is " + shown(value));
   }
   row.*column->member = static_cast<float>(number);
 }
@@ -63,6 +68,17 @@ Row readRow(const std::filesystem::path& file, const json& entry) {
 }
 
 }  // namespace
+
+void validate(const MaterialTable& table) {
+  for (const Row& row : table.rows)
+    for (const Column& column : kColumns) {
+      const float value = row.*column.member;
+      if (value <= column.max) continue;
+      throw Error(ErrorCode::invalidArgument, "material table, material '" + row.name + "': " + column.name +
+                                                  " must be " + rangeOf(column) + ", or negative if not stated, is " +
+                                                  numberText(double{value}));
+    }
+}
 
 json readMaterialJson(const std::filesystem::path& file) {
   return parseStrict(readWholeFile(file, kMaxTableBytes), file.string());

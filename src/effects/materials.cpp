@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/text.hpp"
-#include "gnosphere/effects.hpp"
+#include "effects/material_table.hpp"
 
 namespace gnosphere {
 namespace {
@@ -35,6 +35,7 @@ Optics opticsOf(const Material& material) {
 
 std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
                              std::vector<std::string>* unused) {
+  validate(table);
   std::multimap<std::string, size_t> materials;
   for (size_t i = 0; i < scene.materials.size(); ++i) materials.emplace(lower(scene.materials[i].name), i);
   std::vector<Optics> optics;

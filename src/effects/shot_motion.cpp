@@ -2,6 +2,7 @@
 #include "effects/shot_motion.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "sensor/beams.hpp"
 
@@ -21,6 +22,14 @@ bool sensorMoves(const SensorPlan& plan, const Shot& shot) {
 
 bool moves(const SensorPlan& plan, const Shot& shot) {
   return sensorMoves(plan, shot) || instancesMove(plan, shot);
+}
+
+bool isSkewed(const SensorPlan& plan, const Shot& shot) {
+  const auto isElsewhere = [&](const SensorMotion::Stamp& stamp) {
+    return std::memcmp(&stamp.pose, &shot.pose, sizeof(Pose)) != 0;
+  };
+  return plan.has(gpu::kSensorMotion) && !plan.effects.sensorMotion.deskew &&
+         std::any_of(shot.motion.stamps.begin(), shot.motion.stamps.end(), isElsewhere);
 }
 
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,

@@ -25,6 +25,9 @@ struct ShotMotion {
 /// Returns whether the sensor or an instance moves during the shot, as far as scans of the plan simulate that.
 bool moves(const SensorPlan& plan, const Shot& shot);
 
+/// Returns whether a scan has points in the frames of its columns, which differ; see Scan::skewed.
+bool isSkewed(const SensorPlan& plan, const Shot& shot);
+
 /// The motion that the lasers see which fire from around `lasers.centre`. Empty if neither the sensor nor an instance
 /// moves during this shot, and all lasers are at the sensor's origin.
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,

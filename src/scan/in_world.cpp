@@ -22,6 +22,10 @@ void map(const Transform& map, float* vectors, size_t count) {
 Scan inWorld(Scan scan) {
   const size_t entries = scan.ranges.size();
   if (scan.points.size() != 3 * entries) throw Error(ErrorCode::invalidArgument, "the scan has no points to map");
+  if (scan.skewed)
+    throw Error(
+        ErrorCode::invalidArgument,
+        "the sensor moved during the scan, whose columns have frames of their own; scan with sensor-motion.deskew");
   const Vec3 one = {1, 1, 1};
   map(composed(scan.pose.position, scan.pose.orientation, one), scan.points.data(), entries);
   const Transform rotation = composed({}, scan.pose.orientation, one);

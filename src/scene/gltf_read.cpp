@@ -107,7 +107,7 @@ Material Reader::readMaterial(const tinygltf::Material& from) const {
   material.alphaMode = from.alphaMode == "MASK"    ? AlphaMode::mask
                        : from.alphaMode == "BLEND" ? AlphaMode::blend
                                                    : AlphaMode::opaque;
-  material.alphaCutoff = static_cast<float>(from.alphaCutoff);
+  material.alphaCutoff = std::max(static_cast<float>(from.alphaCutoff), 0.0f);
   material.doubleSided = from.doubleSided;
   const StatedClass stated = classIn(from.extras);
   material.classId = stated.id;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "base/limits.hpp"
 #include "scene/validate.hpp"
@@ -124,6 +125,21 @@ void validate(const Deformation& deformation, const std::string& name, const Mes
       fail(name + ": the weight of morph target " + std::to_string(i) + " is not finite");
 }
 
+void validate(const Material& material, const std::string& name) {
+  const auto check = [&](const char* what, float value, float most) {
+    if (value >= 0 && value <= most) return;
+    std::ostringstream text;
+    text << name << ": its " << what << " must be 0.." << most << ", is " << value;
+    fail(text.str());
+  };
+  for (const float factor : material.baseColor) check("base colour", factor, 1);
+  check("metallic factor", material.metallic, 1);
+  check("roughness", material.roughness, 1);
+  check("transmission", material.transmission, 1);
+  check("alpha cutoff", material.alphaCutoff, std::numeric_limits<float>::max());
+  check("retro-reflection", material.retro, kMostRetro);
+}
+
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials) {
   if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
   if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
@@ -154,6 +170,8 @@ void validate(const Scene& scene) {
   for (size_t i = 0; i < scene.alphaImages.size(); ++i)
     validate(scene.alphaImages[i], "alpha image " + std::to_string(i));
   for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const std::string& name = scene.materials[i].name;
+    validate(scene.materials[i], "material " + std::to_string(i) + (name.empty() ? "" : " ('" + name + "')"));
     const uint32_t image = scene.materials[i].alphaImage;
     if (image != kNoImage && image >= scene.alphaImages.size())
       fail("material " + std::to_string(i) + ": alpha image " + std::to_string(image) +
