@@ -135,9 +135,11 @@ class Lidar:
         self.sensors[number:] = [request.sensor]
         return number
 
-    def move(self, transforms: npt.ArrayLike, instances: Optional[npt.ArrayLike] = None) -> None:
-        """Moves the instances, all of them by default: shape (n, 3, 4), maps to the world, or (n, 7), position x, y, z
-        and quaternion x, y, z, w."""
+    def move(
+        self, transforms: Union[npt.ArrayLike, Sequence[gno.Transform]], instances: Optional[npt.ArrayLike] = None
+    ) -> None:
+        """Moves the instances, all of them by default: maps to the world, as Transforms or of shape (n, 3, 4) or
+        (n, 4, 4), or poses of shape (n, 7), position x, y, z in metres and quaternion x, y, z, w."""
         self.simulator.set_transforms(self._all if instances is None else instances, transforms)
 
     def cast(self, shot: gno.Shot, into: Optional[gno.Scan] = None) -> gno.Scan:
@@ -251,13 +253,14 @@ def laser_scan(
     scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, by ascending angle. A beam without a return has
-    infinity (REP 117). Raises ValueError if the beams of the channel are not evenly spaced in azimuth."""
+    infinity (REP 117). Beams on both sides of 180 degrees have angles up to more than that, without a gap. Raises
+    ValueError for a channel that the scan does not have, and if its beams are not evenly spaced in azimuth."""
+    if not 0 <= channel < scan.channels:
+        raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")
     columns = scan.columns
     entries = slice(channel * columns * scan.returns, (channel + 1) * columns * scan.returns, scan.returns)
     directions = gno.beams_of(sensor).directions[channel * columns : (channel + 1) * columns]
-    angles = np.arctan2(directions[:, 1].astype(np.float64), directions[:, 0])
-    order = np.argsort(angles, kind="stable")
-    angles = angles[order]
+    order, angles = _around(np.arctan2(directions[:, 1].astype(np.float64), directions[:, 0]))
     steps = np.diff(angles)
     if len(steps) and np.ptp(steps) > 1e-4:
         raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
@@ -277,6 +280,19 @@ def laser_scan(
     if scan.has(gno.Field.intensity):
         message["intensities"] = np.nan_to_num(scan.column(gno.Field.intensity)[entries][order])
     return message
+
+
+def _around(azimuths: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """The order of azimuths counter-clockwise, from behind the widest gap between two of them, and the azimuths in this
+    order, which ascend beyond 180 degrees if the gap is elsewhere."""
+    order = np.argsort(azimuths, kind="stable")
+    ascending = azimuths[order]
+    gaps = np.diff(ascending)
+    behind = ascending[0] + 2 * np.pi - ascending[-1]
+    if not len(gaps) or gaps.max() <= behind + 1e-4:
+        return order, ascending
+    first = int(np.argmax(gaps)) + 1
+    return np.roll(order, -first), np.concatenate([ascending[first:], ascending[:first] + 2 * np.pi])
 
 
 def header(frame_id: str, stamp: float) -> dict[str, Any]:

@@ -4,7 +4,8 @@ height field.
 
 Each function returns (vertices, faces): float32 of shape (n, 3) in metres, and uint32 of shape (m, 3), whose corners
 turn counter-clockwise seen from outside. Shapes stand in the middle of their frame, round ones along its z axis. The
-vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres.
+vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres. Sizes that are
+negative or not finite are a ValueError.
 """
 
 from __future__ import annotations
@@ -39,8 +40,18 @@ def _quads(quads: npt.ArrayLike) -> npt.NDArray[np.int64]:
     return np.stack([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
 
 
+def _check(shape: str, sizes: npt.ArrayLike, count: int) -> None:
+    """Raises ValueError unless there are `count` sizes, which are finite and not negative."""
+    given = np.asarray(sizes, np.float64)
+    if given.shape != (count,):
+        raise ValueError(f"{shape} has {count} sizes; {given.tolist()} has the shape {given.shape}")
+    if not np.all(np.isfinite(given) & (given >= 0)):
+        raise ValueError(f"the sizes of {shape} must be finite and not negative, not {given.tolist()}")
+
+
 def box(half: npt.ArrayLike) -> Triangles:
     """A box with these half sizes along x, y and z."""
+    _check("a box", half, 3)
     signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float64)
     quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
     return _result(signs * np.asarray(half, np.float64), _quads(quads))
@@ -50,6 +61,7 @@ def plane(half_x: float, half_y: float, finest: float = 0.0) -> Triangles:
     """A rectangle in the plane z = 0, whose front looks along z. If `finest` is more than 0, it is divided at that
     distance from its middle and at ten times, a hundred times that distance, so that its near parts have near corners:
     single precision is then as fine near the middle as for a small rectangle."""
+    _check("a plane", (half_x, half_y), 2)
     steps = [[half] for half in (half_x, half_y)]
     for cuts in steps:
         cut = finest
@@ -85,6 +97,7 @@ def _closed(rings: npt.NDArray[np.float64], low: Sequence[float], high: Sequence
 
 def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     """A closed cylinder that reaches from z = -half to z = half."""
+    _check("a cylinder", (radius, half), 2)
     circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
     rings = np.stack([np.column_stack([circle, np.full(len(circle), z)]) for z in (-half, half)])
     return _closed(rings, [0, 0, -half], [0, 0, half])
@@ -92,6 +105,7 @@ def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
 
 def cone(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     """A closed cone from z = -half, where it is widest, to its tip at z = half."""
+    _check("a cone", (radius, half), 2)
     circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
     rings = np.column_stack([circle, np.full(len(circle), -half)])[None]
     return _closed(rings, [0, 0, -half], [0, 0, half])
@@ -114,17 +128,20 @@ def _unit_rings(radius: float, tolerance: float) -> npt.NDArray[np.float64]:
 
 def ellipsoid(radii: Sequence[float], tolerance: float = 1e-3) -> Triangles:
     """An ellipsoid with these three half axes."""
+    _check("an ellipsoid", radii, 3)
     scale = np.asarray(radii, np.float64)
     return _closed(_unit_rings(float(scale.max()), tolerance) * scale, [0, 0, -scale[2]], [0, 0, scale[2]])
 
 
 def sphere(radius: float, tolerance: float = 1e-3) -> Triangles:
     """A sphere around the origin."""
+    _check("a sphere", (radius,), 1)
     return ellipsoid((radius, radius, radius), tolerance)
 
 
 def capsule(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     """A cylinder from z = -half to z = half with a half sphere at each end."""
+    _check("a capsule", (radius, half), 2)
     rings = _unit_rings(radius, tolerance) * radius
     middle = len(rings) // 2
     up = np.array([0, 0, half])

@@ -14,16 +14,70 @@ std::string text(nb::handle object) {
   return nb::cast<std::string>(nb::str(object));
 }
 
+/// The type and the message of an exception as one line, without the traceback that what() has.
+std::string lineOf(const nb::python_error& error) {
+  const std::string message = text(error.value());
+  return nb::cast<std::string>(error.type().attr("__name__")) + ": " + message.substr(0, message.find('\n'));
+}
+
+/// Makes a NumPy array. Throws Error(invalidArgument), "<name> cannot be made an array<wanted>: ...".
+nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::string& wanted) {
+  try {
+    return asArray(object);
+  } catch (const nb::python_error& error) {
+    refuse(name + " cannot be made an array" + wanted + ": " + lineOf(error));
+  }
+}
+
+/// Makes an array of shape (n, 4, 4) one of shape (n, 3, 4), which lacks the last rows. Throws Error(invalidArgument)
+/// that names the first entry whose last row is not 0, 0, 0, 1.
+nb::object withoutLastRows(const nb::object& array, const std::string& name) {
+  const nb::object all = nb::slice(nb::none(), nb::none(), nb::none());
+  const nb::object last = array.attr("__getitem__")(nb::make_tuple(all, 3));
+  const nb::object differs = last.attr("__ne__")(nb::make_tuple(0, 0, 0, 1)).attr("any")("axis"_a = 1);
+  if (nb::cast<bool>(nb::bool_(differs.attr("any")()))) {
+    const nb::object entry = differs.attr("argmax")();
+    refuse(name + ": the last row of entry " + text(entry) + " is " +
+           text(last.attr("__getitem__")(entry).attr("tolist")()) + "; that of an affine map is [0, 0, 0, 1]");
+  }
+  return array.attr("__getitem__")(nb::make_tuple(all, nb::slice(nb::none(), nb::int_(3), nb::none())));
+}
+
+/// The length of an array along an axis; 0 for an axis that it does not have.
+size_t lengthAlong(const nb::object& array, size_t axis) {
+  const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
+  return axis < nb::len(shape) ? nb::cast<size_t>(shape[axis]) : 0;
+}
+
+size_t dimensionsOf(const nb::object& array) {
+  return nb::cast<size_t>(array.attr("ndim"));
+}
+
+/// Makes an array of maps, shape (n, 3, 4) or (n, 4, 4), one of shape (n, 12). Returns none for another shape. Throws
+/// Error(invalidArgument) as withoutLastRows() does.
+nb::object rowsOfMaps(nb::object array, const std::string& name) {
+  if (dimensionsOf(array) != 3 || lengthAlong(array, 2) != 4) return nb::none();
+  if (lengthAlong(array, 1) == 4) array = withoutLastRows(array, name);
+  if (lengthAlong(array, 1) != 3) return nb::none();
+  return array.attr("reshape")(lengthAlong(array, 0), 12);
+}
+
 }  // namespace
+
+nb::object asArray(nb::handle object) {
+  const bool onlyDlpack =
+      nb::hasattr(object, "__dlpack__") && !nb::hasattr(object, "__array__") && !PyObject_CheckBuffer(object.ptr());
+  return numpy().attr(onlyDlpack ? "from_dlpack" : "asarray")(object);
+}
+
+bool isSequenceOfObjects(nb::handle object) {
+  if (!PySequence_Check(object.ptr()) || PyUnicode_Check(object.ptr())) return false;
+  return !nb::hasattr(object, "dtype") || text(object.attr("dtype")) == "object";
+}
 
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width) {
   const std::string wanted = width == 0 ? "(n,)" : width == kAnyWidth ? "(n, m)" : "(n, " + std::to_string(width) + ")";
-  nb::object array;
-  try {
-    array = numpy().attr("asarray")(argument.object);
-  } catch (const nb::python_error& error) {
-    refuse(name + " cannot be made an array of shape " + wanted + ": " + error.what());
-  }
+  const nb::object array = arrayOrRefuse(argument.object, name, " of shape " + wanted);
   const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
   if (nb::len(shape) == 1 && nb::cast<size_t>(shape[0]) == 0 && width != 0)  // an empty list
     return array.attr("reshape")(0, width == kAnyWidth ? 0 : width);
@@ -54,38 +108,47 @@ nb::object contiguous(nb::handle array, const char* type) {
 }
 
 std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name) {
-  if (const auto* maps = std::get_if<std::vector<Transform>>(&argument)) return *maps;
-  const std::string wanted = "it must be (n, 3, 4), or a sequence of Transform";
-  nb::object array;
-  try {
-    array = numpy().attr("asarray")(std::get<ArrayLike>(argument).object);
-  } catch (const nb::python_error& error) {
-    refuse(name + " cannot be made an array; " + wanted + ": " + error.what());
-  }
-  const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
-  if (nb::len(shape) != 3 || nb::cast<size_t>(shape[1]) != 3 || nb::cast<size_t>(shape[2]) != 4)
-    refuse(name + " has the shape " + text(shape) + "; " + wanted);
-  const auto rows = arrayOf<double>({array.attr("reshape")(-1, 4)}, name, 4);
-  std::vector<Transform> maps(rows.rows() / 3);
-  for (size_t i = 0; i < maps.size(); ++i)
-    std::copy_n(rows.values().begin() + static_cast<ptrdiff_t>(12 * i), 12, maps[i].rows.begin());
-  return maps;
+  if (firstIs<Transform>(argument.object)) return entriesOf<Transform>(argument.object, name);
+  const nb::object array = arrayOrRefuse(argument.object, name, "");
+  const bool empty = dimensionsOf(array) == 1 && lengthAlong(array, 0) == 0;
+  const nb::object maps = empty ? nb::object(array.attr("reshape")(0, 12)) : rowsOfMaps(array, name);
+  if (maps.is_none())
+    refuse(name + " has the shape " + text(array.attr("shape")) +
+           "; it must be (n, 3, 4) or (n, 4, 4), or a sequence of Transform");
+  const auto rows = arrayOf<double>({maps}, name, 12);
+  std::vector<Transform> result(rows.rows());
+  for (size_t i = 0; i < result.size(); ++i)
+    std::copy_n(rows.values().begin() + static_cast<ptrdiff_t>(12 * i), 12, result[i].rows.begin());
+  return result;
 }
 
-nb::object transformRows(const ArrayLike& argument, const std::string& name) {
-  const std::string wanted = "it must be (n, 3, 4) or (n, 7)";
-  nb::object array;
-  try {
-    array = numpy().attr("asarray")(argument.object);
-  } catch (const nb::python_error& error) {
-    refuse(name + " cannot be made an array; " + wanted + ": " + error.what());
+Transform transformOf(const ArrayLike& argument, const std::string& name) {
+  const nb::object array = arrayOrRefuse(argument.object, name, " of shape (3, 4)");
+  const bool fits = dimensionsOf(array) == 2 && lengthAlong(array, 1) == 4 &&
+                    (lengthAlong(array, 0) == 3 || lengthAlong(array, 0) == 4);
+  if (!fits) refuse(name + " has the shape " + text(array.attr("shape")) + "; it must be (3, 4) or (4, 4)");
+  const nb::object maps = rowsOfMaps(array.attr("reshape")(1, lengthAlong(array, 0), 4), name);
+  const auto rows = arrayOf<double>({maps}, name, 12);
+  Transform result;
+  std::copy(rows.values().begin(), rows.values().end(), result.rows.begin());
+  return result;
+}
+
+nb::object transformRows(const TransformsLike& argument, const std::string& name) {
+  if (firstIs<Transform>(argument.object)) {
+    std::vector<double> values;
+    for (const Transform& map : entriesOf<Transform>(argument.object, name))
+      values.insert(values.end(), map.rows.begin(), map.rows.end());
+    return nb::cast(ownedRows<12>(std::move(values)), kOwned);
   }
-  const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
-  const auto size = [&](size_t axis) { return nb::cast<size_t>(shape[axis]); };
-  if (nb::len(shape) == 3 && size(1) == 3 && size(2) == 4) return array.attr("reshape")(size(0), 12);
-  if (nb::len(shape) == 2 && size(1) == 7) return array;
-  if (nb::len(shape) == 1 && size(0) == 0) return array.attr("reshape")(0, 12);
-  refuse(name + " has the shape " + text(shape) + "; " + wanted);
+  const nb::object array = arrayOrRefuse(argument.object, name, "");
+  if (dimensionsOf(array) == 2 && lengthAlong(array, 1) == 7) return array;
+  if (dimensionsOf(array) == 1 && lengthAlong(array, 0) == 0) return array.attr("reshape")(0, 12);
+  const nb::object maps = rowsOfMaps(array, name);
+  if (maps.is_none())
+    refuse(name + " has the shape " + text(array.attr("shape")) +
+           "; it must be (n, 3, 4), (n, 4, 4) or (n, 7), or a sequence of Transform");
+  return maps;
 }
 
 bool isFloat32(nb::handle array) {

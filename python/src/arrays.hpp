@@ -65,14 +65,54 @@ ArrayIn<T> arrayOf(const ArrayLike& argument, const std::string& name, size_t wi
   return ArrayIn<T>(contiguous(array, dtypeName<T>()), nb::len(array));
 }
 
-/// An argument that is a list of maps: of Transforms, or an array of shape (n, 3, 4).
-using TransformsLike = std::variant<std::vector<Transform>, ArrayLike>;
-/// Throws Error(invalidArgument) that begins with `name`.
-std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name);
+/// An argument that is a sequence of one of the types, or what NumPy can make an array of.
+template <typename... Types>
+struct SequenceOrArray {
+  nb::object object;
+};
 
-/// Makes an array of shape (n, 3, 4) or (n, 7) one of shape (n, 12) or (n, 7). Throws Error(invalidArgument) that
-/// begins with `name`.
-nb::object transformRows(const ArrayLike& argument, const std::string& name);
+/// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises.
+nb::object asArray(nb::handle object);
+/// Whether an argument is a sequence, and neither a text nor an array of numbers.
+bool isSequenceOfObjects(nb::handle object);
+
+/// Whether an argument is a sequence whose first entry is a `T`.
+template <typename T>
+bool firstIs(nb::handle argument) {
+  if (!isSequenceOfObjects(argument) || nb::len(argument) == 0) return false;
+  return nb::isinstance<T>(nb::object(argument[nb::int_(0)]));
+}
+
+/// The entries of a sequence of which firstIs() says that it is one of `T`. Throws a TypeError that begins with `name`
+/// and names the first entry of another type.
+template <typename T>
+std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
+  const auto nameOf = [](nb::handle type) { return nb::cast<std::string>(type.attr("__name__")); };
+  std::vector<T> entries;
+  const size_t size = nb::len(argument);
+  entries.reserve(size);
+  for (size_t i = 0; i < size; ++i) {
+    const nb::object entry = argument[nb::int_(i)];
+    if (!nb::isinstance<T>(entry))
+      throw nb::type_error((name + ": entry 0 is of the type " + nameOf(nb::type<T>()) + ", but entry " +
+                            std::to_string(i) + " of the type " + nameOf(entry.type()) + "; all must be of one type")
+                               .c_str());
+    entries.push_back(nb::cast<const T&>(entry));
+  }
+  return entries;
+}
+
+/// An argument that is a list of maps: of Transforms, or an array of shape (n, 3, 4), or (n, 4, 4) whose last rows are
+/// 0, 0, 0, 1.
+using TransformsLike = SequenceOrArray<Transform>;
+/// Throws Error(invalidArgument), or a TypeError, that begins with `name`.
+std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name);
+/// One map, of shape (3, 4) or (4, 4). Throws as transformsOf() does.
+Transform transformOf(const ArrayLike& argument, const std::string& name);
+
+/// Makes maps, or an array of poses of shape (n, 7), an array of shape (n, 12) or (n, 7). Throws as transformsOf()
+/// does.
+nb::object transformRows(const TransformsLike& argument, const std::string& name);
 bool isFloat32(nb::handle array);
 
 /// Views, as NumPy arrays of shape (n,) and (n, width). `const` makes them read-only.
@@ -149,6 +189,21 @@ struct type_caster<gnosphere::python::ArrayLike> {
   }
   static handle from_cpp(const gnosphere::python::ArrayLike& array, rv_policy, cleanup_list*) noexcept {
     return array.object.inc_ref();
+  }
+};
+
+template <typename... Types>
+struct type_caster<gnosphere::python::SequenceOrArray<Types...>> {
+  using Argument = gnosphere::python::SequenceOrArray<Types...>;
+  NB_TYPE_CASTER(Argument,
+                 ((const_name("collections.abc.Sequence[") + make_caster<Types>::Name + const_name("] | ")) + ...) +
+                     const_name("numpy.typing.ArrayLike"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.object = borrow(source);
+    return true;
+  }
+  static handle from_cpp(const Argument& argument, rv_policy, cleanup_list*) noexcept {
+    return argument.object.inc_ref();
   }
 };
 

@@ -2,17 +2,20 @@
 // Binds gnosphere/batch_stream.hpp.
 #include <algorithm>
 
+#include "fields.hpp"
 #include "simulator.hpp"
 
 namespace gnosphere::python {
 namespace {
 
-/// A stream and its simulator, which the Python object keeps alive.
+/// A stream, with the Python object of its simulator, which it keeps alive.
 struct Stream {
-  Stream(SimulatorOfOneThread& of, const BatchStreamOptions& options)
-      : simulator(of),
-        stream(of.use([&](Simulator& simulator) { return BatchStream(simulator, options); })),
+  Stream(nb::object owner, const BatchStreamOptions& options)
+      : keeper(std::move(owner)),
+        simulator(nb::cast<SimulatorOfOneThread&>(keeper)),
+        stream(simulator.use([&](Simulator& simulator) { return BatchStream(simulator, options); })),
         inFlight(options.inFlight) {}
+  nb::object keeper;
   SimulatorOfOneThread& simulator;
   BatchStream stream;
   size_t inFlight;
@@ -27,6 +30,14 @@ struct Streamed {
   std::vector<uint32_t> hits;
   nb::object stream;
 };
+
+/// A circle of references that leads through a stream or a batch of it leads on through the simulator, which drops its
+/// functions. So these two drop nothing.
+constexpr auto kDropsNothing = [](auto&) {};
+using CollectedStream =
+    Collected<Stream, [](const Stream& of) { return std::vector<nb::handle>{of.keeper}; }, kDropsNothing>;
+using CollectedBatch =
+    Collected<Streamed, [](const Streamed& of) { return std::vector<nb::handle>{of.stream}; }, kDropsNothing>;
 
 Streamed wait(nb::handle self, uint64_t number) {
   auto& of = nb::cast<Stream&>(self);
@@ -89,9 +100,17 @@ nb::object column(const Streamed& self, Field field, Where where) {
   return arrayOfType(info.type, [&]<typename T>() { return arrayOf<T>(self, first, info.components, where); });
 }
 
+bool hasField(const Streamed& self, Field field) {
+  return std::ranges::count(self.layout.values, field, &RecordLayout::Value::field) > 0;
+}
+
+nb::object columnOf(const Streamed& self, Field field) {
+  return column(self, field, Where::host);
+}
+
 void bindStreamed(nb::module_& m) {
   nb::class_<Streamed> batch(
-      m, "StreamedBatch",
+      m, "StreamedBatch", nb::type_slots(CollectedBatch::slots),
       "The results of a batch that has been waited for. Arrays have the shape (views, beams), or (views, beams, "
       "returns) if a beam may have several, and vectors have their components as a last dimension. They are views of "
       "the stream's result buffer, which they keep alive: the values change when the stream uses the buffer again, for "
@@ -127,11 +146,10 @@ void bindStreamed(nb::module_& m) {
       nb::for_getter(nb::sig("def points(self, /) -> numpy.typing.NDArray[numpy.float32]")),
       "float32, three components: x, y, z in metres in the frame of each view's sensor; if x, y or z is a field.");
   batch
-      .def(
-          "column", [](const Streamed& self, Field field) { return column(self, field, Where::host); }, "field"_a,
-          nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
-          "Returns the values of a field as a NumPy array. Raises Error(invalid_argument) if the batch does not have "
-          "the field, or if the results are on the device only.")
+      .def("column", &columnOf, "field"_a,
+           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
+           "Returns the values of a field as a NumPy array. Raises Error(invalid_argument) if the batch does not have "
+           "the field, or if the results are on the device only.")
       .def(
           "cuda_column", [](const Streamed& self, Field field) { return column(self, field, Where::cuda); }, "field"_a,
           nb::sig("def cuda_column(self, field: Field) -> typing.Any"),
@@ -140,11 +158,9 @@ void bindStreamed(nb::module_& m) {
           "submitted that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have "
           "them.")
       .def(
-          "has",
-          [](const Streamed& self, Field field) {
-            return std::ranges::count(self.layout.values, field, &RecordLayout::Value::field) > 0;
-          },
-          "field"_a, "Whether column() has the field.");
+          "has", [](const Streamed& self, Field field) { return hasField(self, field); }, "field"_a,
+          "Whether column() has the field.");
+  bindNames<&hasField, &columnOf>(batch, "the batch", "SensorRequest.fields asks for more");
 }
 
 }  // namespace
@@ -171,17 +187,17 @@ void bindBatchStream(nb::module_& m) {
               "Of the first byte, in the primary context, which PyTorch uses as well.")
       .def_ro("device", &CudaAddress::device, "The number by which CUDA knows the card.");
   nb::class_<Stream>(
-      m, "BatchStream",
+      m, "BatchStream", nb::type_slots(CollectedStream::slots),
       "Batches of a simulator whose results stay on its device (SimulatorOptions.results_on_device). Batches are "
       "submitted and waited for apart, so that the device works on one while the program works on the results of "
       "another. Others on the same card read the results where they are. A batch holds ranges and "
       "SensorRequest.fields.")
       .def(
           "__init__",
-          [](Stream* self, SimulatorOfOneThread& simulator, size_t views, size_t inFlight, bool toHost) {
-            new (self) Stream(simulator, {views, inFlight, toHost});
+          [](Stream* self, nb::handle_t<SimulatorOfOneThread> simulator, size_t views, size_t inFlight, bool toHost) {
+            new (self) Stream(nb::borrow(simulator), {views, inFlight, toHost});
           },
-          "simulator"_a, "views"_a, "in_flight"_a = 2, "to_host"_a = false, nb::keep_alive<1, 2>(),
+          "simulator"_a, "views"_a, "in_flight"_a = 2, "to_host"_a = false,
           "Makes the result buffers: `in_flight` of them, each with room for batches of `views` shots of any sensor "
           "that the simulator has. With `to_host` the results are also copied to the host; a device that shares the "
           "host's memory needs no copy. A simulator can have one stream at a time. Raises Error(invalid_argument) and "
@@ -195,7 +211,8 @@ void bindBatchStream(nb::module_& m) {
             return number;
           },
           "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
-          "Starts the scans of shots of one sensor, given as for Simulator.scan_batch(), and returns the number of the "
+          "Starts the scans of shots of one sensor, given as for Simulator.scan_batch() with its frame numbers, and "
+          "returns the number of the "
           "batch. Changes of the simulator before the call count, those after it do not. The call waits for the batch "
           "that has used the same result buffer; and for this one, so that lists can grow, if the sensor's batches so "
           "far had fewer views, or none was in motion. Raises Error(invalid_argument) that names the first shot which "

@@ -50,6 +50,12 @@ void bindAccuracy(nb::module_& m) {
   bindWords<ReflectingFaces>(m, "ReflectingFaces", optionNamed("faces"));
 }
 
+Culling cullingIn(nb::handle value) {
+  if (!nb::isinstance<Culling>(value))
+    throw nb::type_error(("Tuning: culling must be a Culling, not " + nb::cast<std::string>(nb::repr(value))).c_str());
+  return nb::cast<Culling>(value);
+}
+
 void bindTuning(nb::module_& m) {
   bindWords<Binning>(m, "Binning", optionNamed("tuning.binning"));
   bindWords<SubRays>(m, "SubRays", optionNamed("tuning.sub_rays"));
@@ -80,7 +86,7 @@ void bindTuning(nb::module_& m) {
             for (const auto& [key, value] : keywords) {
               const std::string name = nb::cast<std::string>(key);
               if (name == "culling")
-                options.tuning.culling = nb::cast<Culling>(value);
+                options.tuning.culling = cullingIn(value);
               else if (!setKeyword(options, "tuning.", name, value))
                 refuse("Tuning has no '" + name + "'");
             }

@@ -4,6 +4,7 @@
 
 #include "bind.hpp"
 #include "drive/run.hpp"
+#include "options.hpp"
 
 namespace gnosphere::python {
 
@@ -11,6 +12,25 @@ using drive::Drive;
 using drive::RunOptions;
 using drive::RunReport;
 using Progress = std::function<void(uint64_t, uint64_t)>;
+
+namespace {
+
+std::vector<nb::handle> visitedOf(const RunOptions& options) {
+  std::vector<nb::handle> functions = handlesOf(functionsOf(options.simulator));
+  using Python = nb::detail::type_caster<Progress>::pyfunc_wrapper_t;
+  if (const auto* progress = options.progress.target<Python>()) functions.emplace_back(progress->f);
+  return functions;
+}
+
+void dropFunctions(RunOptions& options) {
+  options.progress = nullptr;
+  options.simulator.warn = nullptr;
+  options.simulator.trace = nullptr;
+}
+
+using CollectedRun = Collected<RunOptions, &visitedOf, &dropFunctions>;
+
+}  // namespace
 
 void bindDrive(nb::module_& parent) {
   nb::module_ m = parent.def_submodule("drive", "Makes data sets of drive files, as `gnosphere drive` does.");
@@ -27,12 +47,14 @@ void bindDrive(nb::module_& parent) {
         "Reads a drive file and the files that it names. Raises Error(format) that lists the mistakes with their JSON "
         "paths, or Error(file).");
 
-  nb::class_<RunOptions>(m, "RunOptions", "Which frames of a drive are made, where and how.")
+  nb::class_<RunOptions>(m, "RunOptions", "Which frames of a drive are made, where and how.",
+                         nb::type_slots(CollectedRun::slots))
       .def(
           "__init__",
           [](RunOptions* self, std::filesystem::path out, uint64_t first, uint64_t end, uint64_t shard, uint64_t count,
              bool verify, const SimulatorOptions& simulator, Progress progress) {
             new (self) RunOptions{std::move(out), first, end, shard, count, verify, simulator, std::move(progress)};
+            ownFunctions(self->simulator);
           },
           "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
           "verify"_a = false, "simulator"_a = SimulatorOptions(), "progress"_a = nb::none())
@@ -42,7 +64,13 @@ void bindDrive(nb::module_& parent) {
       .def_rw("shard", &RunOptions::shard, "Only frames whose number modulo shard_count is this are made.")
       .def_rw("shard_count", &RunOptions::shardCount, "Into how many shares the frames are divided.")
       .def_rw("verify", &RunOptions::verify, "Whether complete frames are read and their hashes compared.")
-      .def_rw("simulator", &RunOptions::simulator, "The drive's accuracy and other options replace its own.")
+      .def_prop_rw(
+          "simulator", [](RunOptions& self) -> SimulatorOptions& { return self.simulator; },
+          [](RunOptions& self, const SimulatorOptions& options) {
+            self.simulator = options;
+            ownFunctions(self.simulator);
+          },
+          nb::rv_policy::reference_internal, "The drive's accuracy and other options replace its own.")
       .def_rw(
           "progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
           "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "

@@ -8,6 +8,20 @@
 namespace gnosphere::python {
 namespace {
 
+/// Sets a property. Throws a TypeError that names it and its type if the value has another one.
+void setProperty(nb::handle object, nb::handle name, nb::handle value) {
+  try {
+    nb::setattr(object, name, value);
+  } catch (nb::python_error& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    const auto nameOf = [](nb::handle type) { return nb::cast<std::string>(type.attr("__name__")); };
+    const nb::object now = nb::getattr(object, name);
+    throw nb::type_error((nameOf(object.type()) + ": " + nb::cast<std::string>(name) + " must be of the type " +
+                          nameOf(now.type()) + ", not " + nb::cast<std::string>(nb::repr(value)))
+                             .c_str());
+  }
+}
+
 /// Makes an object as a new one, with its properties set by keywords.
 template <typename T>
 void bindKeywords(nb::class_<T>& type, const char* doc) {
@@ -15,7 +29,7 @@ void bindKeywords(nb::class_<T>& type, const char* doc) {
       "__init__",
       [](T* self, nb::kwargs keywords) {
         const nb::object made = nb::cast(T());
-        for (const auto& [name, value] : keywords) nb::setattr(made, name, value);
+        for (const auto& [name, value] : keywords) setProperty(made, name, value);
         new (self) T(nb::cast<const T&>(made));
       },
       nb::sig("def __init__(self, **properties: object) -> None"), doc);

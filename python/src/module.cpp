@@ -5,8 +5,9 @@
 
 NB_MODULE(_gnosphere, m) {
   using namespace gnosphere::python;
-  // Python's collector does not see a function that is given as SimulatorOptions.warn. If the function refers to the
-  // options that hold it, both live until the program ends, and nanobind would report them as leaks.
+  // Python's collector does not look into NumPy arrays. An array of a StreamedBatch keeps its stream, so if an object
+  // holds such an array and is what SimulatorOptions.warn refers to, all of them live until the program ends, and
+  // nanobind would report them as leaks.
   nb::set_leak_warnings(false);
   gnosphere::vulkan::driverAdvice = "pip install 'gnosphere[cpu]' brings one that runs on the CPU";
   m.doc() = "A LiDAR simulator that never casts a ray.";

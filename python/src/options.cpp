@@ -2,6 +2,8 @@
 // Binds the requests, shots and options of gnosphere/simulator.hpp.
 #include "options.hpp"
 
+#include <functional>
+
 #include "rows.hpp"
 
 namespace gnosphere::python {
@@ -133,8 +135,17 @@ void setFunction(SimulatorOptions& options, Function function) {
   if (function) options.*kMember = Warn(std::move(*function));
 }
 
+void dropFunctions(SimulatorOptions& options) {
+  options.warn = nullptr;
+  options.trace = nullptr;
+}
+
+using CollectedOptions =
+    Collected<SimulatorOptions, [](const SimulatorOptions& of) { return handlesOf(functionsOf(of)); }, &dropFunctions>;
+
 void bindSimulatorOptions(nb::module_& m) {
-  nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.");
+  nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.",
+                                       nb::type_slots(CollectedOptions::slots));
   options
       .def(
           "__init__",
@@ -183,6 +194,18 @@ void bindSimulatorOptions(nb::module_& m) {
 }
 
 }  // namespace
+
+std::vector<Warn> functionsOf(const SimulatorOptions& options) {
+  std::vector<Warn> functions;
+  for (const auto& function : {std::cref(options.warn), std::cref(options.trace)})
+    if (const Warn* const warn = function.get().template target<Warn>()) functions.push_back(*warn);
+  return functions;
+}
+
+void ownFunctions(SimulatorOptions& options) {
+  for (const auto& function : {std::ref(options.warn), std::ref(options.trace)})
+    if (const Warn* const warn = function.get().template target<Warn>()) function.get() = Warn(warn->function());
+}
 
 void bindOptions(nb::module_& m) {
   bindRequest(m);

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Python function as SimulatorOptions::warn.
+// Python functions as SimulatorOptions::warn and SimulatorOptions::trace, and what Python's garbage collector is told
+// of them.
+//
+// A function may refer to the object that holds it, as a method of an object that has the simulator does. Python frees
+// such a circle only if the types of its objects report every reference that they count, once. So each object of Python
+// that holds a function has a reference of its own, which it reports, and the copies that the library makes share that.
 #pragma once
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bind.hpp"
 
@@ -20,16 +26,52 @@ class Warn {
   /// An exception of the function is printed, because the library's call goes on.
   void operator()(const std::string& message) const {
     const nb::gil_scoped_acquire acquired;
+    const nb::object function = *function_;  // lives during the call, even if the collector takes the other away
+    if (!function.is_valid()) return;
     try {
-      (*function_)(message);
+      function(message);
     } catch (nb::python_error& error) {
       error.discard_as_unraisable("SimulatorOptions.warn");
     }
   }
+  /// Not valid after clear().
   const nb::object& function() const { return *function_; }
+  /// Takes the function away from all copies.
+  void clear() const { const nb::object last = std::move(*function_); }
 
  private:
   std::shared_ptr<nb::object> function_;
 };
+
+/// Returns the Python functions of options.
+std::vector<Warn> functionsOf(const SimulatorOptions& options);
+/// Gives options that will be an object of Python, or part of one, references of their own to their functions.
+void ownFunctions(SimulatorOptions& options);
+
+/// tp_traverse and tp_clear of a class of `T`, which has its functions as `visit(const T&)`, a list of handles, and
+/// loses them by `clear(T&)`. A part of another object, which that one reports, is left alone.
+template <typename T, auto visitedOf, auto clear>
+struct Collected {
+  static int traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (nb::inst_state(self) != std::pair(true, true)) return 0;
+    for (const nb::handle function : visitedOf(*nb::inst_ptr<T>(self))) Py_VISIT(function.ptr());
+    return 0;
+  }
+  static int drop(PyObject* self) {
+    if (nb::inst_state(self) == std::pair(true, true)) clear(*nb::inst_ptr<T>(self));
+    return 0;
+  }
+  static inline PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&traverse)},
+                                       {Py_tp_clear, reinterpret_cast<void*>(&drop)},
+                                       {0, nullptr}};
+};
+
+/// The functions of a list, as Collected wants them.
+inline std::vector<nb::handle> handlesOf(const std::vector<Warn>& functions) {
+  std::vector<nb::handle> handles;
+  for (const Warn& warn : functions) handles.emplace_back(warn.function());
+  return handles;
+}
 
 }  // namespace gnosphere::python

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "arrays.hpp"
+#include "fields.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -29,30 +30,8 @@ nb::object column(const SharedScan& self, Field field) {
   return arrayOfType(info.type, [&]<typename T>() { return columnOf<T>(self, field, info.components); });
 }
 
-std::vector<std::string> namesOfFields(const Scan& scan) {
-  std::vector<std::string> names;
-  for (size_t i = 0; i < kFieldCount; ++i) {
-    const auto field = static_cast<Field>(i);
-    if (scan.has(field)) names.emplace_back(fieldInfo(field).name);
-  }
-  return names;
-}
-
-std::optional<Field> fieldNamed(const Scan& scan, std::string_view name) {
-  for (size_t i = 0; i < kFieldCount; ++i) {
-    const auto field = static_cast<Field>(i);
-    if (fieldInfo(field).name == name && scan.has(field)) return field;
-  }
-  return std::nullopt;
-}
-
-nb::object columnNamed(const SharedScan& self, std::string_view name) {
-  if (const std::optional<Field> field = fieldNamed(*self.value, name)) return column(self, *field);
-  std::string known;
-  for (const std::string& one : namesOfFields(*self.value)) known += (known.empty() ? "" : ", ") + one;
-  throw nb::key_error(("the scan has no field '" + std::string(name) + "'; it has " + known +
-                       ", and SensorRequest.fields asks for more")
-                          .c_str());
+bool hasField(const SharedScan& self, Field field) {
+  return self.value->has(field);
 }
 
 std::string textOf(const Scan& scan) {
@@ -263,6 +242,9 @@ void bindScan(nb::module_& m) {
   readMember(scan, "channels", &Scan::channels, "Rows of the organised cloud.");
   readMember(scan, "returns", &Scan::returns, "Entries per beam.");
   readMember(scan, "pose", &Scan::pose, "The pose of the shot.");
+  readMember(scan, "skewed", &Scan::skewed,
+             "True if the sensor moved during the scan, and points, normals and velocities are in the frames of their "
+             "columns: they are not deskewed.");
   readMember(scan, "counters", &Scan::counters, "What became of every triangle and every beam.");
   readMember(scan, "timings", &Scan::timings, "How long the scan took.");
   scan.def_prop_ro(
@@ -284,18 +266,6 @@ void bindScan(nb::module_& m) {
            "other "
            "than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
            "Error(invalid_argument) if the scan does not have the field.")
-      .def("__getitem__", &columnNamed, "name"_a,
-           nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
-           "The column of the field with this name, such as scan[\"ring\"]; see column() and keys(). Raises KeyError "
-           "if the "
-           "scan does not have it.")
-      .def(
-          "__contains__",
-          [](const SharedScan& self, std::string_view name) { return fieldNamed(*self.value, name).has_value(); },
-          "name"_a, "Whether the scan has the field with this name.")
-      .def(
-          "keys", [](const SharedScan& self) { return tupleOf(namesOfFields(*self.value)); },
-          "The names of the fields that the scan has.")
       .def_prop_ro(
           "shape",
           [](const SharedScan& self) {
@@ -327,9 +297,8 @@ void bindScan(nb::module_& m) {
           "is "
           "the identity. If the sensor moves during the scan, the scan must be deskewed (Effects.SensorMotion.deskew). "
           "Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
-      .def(
-          "has", [](const SharedScan& self, Field field) { return self.value->has(field); }, "field"_a,
-          "Whether column() has the field. A scan may have more fields than were requested.")
+      .def("has", &hasField, "field"_a,
+           "Whether column() has the field. A scan may have more fields than were requested.")
       .def(
           "beam_count", [](const SharedScan& self) { return self.value->beamCount(); },
           "Number of beams, with and without a return.")
@@ -349,6 +318,7 @@ void bindScan(nb::module_& m) {
           "entry"_a,
           "Whether the entry is a return, from a surface or from the medium; of all entries: "
           "~numpy.isnan(scan.ranges).");
+  bindNames<&hasField, &column>(scan, "the scan", "SensorRequest.fields asks for more");
 }
 
 }  // namespace gnosphere::python

@@ -17,14 +17,10 @@ void bindTransform(nb::module_& m) {
       .def(nb::init<>(), "The identity.")
       .def(
           "__init__",
-          [](Transform* self, const ArrayLike& rows) {
-            const auto array = arrayOf<double>(rows, "Transform: rows", 4);
-            if (array.rows() != 3)
-              refuse("Transform: rows has " + std::to_string(array.rows()) + " rows; its shape must be (3, 4)");
-            new (self) Transform;
-            std::copy(array.values().begin(), array.values().end(), self->rows.begin());
-          },
-          "rows"_a, "rows: shape (3, 4), float64; of a 4x4 matrix these are the first three rows.")
+          [](Transform* self, const ArrayLike& rows) { new (self) Transform(transformOf(rows, "Transform: rows")); },
+          "rows"_a,
+          "rows: shape (3, 4), or (4, 4) with the last row 0, 0, 0, 1; float64. Raises Error(invalid_argument) for "
+          "another shape or another last row.")
       .def_prop_ro(
           "rows",
           [](const Transform& self) {
@@ -142,16 +138,16 @@ void bindScene(nb::module_& m) {
           "alpha_images"_a = nb::make_tuple(), "animation"_a = SceneAnimation(), "Copies what it is given.")
       .def_prop_ro(
           "materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); },
-          "A tuple; its elements can be changed in place.")
+          "A tuple; its elements can be changed in place. Each access makes it anew, so take it once before a loop.")
       .def_prop_ro(
           "alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); },
           "The alpha channels of textures: a tuple.")
       .def_prop_ro(
           "meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); },
-          "A tuple; names and origins can be changed in place.")
+          "A tuple, made anew by each access; names and origins can be changed in place.")
       .def_prop_ro(
           "instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); },
-          "A tuple; its elements can be changed in place.")
+          "A tuple; its elements can be changed in place. Each access makes it anew, so take it once before a loop.")
       .def_ro("unread_images", &Scene::unreadImages,
               "Number of images of AlphaMode.mask materials that are missing or not PNG.")
       .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")

@@ -2,6 +2,9 @@
 // Binds the simulator of gnosphere/simulator.hpp.
 #include "simulator.hpp"
 
+#include <new>
+#include <stdexcept>
+
 #include "batch.hpp"
 
 namespace gnosphere::python {
@@ -12,6 +15,7 @@ using Self = SimulatorOfOneThread;
 // Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the
 // originals.
 void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
+  ownFunctions(options);
   const ReleasedGil released;
   new (self) Self(scene, sensors, options);
 }
@@ -72,32 +76,52 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
 // One number for all of `count` entries, or a number for each.
 std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const std::string& name) {
   if (const auto* all = std::get_if<uint32_t>(&given)) return std::vector<uint32_t>(count, *all);
-  uint32_t number = 0;  // an array without dimensions, and NumPy's numbers
-  if (nb::try_cast(std::get<ArrayLike>(given).object, number, true)) return std::vector<uint32_t>(count, number);
-  const auto each = arrayOf<uint32_t>(std::get<ArrayLike>(given), name);
+  nb::object array = asArray(std::get<ArrayLike>(given).object);
+  if (nb::cast<size_t>(array.attr("ndim")) == 0)  // one of NumPy's numbers, or one that is refused
+    return std::vector<uint32_t>(count, arrayOf<uint32_t>({array.attr("reshape")(1)}, name).values()[0]);
+  const auto each = arrayOf<uint32_t>({array}, name);
   if (each.rows() != count)
     refuse(name + " has " + std::to_string(each.rows()) + " entries; it must be one number, or have " +
            std::to_string(count));
   return each.copy();
 }
 
+/// Calls work(shots), which makes a batch. Throws Error(outOfMemory) if its results do not fit into the host's memory.
+template <typename Work>
+void withMemory(const std::vector<Shot>& shots, const Work& work) {
+  const auto refuseMemory = [&] {
+    throw Error(ErrorCode::outOfMemory, "scan_batch: the host has no memory for the results of " +
+                                            std::to_string(shots.size()) +
+                                            " views; scan fewer at once, or ask for fewer `fields`");
+  };
+  try {
+    work(shots);
+  } catch (const std::bad_alloc&) {
+    refuseMemory();
+  } catch (const std::length_error&) {
+    refuseMemory();
+  }
+}
+
 SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                       const std::vector<Field>& fields) {
-  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "scan_batch");
   SharedBatch result;
-  self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields); });
+  withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields); });
+  });
   return result;
 }
 
 void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size_t sensor, const NumbersLike& worlds,
                    uint64_t frame, const std::vector<Field>& fields) {
-  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "scan_batch");
-  Taken taken(result);
-  self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields); });
+  withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
+    Taken taken(result);
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields); });
+  });
 }
 
-nb::object addInstances(Self& self, const NumbersLike& meshes, const ArrayLike& transforms, const NumbersLike& worlds,
-                        const NumbersLike& classes) {
+nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsLike& transforms,
+                        const NumbersLike& worlds, const NumbersLike& classes) {
   const auto rows =
       arrayOf<double>({transformRows(transforms, "add_instances: transforms")}, "add_instances: transforms", kAnyWidth);
   const std::vector<uint32_t> ofMesh = numbersOf(meshes, rows.rows(), "add_instances: meshes"),
@@ -124,14 +148,42 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const ArrayLike& 
   return nb::cast(copiedColumn(added));
 }
 
+/// The poses of a batch: a sequence of Pose, or an array of shape (n, 7).
+std::vector<Pose> posesOf(const nb::object& given, const std::string& name) {
+  if (firstIs<Pose>(given)) return entriesOf<Pose>(given, name + ": shots");
+  if (!isSequenceOfObjects(given) && !nb::hasattr(given, "shape") && !nb::hasattr(given, "__array__") &&
+      !nb::hasattr(given, "__dlpack__") && !PyObject_CheckBuffer(given.ptr()))
+    throw nb::type_error((name + ": shots is a " + nb::cast<std::string>(given.type().attr("__name__")) +
+                          "; it must be a sequence, such as a list, of Shot or of Pose, or an array of shape (n, 7)")
+                             .c_str());
+  const auto rows = arrayOf<double>({given}, name + ": shots", 7);
+  std::vector<Pose> poses(rows.rows());
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const double* v = rows.values().data() + 7 * i;
+    poses[i] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
+  }
+  return poses;
+}
+
+void dropFunctions(Self& self) {
+  for (const Warn& function : self.functions()) function.clear();
+}
+
+using CollectedSimulator = Collected<Self, [](const Self& of) { return handlesOf(of.functions()); }, &dropFunctions>;
+
 constexpr const char* kScanBatch =
     "Makes the scans of many shots of one sensor, each with the same result as scan_into(), and collects them in "
     "arrays with the view (the index into `shots`) as their first dimension, without holding the GIL. `shots` is a "
-    "sequence of Shot, or an array of poses of shape (n, 7): position x, y, z and orientation x, y, z, w. Then "
-    "`sensor`, `worlds` (one number, or one for each view) and `frame` (the frame number of the first view; those of "
-    "the others follow it) complete them. `fields` are those that the batch has beside the ranges; without any it has "
-    "all that a Scan of the sensor has. Raises Error(invalid_argument) that names the first shot which is not valid, "
-    "before anything runs.";
+    "sequence of Shot, a sequence of Pose, or an array of poses of shape (n, 7): position x, y, z (metres) and "
+    "orientation x, y, z, w. Poses are completed by `sensor`, `worlds` (one number, or one for each view) and `frame`: "
+    "the frame number of the first view, which those of the others follow. Random numbers depend on the frame number. "
+    "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
+    "of views from call to call to have other noise. `fields` are those that the batch has beside the ranges; without "
+    "any it has "
+    "all that a Scan of the sensor has. Ctrl-C is seen when the batch is done. Raises Error(invalid_argument) that "
+    "names "
+    "the first shot which is not valid, before anything runs, Error(out_of_memory) if the results do not fit into the "
+    "memory, and TypeError for shots of several types.";
 
 void bindScans(nb::class_<Self>& simulator) {
   simulator
@@ -142,7 +194,11 @@ void bindScans(nb::class_<Self>& simulator) {
            "As scan_batch(), into an existing Batch, whose memory is used again unless an array of it is still held.");
   simulator
       .def("scan", &scan, "pose"_a, "sensor"_a = 0,
-           "Makes one scan from the fixed pose `pose`, without holding the GIL. Raises Error(invalid_argument) for a "
+           "Makes one scan from the fixed pose `pose`, without holding the GIL. Its frame number is 0, and random "
+           "numbers "
+           "depend on it, so a second scan from the pose has the same noise: scan(Shot(pose, frame=n)) has that of "
+           "frame "
+           "n. Raises Error(invalid_argument) for a "
            "pose "
            "that is not finite or an unknown sensor, Error(device) or Error(out_of_memory) if the device fails.")
       .def("scan", &scanShot, "shot"_a,
@@ -160,7 +216,7 @@ void bindScans(nb::class_<Self>& simulator) {
           "simulator.");
 }
 
-void setTransforms(Self& self, const ArrayLike& instances, const ArrayLike& transforms) {
+void setTransforms(Self& self, const ArrayLike& instances, const TransformsLike& transforms) {
   const auto indices = arrayOf<uint32_t>(instances, "set_transforms: instances");
   const auto move = [&](const auto& rows) {
     if (rows.rows() != indices.rows())
@@ -231,10 +287,11 @@ void bindChanges(nb::class_<Self>& simulator) {
       "Adds an instance to a world and returns its index, which Scan.instances uses. World 0 is everyone's.");
   simulator.def("add_instances", &addInstances, "meshes"_a, "transforms"_a, "worlds"_a = 0, "class_ids"_a = 0,
                 nb::sig("def add_instances(self, meshes: int | numpy.typing.ArrayLike, transforms: "
-                        "numpy.typing.ArrayLike, worlds: int | numpy.typing.ArrayLike = 0, class_ids: int | "
+                        "collections.abc.Sequence[Transform] | numpy.typing.ArrayLike, worlds: int | "
+                        "numpy.typing.ArrayLike = 0, class_ids: int | "
                         "numpy.typing.ArrayLike = 0) -> numpy.typing.NDArray[numpy.uint32]"),
-                "Adds many instances in one call and returns their indices. `transforms` has the shape (n, 3, 4) or "
-                "(n, 7), as that of set_transforms(); the others are one number, or have the shape (n,).");
+                "Adds many instances in one call and returns their indices. `transforms` are as those of "
+                "set_transforms(); the others are one number, or have the shape (n,).");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
       "set_transform",
@@ -244,10 +301,11 @@ void bindChanges(nb::class_<Self>& simulator) {
       "instance"_a, "transform"_a, "Moves an instance: mesh frame to world frame.");
   simulator.def(
       "set_transforms", &setTransforms, "instances"_a, "transforms"_a,
-      "Moves many instances in one call. `instances` has the shape (n,), integers; `transforms` (n, 3, 4), as "
-      "Transform "
-      "has it, or (n, 7): the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as a "
-      "quaternion x, y, z, w of any length but zero. float32 and float64 in C order are read where they are. Of equal "
+      "Moves many instances in one call. `instances` has the shape (n,), integers; `transforms` is a sequence of "
+      "Transform, or has the shape (n, 3, 4), as Transform has it, (n, 4, 4) with the last rows 0, 0, 0, 1, or (n, 7): "
+      "the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as a "
+      "quaternion x, y, z, w of any length but zero. float32 and float64 of shape (n, 3, 4) or (n, 7) in C order are "
+      "read where they are. Of equal "
       "indices the last one counts. Everything is checked before anything changes: the Error names the first entry of "
       "`instances` that does not exist, or whose values are not finite.");
 }
@@ -277,18 +335,17 @@ void bindAnswers(nb::class_<Self>& simulator) {
 
 std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                           const std::string& name) {
-  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) {
+  if (firstIs<Shot>(given.object)) {
     const uint32_t* const world = std::get_if<uint32_t>(&worlds);
     if (sensor != 0 || frame != 0 || !world || *world != 0)
       refuse(name + ": each Shot has its own sensor, world and frame; `sensor`, `worlds` and `frame` are for poses");
-    return *shots;
+    return entriesOf<Shot>(given.object, name + ": shots");
   }
-  const auto poses = arrayOf<double>(std::get<ArrayLike>(given), name + ": shots", 7);
-  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.rows(), name + ": worlds");
-  std::vector<Shot> shots(poses.rows());
+  const std::vector<Pose> poses = posesOf(given.object, name);
+  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.size(), name + ": worlds");
+  std::vector<Shot> shots(poses.size());
   for (size_t i = 0; i < shots.size(); ++i) {
-    const double* v = poses.values().data() + 7 * i;
-    shots[i].pose = {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
+    shots[i].pose = poses[i];
     shots[i].sensor = sensor;
     shots[i].frame = frame + i;
     shots[i].world = numbers[i];
@@ -298,7 +355,7 @@ std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLi
 
 void bindSimulator(nb::module_& m) {
   nb::class_<Self> simulator(
-      m, "Simulator",
+      m, "Simulator", nb::type_slots(CollectedSimulator::slots),
       "A scene and sensors on a device. Materials, meshes, instances and sensors can be added and removed between "
       "scans. "
       "Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; the index "

@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <vector>
 
 #include "arrays.hpp"
+#include "options.hpp"
 
 namespace gnosphere::python {
 
@@ -15,7 +17,10 @@ namespace gnosphere::python {
 class SimulatorOfOneThread {
  public:
   SimulatorOfOneThread(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
-      : simulator_(scene, sensors, options) {}
+      : simulator_(scene, sensors, options), functions_(functionsOf(options)) {}
+
+  /// The Python functions of the options with which it was made, which must belong to it alone; see ownFunctions().
+  const std::vector<Warn>& functions() const { return functions_; }
 
   /// Calls work(simulator) without the GIL.
   template <typename Work>
@@ -38,17 +43,18 @@ class SimulatorOfOneThread {
 
  private:
   Simulator simulator_;
+  std::vector<Warn> functions_;
   std::atomic<bool> busy_ = false;
   pid_t process_ = getpid();
 };
 
-/// Shots, or their poses as an array of shape (n, 7).
-using ShotsLike = std::variant<std::vector<Shot>, ArrayLike>;
+/// Shots, or their poses: a sequence of either, or an array of shape (n, 7).
+using ShotsLike = SequenceOrArray<Shot, Pose>;
 /// One number for all, or one for each.
 using NumbersLike = std::variant<uint32_t, ArrayLike>;
 
 /// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots have their own. Throws
-/// Error(invalidArgument) that begins with `name`.
+/// Error(invalidArgument), or a TypeError, that begins with `name`.
 std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                           const std::string& name);
 

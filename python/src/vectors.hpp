@@ -1,18 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vec3 and Quaternion are tuples of numbers in Python; every sequence of as many numbers is taken for one.
+// Vec3 and Quaternion are tuples of numbers in Python; every sequence or array of as many numbers is taken for one.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
+#include <array>
 #include <gnosphere/scene.hpp>
+#include <string>
 
 namespace gnosphere::python {
 
-/// Reads `size` numbers of a sequence. Returns false, without a Python exception, for anything else.
-inline bool readNumbers(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
-  if (!PySequence_Check(source) || PyUnicode_Check(source) || PySequence_Size(source) != size) {
+/// Whether NumPy can make an array of an object that is no sequence, such as a tensor.
+inline bool isArray(PyObject* source) {
+  return PyObject_HasAttrString(source, "__array__") || PyObject_HasAttrString(source, "__dlpack__") ||
+         PyObject_CheckBuffer(source);
+}
+
+/// The numbers of an array as a list, or null, without a Python exception, if it does not have one dimension.
+inline PyObject* listOf(PyObject* source) noexcept {
+  try {
+    namespace nb = nanobind;
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    const bool onlyDlpack = !PyObject_HasAttrString(source, "__array__") && !PyObject_CheckBuffer(source);
+    const nb::object array = numpy.attr(onlyDlpack ? "from_dlpack" : "asarray")(nb::handle(source));
+    if (nb::cast<size_t>(array.attr("ndim")) != 1) return nullptr;
+    return array.attr("tolist")().release().ptr();
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+/// Reads the numbers of a sequence. Returns how many it has, or -1, without a Python exception, for anything else. If
+/// it has not `size` of them, none is read.
+inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
+  const Py_ssize_t count = PySequence_Size(source);
+  if (count != size) {
     PyErr_Clear();
-    return false;
+    return count;
   }
   for (Py_ssize_t i = 0; i < size; ++i) {
     PyObject* item = PySequence_GetItem(source, i);
@@ -20,39 +44,71 @@ inline bool readNumbers(PyObject* source, Py_ssize_t size, double* numbers) noex
     Py_XDECREF(item);
     if (PyErr_Occurred()) {
       PyErr_Clear();
-      return false;
+      return -1;
     }
   }
-  return true;
+  return count;
+}
+
+/// As readNumbers(), of a sequence or an array.
+inline Py_ssize_t readVector(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
+  if (PyUnicode_Check(source) || PyBytes_Check(source)) return -1;
+  if (PySequence_Check(source)) return readNumbers(source, size, numbers);
+  PyObject* const list = isArray(source) ? listOf(source) : nullptr;
+  const Py_ssize_t count = list ? readNumbers(list, size, numbers) : -1;
+  Py_XDECREF(list);
+  return count;
 }
 
 }  // namespace gnosphere::python
 
 namespace nanobind::detail {
 
-template <>
-struct type_caster<gnosphere::Vec3> {
-  NB_TYPE_CASTER(gnosphere::Vec3, io_name("numpy.typing.ArrayLike", "tuple[float, float, float]"))
-  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
-    double v[3];
-    if (!gnosphere::python::readNumbers(source.ptr(), 3, v)) return false;
-    value = {v[0], v[1], v[2]};
+/// Takes `size` numbers for a `Vector`. A sequence of another length is a TypeError that tells the two numbers;
+/// anything else does not fit, so that another overload may.
+template <typename Vector, Py_ssize_t size>
+struct numbers_caster {
+  using Value = Vector;
+  template <typename T>
+  using Cast = movable_cast_t<T>;
+  template <typename T>
+  static constexpr bool can_cast() {
     return true;
   }
+
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    std::array<double, size> numbers = {};
+    count = gnosphere::python::readVector(source.ptr(), size, numbers.data());
+    value = std::apply([](auto... number) { return Vector{number...}; }, numbers);
+    return count >= 0;
+  }
+  explicit operator Value*() { return &checked(); }
+  explicit operator Value&() { return checked(); }
+  explicit operator Value&&() { return static_cast<Value&&>(checked()); }
+
+ private:
+  Value& checked() {
+    if (count != size)
+      throw type_error(("a vector of " + std::to_string(size) + " numbers (" + (size == 3 ? "x, y, z" : "x, y, z, w") +
+                        ") is wanted, not one of " + std::to_string(count))
+                           .c_str());
+    return value;
+  }
+  Value value;
+  Py_ssize_t count = size;
+};
+
+template <>
+struct type_caster<gnosphere::Vec3> : numbers_caster<gnosphere::Vec3, 3> {
+  static constexpr auto Name = io_name("numpy.typing.ArrayLike", "tuple[float, float, float]");
   static handle from_cpp(const gnosphere::Vec3& v, rv_policy, cleanup_list*) noexcept {
     return Py_BuildValue("(ddd)", v.x, v.y, v.z);
   }
 };
 
 template <>
-struct type_caster<gnosphere::Quaternion> {
-  NB_TYPE_CASTER(gnosphere::Quaternion, io_name("numpy.typing.ArrayLike", "tuple[float, float, float, float]"))
-  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
-    double q[4];
-    if (!gnosphere::python::readNumbers(source.ptr(), 4, q)) return false;
-    value = {q[0], q[1], q[2], q[3]};
-    return true;
-  }
+struct type_caster<gnosphere::Quaternion> : numbers_caster<gnosphere::Quaternion, 4> {
+  static constexpr auto Name = io_name("numpy.typing.ArrayLike", "tuple[float, float, float, float]");
   static handle from_cpp(const gnosphere::Quaternion& q, rv_policy, cleanup_list*) noexcept {
     return Py_BuildValue("(dddd)", q.x, q.y, q.z, q.w);
   }

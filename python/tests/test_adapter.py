@@ -154,6 +154,58 @@ def test_a_lidar_moves_and_scans(device):
         adapter.laser_scan(lidar.cast(gnosphere.Shot(sensor=lidar.add_sensor(uneven))), uneven)
 
 
+@pytest.mark.parametrize(
+    ("start", "span", "columns", "first"),
+    [(90, 180, 90, 90), (170, -30, 30, 141), (-180, 360, 360, -179), (-179.5, 360, 360, -179.5), (-90, 180, 90, -90)],
+)
+def test_laser_scans_on_both_sides_of_180_degrees(device, start, span, columns, first):
+    """A corner at the azimuth of 10 degrees after the first beam tells which range has which angle."""
+    shapes = adapter.Shapes()
+    half = np.radians(first) / 2
+    place = adapter.rows_of(gnosphere.Pose((0, 0, 0), (0, 0, np.sin(half), np.cos(half))))
+    box = primitives.box((0.02, 0.02, 5))
+    at = np.radians(10)
+    shapes.instance(shapes.mesh(box), place @ adapter.rows_of(gnosphere.Pose((4 * np.cos(at), 4 * np.sin(at), 0))))
+    sensor = gnosphere.Sensor(
+        range_max=100, columns=columns, channels=[gnosphere.Channel()], azimuth_start_deg=start, azimuth_span_deg=span
+    )
+    lidar = adapter.Lidar(shapes, sensor, effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device))
+    scan = lidar.cast(gnosphere.Shot())
+    line = adapter.laser_scan(scan, sensor)
+    step = abs(span) / columns
+    assert np.degrees(line["angle_min"]) == pytest.approx(first, abs=1e-4)
+    assert np.degrees(line["angle_increment"]) == pytest.approx(step, abs=1e-4)
+    assert line["angle_max"] == pytest.approx(line["angle_min"] + (columns - 1) * line["angle_increment"])
+    assert np.flatnonzero(np.isfinite(line["ranges"])).tolist() == [round(10 / step)]
+    for channel in (-1, 1):
+        with pytest.raises(ValueError, match=f"there is no channel {channel}; the scan has 1, counted from 0"):
+            adapter.laser_scan(scan, sensor, channel)
+
+
+def test_sizes_that_no_shape_has():
+    for make, sentence in (
+        (lambda: primitives.box((1, 1, -1)), r"the sizes of a box must be finite .*, not \[1.0, 1.0, -1.0\]"),
+        (lambda: primitives.box((1, 1)), r"a box has 3 sizes; \[1.0, 1.0\] has the shape \(2,\)"),
+        (lambda: primitives.sphere(-1), "the sizes of a sphere must be finite and not negative"),
+        (lambda: primitives.sphere(float("nan")), "the sizes of a sphere"),
+        (lambda: primitives.plane(-1, 2), "the sizes of a plane"),
+        (lambda: primitives.cylinder(1, -2), "the sizes of a cylinder"),
+        (lambda: primitives.cone(-1, 2), "the sizes of a cone"),
+        (lambda: primitives.capsule(-1, 2), "the sizes of a capsule"),
+        (lambda: primitives.ellipsoid((1, float("inf"), 1)), "the sizes of an ellipsoid"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            make()
+    assert len(primitives.box((0, 1, 1))[1]) == 12
+
+
+def test_a_lidar_moves_by_transforms(device):
+    lidar = adapter.Lidar(wall(), beams(), effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device))
+    far = gnosphere.Transform([[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0]])
+    lidar.move([far, gnosphere.Transform([[1, 0, 0, 6], [0, 1, 0, 0], [0, 0, 1, 0]])])
+    assert lidar.cast(gnosphere.Shot()).ranges[4] == pytest.approx(5.99)
+
+
 def test_poses_of_matrices():
     generator = np.random.default_rng(2)
     for _ in range(50):

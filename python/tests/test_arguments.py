@@ -150,8 +150,10 @@ def test_calls_that_are_wrong(reference, simulator, pose):
         simulator.scan_into(gnosphere.Shot(pose, weather=gnosphere.Weather(visibility=9)), gnosphere.Scan())
     with refused(ErrorCode.invalid_argument, "beams"):
         gnosphere.compare(simulator.scan(pose), reference.scan(gnosphere.Pose()))
-    with refused(ErrorCode.invalid_argument, "(3, 4)"):
-        gnosphere.Transform(np.eye(4))
+    with refused(ErrorCode.invalid_argument, "has the shape (3, 3); it must be (3, 4) or (4, 4)"):
+        gnosphere.Transform(np.eye(3))
+    with refused(ErrorCode.invalid_argument, "the last row of entry 0 is [0.0, 0.0, 0.0, 2.0]"):
+        gnosphere.Transform(np.diag([1, 1, 1, 2.0]))
     with refused(ErrorCode.invalid_argument, "AlphaImage: alpha"):
         gnosphere.AlphaImage([1, 2])
     with refused(ErrorCode.invalid_argument, "AlphaImage: alpha"):
@@ -161,6 +163,68 @@ def test_calls_that_are_wrong(reference, simulator, pose):
     for out in (frozen, b"bytes", 5):
         with refused(ErrorCode.invalid_argument, "pack: `out` must be"):
             gnosphere.pack(simulator.scan(pose), gnosphere.layout_of([gnosphere.Field.x]), out)
+
+
+def test_errors_are_one_line():
+    for make in (
+        lambda: gnosphere.Mesh([[1, 2, 3], [4, 5]], FACES, PARTS),
+        lambda: gnosphere.Deformation([[[1, 2]], 5]),
+        lambda: gnosphere.Transform([[1, 2], 3]),
+    ):
+        with pytest.raises(gnosphere.Error, match="cannot be made an array.*: ValueError: ") as error:
+            make()
+        assert "Traceback" not in str(error.value) and "\n" not in str(error.value)
+
+
+class Tensor:
+    """As a tensor of PyTorch: no sequence, but an array for whoever asks."""
+
+    def __init__(self, values, how):
+        array = np.array(values, np.float32)
+        names = {"__array__": lambda self, dtype=None, copy=None: array}
+        if how == "dlpack":
+            names = {name: lambda self, *_, name=name, **__: getattr(array, name)() for name in ("__dlpack__",)}
+            names["__dlpack_device__"] = lambda self: array.__dlpack_device__()
+        self.__class__ = type("Tensor", (Tensor,), names)
+
+
+@pytest.mark.parametrize("how", ["array", "dlpack"])
+def test_whatever_becomes_an_array_is_taken(how):
+    position, turn = Tensor([1, 2, 3], how), Tensor([0, 0, 0.6, 0.8], how)
+    pose = gnosphere.Pose(position, turn)
+    assert pose.position == (1, 2, 3) and pose.orientation == pytest.approx((0, 0, 0.6, 0.8))
+    assert gnosphere.Channel(origin=position).origin == (1, 2, 3)
+    assert gnosphere.Transform(Tensor(np.eye(4), how)) == gnosphere.Transform()
+    assert np.array_equal(gnosphere.Mesh(Tensor(CORNERS, how), FACES, PARTS).positions, CORNERS)
+    with pytest.raises(TypeError, match=r"3 numbers \(x, y, z\) is wanted, not one of 4"):
+        gnosphere.Pose(turn)
+
+
+def test_vectors_of_the_wrong_length():
+    for make in (gnosphere.Pose, lambda v: gnosphere.Channel(origin=v), lambda v: gnosphere.Transform() * v):
+        for wrong in ((1, 2), [1, 2, 3, 4], np.zeros(2), ()):
+            with pytest.raises(TypeError, match=rf"3 numbers \(x, y, z\) is wanted, not one of {len(wrong)}"):
+                make(wrong)
+    with pytest.raises(TypeError, match=r"4 numbers \(x, y, z, w\) is wanted, not one of 3"):
+        gnosphere.Pose((1, 2, 3), (0, 0, 0))
+    mesh = gnosphere.Mesh(CORNERS, FACES, PARTS)
+    with pytest.raises(TypeError, match="is wanted, not one of 2"):
+        mesh.origin = (1, 2)
+    for other in ("abc", b"abc", 5, {1, 2, 3}, ["a", "b", "c"], Tensor([[1, 2, 3]], "array")):
+        with pytest.raises(TypeError):
+            gnosphere.Pose(other)
+
+
+def test_keywords_of_the_wrong_type_are_named():
+    for make, sentence in (
+        (lambda: gnosphere.Tuning(culling=5), "Tuning: culling must be a Culling, not 5"),
+        (lambda: gnosphere.Effects(fog=3), "Effects: fog must be of the type Fog, not 3"),
+        (lambda: gnosphere.Effects.Fog(visibility="far"), "Fog: visibility must be of the type float, not 'far'"),
+    ):
+        with pytest.raises(TypeError, match=sentence):
+            make()
+    with pytest.raises(AttributeError, match="fgo"):
+        gnosphere.Effects(fgo=3)
 
 
 @pytest.mark.filterwarnings("ignore:nanobind. attempted to access an uninitialized instance")

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Batches: the bytes of single scans, shapes, memory that is used again, worlds."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -102,6 +105,100 @@ def test_numbers_of_numpy_are_numbers(simulator):
     for wrong in (-1, 2**32, 1.5, "a"):
         with pytest.raises((gnosphere.Error, TypeError)):
             simulator.scan_batch(poses, worlds=wrong)
+
+
+def test_shots_are_shots_poses_or_an_array(simulator):
+    array = np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1))
+    array[:, 0] = np.arange(3)
+    poses = [gnosphere.Pose(row[:3], row[3:]) for row in array]
+    expected = simulator.scan_batch(array, sensor=1, worlds=[0, 1, 2], frame=5).column(Field.normal).tobytes()
+    for given in (poses, tuple(poses), array.tolist(), array.astype(np.float32)):
+        batch = simulator.scan_batch(given, sensor=1, worlds=[0, 1, 2], frame=5)
+        assert batch.column(Field.normal).tobytes() == expected
+    assert simulator.scan_batch([]).views == 0
+    wanted = "it must be a sequence, such as a list, of Shot or of Pose, or an array of shape"
+    for given, sentence in (
+        ([Shot(), poses[0]], "scan_batch: shots: entry 0 is of the type Shot, but entry 1 of the type Pose; all must"),
+        ([poses[0], None], "scan_batch: shots: entry 0 is of the type Pose, but entry 1 of the type NoneType"),
+        ((pose for pose in poses), f"scan_batch: shots is a generator; {wanted}"),
+        (Shot(), f"scan_batch: shots is a Shot; {wanted}"),
+        (poses[0], f"scan_batch: shots is a Pose; {wanted}"),
+        (len, f"scan_batch: shots is a builtin_function_or_method; {wanted}"),
+    ):
+        with pytest.raises(TypeError, match=sentence):
+            simulator.scan_batch(given)
+    with pytest.raises(gnosphere.Error, match=r"scan_batch: shots has the shape \(3, 6\); it must be \(n, 7\)"):
+        simulator.scan_batch(array[:, :6])
+
+
+def test_worlds_that_are_none(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (2, 1))
+    for worlds, sentence in (
+        (-1, "scan_batch: worlds holds -1, which does not fit the type uint32"),
+        (2**32, "scan_batch: worlds holds 4294967296, which does not fit"),
+        (1.0, "scan_batch: worlds has the type float64; it must hold integers"),
+        ("a", "scan_batch: worlds has the type <U1; it must hold integers"),
+        ([0, -1], "scan_batch: worlds holds -1"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            simulator.scan_batch(poses, worlds=worlds)
+
+
+def test_a_frame_number_has_the_same_noise_each_time(device):
+    effects = Effects.none()
+    effects.range_noise.use, effects.range_noise.sigma = gnosphere.EffectUse.on, 0.05
+    sensor = gnosphere.Sensor(range_max=100, columns=40, channels=[gnosphere.Channel()])
+    scene = gnosphere.Scene([gnosphere.Material()], [square(8)], [gnosphere.Instance(0)])
+    noisy = gnosphere.Simulator(scene, SensorRequest(sensor, effects), gnosphere.SimulatorOptions(device))
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (2, 1))
+    first = noisy.scan_batch(poses).ranges
+    assert noisy.scan_batch(poses).ranges.tobytes() == first.tobytes()
+    assert noisy.scan_batch(poses, frame=2).ranges.tobytes() != first.tobytes()
+    assert noisy.scan_batch(poses, frame=1).ranges[0].tobytes() == first[1].tobytes() != first[0].tobytes()
+    assert noisy.scan(gnosphere.Pose()).ranges.tobytes() == first[0].tobytes()
+
+
+def test_a_batch_has_the_names_of_its_fields(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (2, 1))
+    batch = simulator.scan_batch(poses, sensor=1, fields=[Field.normal])
+    assert {"range", "normal"} <= set(batch.keys()) and "x" not in batch.keys()
+    assert "normal" in batch and "intensity" not in batch and "nonsense" not in batch
+    assert batch["normal"].tobytes() == batch.column(Field.normal).tobytes() and batch["normal"].shape == (2, 120, 3)
+    assert batch["range"].flags.writeable and batch.column(Field.normal).flags.writeable
+    with pytest.raises(KeyError, match="the batch has no field 'intensity'; it has .*range.*`fields` of scan_batch"):
+        batch["intensity"]
+    with pytest.raises(gnosphere.Error, match=r"the batch does not have the field 'x'; .*fields=\[Field.x\]") as error:
+        batch.points
+    assert error.value.code == gnosphere.ErrorCode.invalid_argument
+    with pytest.raises(gnosphere.Error, match=r"fields=\[Field.class_id\]"):
+        batch.column(Field.class_id)
+
+
+TOO_LARGE = """
+import resource
+import numpy as np
+import gnosphere
+sensor = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(np.tile([1.0, 0, 0], (2**20, 1)))])
+request = gnosphere.SensorRequest(sensor, gnosphere.Effects.none())
+simulator = gnosphere.Simulator(gnosphere.Scene(), request)
+poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (2048, 1))
+simulator.scan_batch(poses[:1], fields=[gnosphere.Field.range])
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 3 * 2**30, -1))
+try:
+    simulator.scan_batch(poses, fields=[gnosphere.Field.range])
+except gnosphere.Error as error:
+    print(error.code.name, error)
+print(simulator.scan_batch(poses[:1], fields=[gnosphere.Field.range]).ranges.shape)
+"""
+
+
+def test_a_batch_that_does_not_fit_into_the_memory():
+    """Ranges of 8 GiB where 3 GiB are left: an Error, and the simulator can be used."""
+    done = subprocess.run([sys.executable, "-c", TOO_LARGE], capture_output=True, text=True, timeout=300, check=False)
+    first, last = done.stdout.splitlines() or [done.stderr, ""]
+    assert first.startswith("out_of_memory scan_batch: the host has no memory for the results of 2048 views; scan fewer")
+    assert last == "(1, 1048576)"
 
 
 def test_shots_have_their_own_sensor_world_and_frame(simulator):

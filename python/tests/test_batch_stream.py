@@ -3,6 +3,7 @@
 
 import gc
 import os
+import weakref
 
 import numpy as np
 import pytest
@@ -123,3 +124,30 @@ def test_misuse_has_a_sentence(scene, request_of_normals, options):
     del stream
     gc.collect()
     BatchStream(simulator, views=2)
+
+
+def test_a_streamed_batch_has_the_names_of_its_fields(scene, request_of_normals, options):
+    stream = BatchStream(gnosphere.Simulator(scene, request_of_normals, options), views=2, to_host=True)
+    batch = stream.wait(stream.submit([gnosphere.Pose(), gnosphere.Pose((1, 0, 0))]))
+    assert {"range", "instance", "x", "normal", "class"} <= set(batch.keys())
+    assert "normal" in batch and "intensity" not in batch
+    assert batch["normal"].tobytes() == batch.column(Field.normal).tobytes()
+    with pytest.raises(KeyError, match="the batch has no field 'intensity'"):
+        batch["intensity"]
+
+
+def test_a_stream_whose_simulator_warns_its_owner_is_freed(scene, request_of_normals, options):
+    class Owner:
+        def __init__(self):
+            options.warn = self.warn
+            self.simulator = gnosphere.Simulator(scene, request_of_normals, options)
+            options.warn = None
+            self.stream = BatchStream(self.simulator, views=2, to_host=True)
+            self.batch = self.stream.wait(self.stream.submit(poses(2, 0)))
+
+        def warn(self, sentence):
+            pass
+
+    gone = weakref.ref(Owner())
+    gc.collect()
+    assert gone() is None

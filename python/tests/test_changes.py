@@ -198,7 +198,9 @@ def test_many_transforms_at_once(reference, square):
         ([0, far], wrong, f"entry 1: the transform of instance {far} is not finite"),
         ([0, 7], poses, "entry 1: instance 7 does not exist, there are 2"),
         ([0], poses, "there are 1 instances, but 2 transforms"),
-        ([0, far], np.zeros((2, 4, 4)), r"has the shape \(2, 4, 4\); it must be \(n, 3, 4\) or \(n, 7\)"),
+        ([0, far], np.zeros((2, 4, 5)), r"has the shape \(2, 4, 5\); it must be \(n, 3, 4\), \(n, 4, 4\) or \(n, 7\)"),
+        ([0, far], np.zeros((2, 3, 3)), r"has the shape \(2, 3, 3\); it must be"),
+        ([0, far], [np.eye(4), np.diag([1, 1, 1, 2])], r"the last row of entry 1 is \[0.0, 0.0, 0.0, 2.0\]"),
         ([0, -1], poses, "holds -1"),
         ([0, far], [["x"] * 7] * 2, "it must hold numbers"),
         ([0.5, 1], poses, "it must hold integers"),
@@ -206,6 +208,32 @@ def test_many_transforms_at_once(reference, square):
         with pytest.raises(gnosphere.Error, match=sentence):
             reference.set_transforms(instances, values)
         assert distance(reference) == pytest.approx(6)
+
+
+def test_maps_are_transforms_or_have_a_last_row(reference, square):
+    mesh = reference.add_mesh(square)
+    far = reference.add_instance(mesh, at(50))
+    whole = np.stack([np.vstack([at(x).rows, [0, 0, 0, 1]]) for x in (30, 8)])
+    for maps, expected in (
+        ([at(30), at(9)], 9),
+        ((at(30), at(7)), 7),
+        (whole, 8),
+        (whole.astype(np.float32)[::-1][::-1], 8),
+        (whole.tolist(), 8),
+    ):
+        reference.set_transforms([0, far], [at(20), at(20)])
+        assert distance(reference) == pytest.approx(20)
+        reference.set_transforms([0, far], maps)
+        assert distance(reference) == pytest.approx(expected)
+    added = reference.add_instances(mesh, [at(6), at(5)])
+    assert added.tolist() == [2, 3] and distance(reference) == pytest.approx(5)
+    for other in (whole[0], None):
+        sentence = f"entry 0 is of the type Transform, but entry 1 of the type {type(other).__name__}"
+        with pytest.raises(TypeError, match=f"set_transforms: transforms: {sentence}"):
+            reference.set_transforms([0, far], [at(1), other])
+    assert gnosphere.Transform(whole[1]) == at(8)
+    moved = gnosphere.Deformation(whole)
+    assert moved == gnosphere.Deformation([at(30), at(8)]) and moved == gnosphere.Deformation(whole[:, :3])
 
 
 def test_a_sensor_ignores_instances(reference, square):

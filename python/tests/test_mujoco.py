@@ -338,6 +338,109 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     assert lidar.scan(data).ranges.tobytes() == still.ranges.tobytes()  # the record is gone
 
 
+CART = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+<geom type="box" size=".1 50 50" pos="40 0 0"/>
+<body name="cart"><joint name="cart" type="slide" axis="1 0 0"/><geom type="box" size=".01 9 9" pos="5.01 0 0"/>
+<body name="wheel" pos="0 0 3"><joint name="wheel" axis="0 0 1"/><geom type="box" size=".1 .1 .1"/></body>
+<site name="roof"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("span", [0.02, 0.05, 0.1, 0.3])
+@pytest.mark.parametrize("every", [1, 2])
+def test_what_a_sensor_carries_stands_still_however_long_the_records_are(device, span, every):
+    """A plate 5 m ahead on the cart of the sensor, and a wall that the cart approaches at 10 m/s."""
+    model = mujoco.MjModel.from_xml_string(CART)
+    data = mujoco.MjData(model)
+    data.joint("cart").qvel, data.joint("wheel").qvel = 10, 20
+    puck = gnosphere.builtin_sensor("Puck")  # some of its beams fire after the end of the turn
+    puck.rotation_period = 0.1
+    ahead = gnosphere.Sensor()
+    ahead.range_max, ahead.range_min, ahead.rotation_period = 100, 0, 0.1
+    times = np.linspace(0, 0.1, 11)
+    ahead.patterns = [gnosphere.BeamList([[1.0, 0, 0]] * 11, origins=[[6.0, 0, 0]] * 11, times=times)]
+    effects = gnosphere.Effects.none()
+    effects.sensor_motion.use = effects.object_motion.use = gnosphere.EffectUse.automatic
+    for sensor in (puck, ahead):
+        mujoco.mj_resetData(model, data)
+        data.joint("cart").qvel, data.joint("wheel").qvel = 10, 20
+        mujoco.mj_forward(model, data)
+        lidar = gm.Lidar(model, sensor, site="roof", effects=effects, options=options(device))
+        lidar.record(data)
+        for step in range(round(span / 0.01)):
+            mujoco.mj_step(model, data)
+            mujoco.mj_kinematics(model, data)
+            if step % every == 0:
+                lidar.record(data)
+        scan = lidar.scan(data)
+        if sensor is puck:
+            plate = scan.points[(lidar.geom_ids(scan) == 1) & (np.abs(scan.points[:, 0] - 5) < 1)]
+            assert len(plate) > 1000
+            assert plate[:, 0] == pytest.approx(np.full(len(plate), 5.0), abs=1e-4)
+        else:
+            end = float(data.site("roof").xpos[0])
+            assert scan.ranges == pytest.approx(39.9 - 6 - end + 10 * (0.1 - times), abs=2e-5)
+
+
+def test_maps_between_two_maps():
+    """A body that turns about an axis of its own, at a third of the way, at both ends and beyond."""
+    axis, angle = np.array([1.0, 2.0, -2.0]) / 3, 1.2
+
+    def at(share):
+        x, y, z = axis
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        turn = np.eye(3) + np.sin(share * angle) * cross + (1 - np.cos(share * angle)) * cross @ cross
+        return np.column_stack([turn @ np.diag([1, 2, 3]), [share, 4, -2 * share]])[None]
+
+    for share in (-1.5, 0, 1 / 3, 1, 2.4):
+        assert gm.lidar.between(at(0), at(1), share) == pytest.approx(at(share), abs=1e-12)
+    for same in (np.eye(4)[None, :3], at(0.3)):
+        assert gm.lidar.between(same, same, 0.7) == pytest.approx(same, abs=1e-12)
+
+
+def test_lists_of_beams_with_times_see_motion(device):
+    """The time of a list without a rotation period is that of its last beam."""
+    model = mujoco.MjModel.from_xml_string(CART)
+    data = mujoco.MjData(model)
+    data.joint("cart").qvel = 10
+    mujoco.mj_forward(model, data)
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min = 100, 0
+    times = np.linspace(0, 0.05, 6)
+    sensor.patterns = [gnosphere.BeamList([[1.0, 0, 0]] * 6, origins=[[6.0, 0, 0]] * 6, times=times)]
+    lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        lidar.record(data)
+    for _ in range(5):
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        lidar.record(data)
+    end = float(data.site("roof").xpos[0])
+    assert lidar.scan(data).ranges == pytest.approx(39.9 - 6 - end + 10 * (0.05 - times), abs=2e-5)
+
+
+def test_only_the_records_of_a_turn_are_kept(device):
+    model = mujoco.MjModel.from_xml_string(CART)
+    data = mujoco.MjData(model)
+    lidar = gm.Lidar(model, "Puck", site="roof", effects=NONE, options=options(device))
+    for _ in range(50):
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        lidar.record(data)
+        lidar.record(data)  # of the same time, so it replaces the one before
+    assert len(lidar._records) <= 12
+    assert lidar.scan(data).beam_count() == 16 * 1808
+
+
+def test_arguments_that_are_refused_when_a_lidar_is_made(device):
+    model = mujoco.MjModel.from_xml_string(CART)
+    for site in (None, "roof"):
+        with pytest.raises(TypeError, match=r"pose must be a gnosphere.Pose or a function of MjData, not \(0, 0, 1\)"):
+            gm.Lidar(model, "VLP-16", site=site, pose=(0, 0, 1))
+    with pytest.raises(TypeError, match=r"Worlds: models is one MjModel; give one for each"):
+        gm.Worlds(model, "VLP-16", site="roof")
+
+
 def test_records_end_with_their_episode(device):
     model = mujoco.MjModel.from_xml_string(
         """<mujoco><worldbody><site name="lidar"/><body name="wall" pos="5 0 0"><joint name="wall" type="slide"

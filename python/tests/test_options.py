@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options and effects are bound by the tables of the library."""
 
+import copy
+import gc
 import json
+import weakref
 
 import pytest
+from conftest import beams
 
 import gnosphere as gno
 
@@ -53,3 +57,81 @@ def test_every_effect_is_a_property_with_its_parameters(name):
         if isinstance(value, float):
             setattr(effect, parameter, value)
             assert getattr(effect, parameter) == value
+
+
+class Owner:
+    """What has its own methods called by what it holds."""
+
+    def __init__(self, scene, request, kind):
+        self.said = []
+        self.options = gno.SimulatorOptions(gno.device_by_name("reference"))
+        if kind == "warn":
+            self.options.warn = self.options.trace = self.say
+        elif kind == "copies":
+            made = gno.SimulatorOptions(self.options.device, warn=self.say, trace=self.say)
+            self.copies = copy.copy(made), gno.drive.RunOptions("out", simulator=made, progress=self.say)
+            self.copies[1].simulator = self.copies[0]
+        elif kind == "simulator":
+            self.options.warn = self.say
+            self.simulator = gno.Simulator(scene, request, self.options)
+            self.other = gno.Simulator(scene, request, self.options)
+            self.options = None
+
+    def say(self, *_):
+        self.said.append(1)
+
+
+@pytest.mark.parametrize("kind", ["warn", "copies", "simulator"])
+def test_what_calls_its_owner_is_freed(town, kind):
+    request = gno.SensorRequest(beams(), gno.Effects.none())
+    owner = Owner(town, request, kind)
+    parts = [owner.copies[1].simulator] if kind == "copies" else []
+    gc.collect()
+    if kind == "simulator":
+        assert owner.simulator.scan(gno.Pose()).beam_count() == 9
+    if kind == "copies":
+        assert parts.pop().warn == owner.say
+    gone = weakref.ref(owner)
+    del owner
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_derived_simulator_that_calls_itself_is_freed(town):
+    class Derived(gno.Simulator):
+        def __init__(self):
+            options = gno.SimulatorOptions(gno.device_by_name("reference"), warn=self.say)
+            super().__init__(town, gno.SensorRequest(beams(), gno.Effects.none()), options)
+
+        def say(self, sentence):
+            pass
+
+    gone = weakref.ref(Derived())
+    gc.collect()
+    assert gone() is None
+
+
+def test_what_is_in_use_is_not_freed(town):
+    """A function is kept by the simulator alone, after its options are gone."""
+    request = gno.SensorRequest(gno.Sensor(range_max=100, columns=4, channels=[gno.Channel()]))
+    said = []
+
+    def say(sentence):
+        said.append(sentence)
+
+    gone = weakref.ref(say)
+    options = gno.SimulatorOptions(gno.device_by_name("reference"), warn=say)
+    run = gno.drive.RunOptions("out", simulator=options)
+    simulator = gno.Simulator(town, request, options)
+    del say, options
+    gc.collect()
+    assert gone() is not None
+    del run
+    gc.collect()
+    assert gone() is not None
+    shot = gno.Shot(instance_motions=[gno.InstanceMotion(0, gno.Transform())])
+    simulator.scan(shot)
+    assert said and "object-motion" in said[0]
+    del simulator
+    gc.collect()
+    assert gone() is None

@@ -108,6 +108,47 @@ def test_urdf_at_positions_of_its_joints(arm, tmp_path):
         robot.lidar("front")
 
 
+SDF = """<sdf version="1.9"><model name="m"><link name="base">{pose}<visual name="v"><geometry>{shape}</geometry>
+</visual>{sensor}</link></model></sdf>"""
+
+BALL = "<sphere><radius>1</radius></sphere>"
+
+
+@pytest.mark.parametrize(
+    ("pose", "shape", "sentence"),
+    [
+        ("<pose>0 0 nan 0 0 0</pose>", BALL, "a <pose> is '0 0 nan 0 0 0'; its numbers must be finite"),
+        ("<pose>0 0 1 0 0</pose>", BALL, "a <pose> has 5 numbers; it must have 6"),
+        ("<pose>0 0 x 0 0 0</pose>", BALL, "a <pose> is '0 0 x 0 0 0', which are no numbers"),
+        ('<pose rotation_format="quat_xyzw">0 0 1 0 0 0</pose>', BALL, "a <pose> has 6 numbers; it must have 7"),
+        ("", "<box><size>1 2</size></box>", "the <size> of a <box> has 2 numbers; it must have 3"),
+        ("", "<plane><size>1 2 3</size></plane>", "the <size> of a <plane> has 3 numbers; it must have 2"),
+        ("", "<ellipsoid><radii>1</radii></ellipsoid>", "the <radii> of an <ellipsoid> has 1 numbers; it must have 3"),
+    ],
+)
+def test_numbers_of_sdf_that_are_wrong(tmp_path, pose, shape, sentence):
+    (tmp_path / "m.sdf").write_text(SDF.format(pose=pose, shape=shape, sensor=""))
+    with pytest.raises(ValueError, match=re.escape(f"m.sdf: {sentence}")):
+        robotics.load(tmp_path / "m.sdf")
+
+
+def test_sizes_of_sdf_that_no_shape_has_are_left_out(tmp_path):
+    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape="<box><size>1 1 -2</size></box>", sensor=""))
+    with pytest.warns(UserWarning, match="leaves out a shape: the sizes of a box must be finite and not negative"):
+        assert robotics.load(tmp_path / "m.sdf").frames == []
+
+
+def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
+    """Both ends of a whole turn are beams in SDF, and look to the same side."""
+    whole = sensor().replace("-1.57", "-3.14159265").replace("1.57", "3.14159265").replace(">90<", ">720<")
+    shape = "<box><size>1 1 1</size></box>"
+    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape=shape, sensor=whole))
+    with pytest.warns(UserWarning, match="of 'm::top' the last column, which looks where the first does"):
+        robot = robotics.load(tmp_path / "m.sdf")
+    assert robot.sensors[0].sensor.columns == 719
+    assert list(robot.left_out) == ["of 'm::top' the last column, which looks where the first does"]
+
+
 CARELESS = """
 
 <!-- a licence --><?xml version="1.0"?>

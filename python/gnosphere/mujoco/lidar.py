@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import mujoco as mj
 import numpy as np
@@ -17,6 +17,7 @@ from .shapes import VISIBLE_GROUPS, ModelShapes, Tessellation
 
 Body = Union[int, str]
 Bodies = Union[Body, Iterable[Body]]
+Rows = npt.NDArray[np.float64]
 PoseSource = Union[gno.Pose, Callable[[Any], gno.Pose]]
 
 
@@ -35,6 +36,8 @@ class Mount:
     def __init__(self, model: Any, site: Union[int, str, None], pose: Optional[PoseSource]) -> None:
         if site is not None and callable(pose):
             raise TypeError("pose is a Pose in the frame of the site, not a function, where there is a site")
+        if pose is not None and not callable(pose) and not isinstance(pose, gno.Pose):
+            raise TypeError(f"pose must be a gnosphere.Pose or a function of MjData, not {pose!r}")
         self._site = -1 if site is None else model.site(site).id
         self._pose: Any = adapter.rows_of(pose) if site is not None and isinstance(pose, gno.Pose) else pose
 
@@ -49,6 +52,69 @@ class Mount:
         quat = np.empty(4)
         mj.mju_mat2Quat(quat, turn)
         return gno.Pose(tuple(position.tolist()), (float(quat[1]), float(quat[2]), float(quat[3]), float(quat[0])))
+
+
+class Record(NamedTuple):
+    """Where things are at a time in seconds."""
+
+    time: float
+    poses: list[gno.Pose]
+    """The sensors'."""
+    geoms: Rows
+    """Maps of shape (geoms, 3, 4)."""
+
+
+def durations_of(sensor: gno.Sensor) -> list[float]:
+    """How long the scans of a sensor last, in seconds, by the frame number modulo their number."""
+    if sensor.rotation_period > 0 or not sensor.patterns:
+        return [sensor.rotation_period]
+    return [float(pattern.times.max(initial=0)) for pattern in sensor.patterns]
+
+
+def between(first: Rows, last: Rows, share: float) -> Rows:
+    """Maps on the way from `first` to `last`, shape (n, 3, 4), or beyond: origins go in straight lines, axes turn about
+    a fixed one. The share is 0 at the first and 1 at the last maps."""
+    turn = last[:, :, :3] @ np.linalg.inv(first[:, :, :3])
+    # The vector of the part without symmetry is the axis of the turn by the sine of its angle.
+    skew = (turn - turn.transpose(0, 2, 1)) / 2
+    vector = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    sine = np.linalg.norm(vector, axis=1)
+    angle = share * np.arctan2(sine, (np.trace(turn, axis1=1, axis2=2) - 1) / 2)
+    x, y, z = (vector / np.maximum(sine, 1e-300)[:, None]).T
+    cross = np.stack([0 * x, -z, y, z, 0 * x, -x, -y, x, 0 * x], axis=1).reshape(-1, 3, 3)
+    part = np.eye(3) + np.sin(angle)[:, None, None] * cross + (1 - np.cos(angle))[:, None, None] * (cross @ cross)
+    origins = first[:, :, 3] + share * (last[:, :, 3] - first[:, :, 3])
+    return np.concatenate([part @ first[:, :, :3], origins[:, :, None]], axis=2)
+
+
+def pose_between(first: gno.Pose, last: gno.Pose, share: float) -> gno.Pose:
+    """As between(), of a pose."""
+    rows = between(adapter.rows_of(first)[None, :3], adapter.rows_of(last)[None, :3], share)[0]
+    return adapter.pose_of(rows[:, 3], rows[:, :3])
+
+
+def _geoms_at(time: float, path: Sequence[tuple[float, Rows]]) -> Rows:
+    """Where geoms are at a time: interpolated, or before the first place from their mean motion from there to the last
+    one. What does not move keeps its bits."""
+    later = next(i for i, (at, _) in enumerate(path) if at > time)
+    (begin, first), (end, last) = (path[0], path[-1]) if later == 0 else (path[later - 1], path[later])
+    moving = np.any(first != last, axis=(1, 2))
+    result: Rows = first.copy()
+    result[moving] = between(first[moving], last[moving], (time - begin) / (end - begin))
+    return result
+
+
+def _beyond_both_ends(path: Sequence[tuple[float, gno.Pose]], duration: float) -> list[tuple[float, gno.Pose]]:
+    """The path of a sensor, from before 0 until after the duration, because some beams of a turn fire a little outside
+    of it. Where the path has no places its mean motion goes on, as that of geoms does."""
+    (begin, first), (end, last) = path[0], path[-1]
+    margin = duration / 10
+    longer = list(path)
+    while len(longer) > 2 and longer[1][0] <= -margin:
+        longer.pop(0)
+    if longer[0][0] > -margin:
+        longer.insert(0, (-margin, pose_between(first, last, (-margin - begin) / (end - begin))))
+    return [*longer, (end + margin, pose_between(first, last, (end + margin - begin) / (end - begin)))]
 
 
 class Lidar(adapter.Lidar):
@@ -99,8 +165,8 @@ class Lidar(adapter.Lidar):
         count = len(self._shapes.shapes.instances)
         self._rows = np.zeros((count, 3, 4))
         self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
-        self._records: list[tuple[float, Any]] = []
-        self._start: Optional[npt.NDArray[np.float64]] = None
+        self._durations = [durations_of(self.sensors[0])]
+        self._records: list[Record] = []
         self._warned = False
         self._middle: tuple[float, float, float] = (0.0, 0.0, 0.0)  # where endless planes are put during records
 
@@ -126,6 +192,7 @@ class Lidar(adapter.Lidar):
         mount = Mount(self.model, site, pose)
         number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
         self._mounts[number:] = [mount]
+        self._durations[number:] = [durations_of(self.sensors[number])]
         return number
 
     def pose(self, data: Any, sensor: int = 0) -> gno.Pose:
@@ -135,70 +202,79 @@ class Lidar(adapter.Lidar):
     def update(self, data: Any, position: npt.ArrayLike = (0, 0, 0)) -> None:
         """Moves everything to where it is in `data`, of which mj_kinematics() must have been run, as mj_step() and
         mj_forward() do. Planes without an end are put around the place on them that is nearest to `position`."""
-        self._place(data, position)
+        self._shapes.place(data, position, self._rows, self.simulator)
         self.move(self._rows)
 
-    def _place(self, data: Any, position: npt.ArrayLike) -> None:
-        self._shapes.place(data, position, self._rows, self.simulator)
-
     def record(self, data: Any) -> None:
-        """Notes where the sensors and geoms are, for a scan during which they move: call it at the start of the scan
-        and after each step of it; the next scan() ends where `data` then is. Flexes and skins stay as they are at its
-        end. Records of a later time, from before mj_resetData(), are dropped."""
+        """Notes where the sensors and geoms are, for a scan during which they move: call it after each step of the
+        scan, and once at its start. The turn of the next scan() ends where `data` then is, and its beginning is
+        interpolated between the records, of which earlier ones count for nothing. If the records span less than a turn,
+        the sensor and the geoms come from where their mean motion during the records would have had them. Flexes and
+        skins stay as they are at the end. Of two records of one time the later one counts. Records of a later time,
+        from before mj_resetData(), are dropped."""
         self._drop_later(data)
-        if not self._warned and all(sensor.rotation_period == 0 for sensor in self.sensors):
+        if self._records and data.time == self._records[-1].time:
+            self._records.pop()
+        if not self._warned and not any(map(max, self._durations)):
             self._warned = True
             warnings.warn(
                 f"gnosphere.mujoco: record() changes nothing, because {self.sensors[0].name} fires all beams at once; "
                 "heads that turn, such as Puck, see things move",
                 stacklevel=2,
             )
-        if self._start is None:
+        if not self._records:
             self._middle = self.pose(data).position
-            self._place(data, self._middle)
-            self._start = self._rows.copy()
-        self._records.append((float(data.time), [self.pose(data, number) for number in range(len(self._mounts))]))
+        rows = np.empty((len(self.geoms), 3, 4))
+        self._shapes.place_geoms(data, self._middle, rows)
+        poses = [self.pose(data, number) for number in range(len(self._mounts))]
+        self._records.append(Record(float(data.time), poses, rows))
+        oldest = self._records[-1].time - max(map(max, self._durations))
+        while len(self._records) > 2 and self._records[1].time <= oldest:
+            self._records.pop(0)
 
     def _drop_later(self, data: Any) -> None:
-        if self._records and data.time < self._records[-1][0]:
+        if self._records and data.time < self._records[-1].time:
             self.reset()
 
     def reset(self) -> None:
         """Drops the records, so that the next scan() is one of a standing model."""
-        self._records, self._start = [], None
+        self._records = []
 
     def scan(self, data: Any, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the model as `data` has it. Points are in the frame of the sensor; those of a scan with record() each
         in its frame at the time of the point, or with Effects.sensor_motion.deskew in its frame at the end. Give a Scan
         of before as `into` and its memory is used again."""
         self._drop_later(data)
-        if not self._records:
+        durations = self._durations[sensor]
+        duration = durations[self.frame % len(durations)]
+        if not self._records or not duration:
+            self.reset()
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
             return self.cast(gno.Shot(pose, sensor, self.frame), into)
         try:
-            shot = self._moving_shot(data, sensor)
+            shot = self._moving_shot(data, sensor, duration)
         finally:
             self.reset()
         return self.cast(shot, into)
 
-    def _moving_shot(self, data: Any, sensor: int) -> gno.Shot:
-        start, records = self._start, [record for record in self._records if record[0] < data.time]
-        if start is None or not records:
+    def _moving_shot(self, data: Any, sensor: int, duration: float) -> gno.Shot:
+        """A shot whose beams fire during the `duration` seconds before `data`, and its scene as it is at its start."""
+        records = [record for record in self._records if record.time < data.time]
+        if not records:
             raise ValueError("the scan ends at the time at which its first record() was made")
         now = self.pose(data, sensor)
-        first = records[0][0]
-        stamps = [gno.SensorMotion.Stamp(time - first, poses[sensor]) for time, poses in records]
-        stamps.append(gno.SensorMotion.Stamp(float(data.time) - first, now))
-        self._place(data, self._middle)
-        # An instance moves for a turn of the sensor, however long the records are.
-        share = self.sensors[sensor].rotation_period / (float(data.time) - first)
-        ends = start + share * (self._rows - start)
-        count = len(self.geoms)
-        moved = np.flatnonzero(np.any(self._rows[:count] != start[:count], axis=(1, 2)))
-        start[count:] = self._rows[count:]
-        self.move(start)
+        self._shapes.place(data, self._middle, self._rows, self.simulator)
+        ends = self._rows[: len(self.geoms)]
+        start = float(data.time) - duration
+        path = [(record.time - start, record.poses[sensor]) for record in records]
+        path.append((duration, now))
+        starts = _geoms_at(start, [(record.time, record.geoms) for record in records] + [(float(data.time), ends)])
+        moved = np.flatnonzero(np.any(ends != starts, axis=(1, 2)))
         motions = [gno.InstanceMotion(int(i), gno.Transform(ends[i])) for i in moved]
+        self._rows[: len(starts)] = starts
+        self.move(self._rows)
+        stamps = [gno.SensorMotion.Stamp(time, pose) for time, pose in _beyond_both_ends(path, duration)]
         return gno.Shot(now, sensor, self.frame, gno.SensorMotion(stamps), motions)
 
     def geom_ids(self, scan: gno.Scan) -> npt.NDArray[np.int32]:

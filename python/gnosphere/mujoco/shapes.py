@@ -214,6 +214,14 @@ class ModelShapes:
     ) -> None:
         """Writes where the instances are in `data`, shape (n, 3, 4), and gives the simulator the vertices of those that
         deform. Planes without an end are put around the place on them that is nearest to `position`."""
+        self.place_geoms(data, position, rows)
+        for instance, (mesh, positions) in enumerate(self._deformed(data), len(self.geoms)):
+            middle = positions.mean(axis=0)  # so that single precision is enough wherever in the world it is
+            rows[instance, :, 3] = middle
+            simulator.set_positions(mesh, positions - middle)
+
+    def place_geoms(self, data: Any, position: npt.ArrayLike, rows: npt.NDArray[np.float64]) -> None:
+        """As place(), of the geoms alone, whose instances come first."""
         geoms = self.geoms
         if len(data.geom_xpos) != self.model.ngeom:
             raise ValueError(f"the data are of a model of {len(data.geom_xpos)} geoms; this one has {self.model.ngeom}")
@@ -224,10 +232,6 @@ class ModelShapes:
         for instance, endless in self.endless:
             axes = rows[instance, :, :2][:, endless]
             rows[instance, :, 3] += axes @ (axes.T @ (np.asarray(position) - rows[instance, :, 3]))
-        for instance, (mesh, positions) in enumerate(self._deformed(data), len(geoms)):
-            middle = positions.mean(axis=0)  # so that single precision is enough wherever in the world it is
-            rows[instance, :, 3] = middle
-            simulator.set_positions(mesh, positions - middle)
 
     def _deformed(self, data: Any) -> Iterable[tuple[int, npt.NDArray[np.float64]]]:
         """The meshes of flexes and skins, in the order of their instances, with where their vertices are in the

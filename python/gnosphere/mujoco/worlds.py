@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Optional, Union
 
+import mujoco as mj
 import numpy as np
 import numpy.typing as npt
 
@@ -38,6 +39,8 @@ class Worlds(adapter.Lidar):
     ) -> None:
         """`models` has the MjModel of each world; one model may stand there many times, and its meshes are there once.
         Sites and bodies by name are looked for in each model. The rest: see Lidar."""
+        if isinstance(models, mj.MjModel):
+            raise TypeError("gnosphere.mujoco.Worlds: models is one MjModel; give one for each world: [model] * n")
         self.models = list(models)
         if not self.models:
             raise ValueError("gnosphere.mujoco.Worlds: there is no model")

@@ -111,13 +111,18 @@ class Resources:
             self._pieces[path] = list(_read_ours(path) if known else _read_with_trimesh(path))
         return self._pieces[path]
 
-    def primitive(self, kind: str, sizes: Any, material: int, scale: float = 1.0) -> int:
-        """The mesh of a shape that `primitives` has, with its arguments; `scale` is that of its instance."""
+    def primitive(self, kind: str, sizes: Any, material: int, scale: float = 1.0) -> Optional[int]:
+        """The mesh of a shape that `primitives` has, with its arguments, or None if it is left out because of its
+        sizes; `scale` is that of its instance."""
         key = (kind, tuple(value for size in sizes for value in np.ravel(size).tolist()), material, scale)
         if key not in self._meshes:
             make = getattr(primitives, kind)
             flat = kind in ("box", "plane")
-            triangles = make(*sizes) if flat else make(*sizes, self.tolerance / scale)
+            try:
+                triangles = make(*sizes) if flat else make(*sizes, self.tolerance / scale)
+            except ValueError as error:
+                self.parts.leave_out(f"a shape: {error}")
+                return None
             self._meshes[key] = self.parts.shapes.mesh(triangles, material, kind)
         return self._meshes[key]
 

@@ -127,7 +127,7 @@ class Reader:
             self.parts.leave_out("textures")
         names = (f"{link}::{shape.get('name', '')}", link, shape.get("name", ""), label)
         if kind.tag == "mesh":
-            scale = numbers(kind.findtext("scale"), (1, 1, 1))
+            scale = numbers(kind.findtext("scale"), (1, 1, 1), "a <scale>")
             chosen = None if color is None else (color, label)
             submesh = (kind.findtext("submesh/name") or "").strip()
             if (kind.findtext("submesh/center") or "").strip() in ("1", "true"):
@@ -138,22 +138,24 @@ class Reader:
             material = self.parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
             mesh = self._primitive(kind, material)
             if kind.tag == "plane":
-                local = local @ _upright(numbers(kind.findtext("normal"), (0, 0, 1)))
+                local = local @ _upright(numbers(kind.findtext("normal"), (0, 0, 1), "a <normal>"))
         if mesh is not None:
             self.parts.place(mesh, link, local, *names)
 
     def _primitive(self, kind: ET.Element, material: int) -> Optional[int]:
         radius, half = number(kind, "radius", 1.0), number(kind, "length", 1.0) / 2
         if kind.tag == "box":
-            return self.resources.primitive("box", [numbers(kind.findtext("size"), (1, 1, 1)) / 2], material)
+            size = numbers(kind.findtext("size"), (1, 1, 1), "the <size> of a <box>") / 2
+            return self.resources.primitive("box", [size], material)
         if kind.tag == "sphere":
             return self.resources.primitive("sphere", [radius], material)
         if kind.tag in ("cylinder", "capsule", "cone"):
             return self.resources.primitive(kind.tag, [radius, half], material)
         if kind.tag == "ellipsoid":
-            return self.resources.primitive("ellipsoid", [numbers(kind.findtext("radii"), (1, 1, 1))], material)
+            radii = numbers(kind.findtext("radii"), (1, 1, 1), "the <radii> of an <ellipsoid>")
+            return self.resources.primitive("ellipsoid", [radii], material)
         if kind.tag == "plane":
-            size = numbers(kind.findtext("size"), (1, 1)) / 2
+            size = numbers(kind.findtext("size"), (1, 1), "the <size> of a <plane>") / 2
             endless = self.collisions or kind.find("size") is None
             return self.resources.primitive("plane", [ENDLESS, ENDLESS, 1.0] if endless else [*size, 1.0], material)
         self.parts.leave_out(f"<{kind.tag}> geometry")
@@ -174,7 +176,7 @@ class Reader:
                 frame = place @ poses.of(xyz.get("expressed_in", ""))
             elif (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true"):
                 frame = place
-            direction = numbers(xyz.text if xyz is not None else None, (0, 0, 1))
+            direction = numbers(xyz.text if xyz is not None else None, (0, 0, 1), f"the <xyz> of the joint '{name}'")
             direction = (at if frame is None else frame)[:3, :3] @ direction
             limit = axis.find("limit")
             low, high = number(limit, "lower", -math.inf), number(limit, "upper", math.inf)
@@ -268,7 +270,7 @@ def _color(shape: ET.Element) -> tuple[Optional[tuple[float, ...]], str]:
         if known is None:
             return (None if opacity == 1 else (0.5, 0.5, 0.5, opacity)), label
         return (*known, opacity), label
-    rgba = numbers(diffuse, (0.5, 0.5, 0.5, 1))
+    rgba = numbers(diffuse, (0.5, 0.5, 0.5, 1), "a <diffuse>", (3, 4))
     return (*map(float, rgba[:3]), float(rgba[3] if len(rgba) > 3 else 1) * opacity), label
 
 

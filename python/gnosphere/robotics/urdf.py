@@ -103,15 +103,16 @@ def _add_capsule(shape: ET.Element, link: str, parts: Parts, resources: Resource
     stated = material.find("color") if material is not None else None
     color = colors.get(label)
     if stated is not None:
-        color = tuple(xml_lidars.numbers(stated.get("rgba"), (0.5, 0.5, 0.5, 1)).tolist())
+        color = tuple(xml_lidars.numbers(stated.get("rgba"), (0.5, 0.5, 0.5, 1), "an rgba", (3, 4)).tolist())
     local = np.eye(4)
     if origin is not None:
-        local[:3, :3] = rotation(*xml_lidars.numbers(origin.get("rpy"), np.zeros(3)))
-        local[:3, 3] = xml_lidars.numbers(origin.get("xyz"), np.zeros(3))
+        local[:3, :3] = rotation(*xml_lidars.numbers(origin.get("rpy"), np.zeros(3), "an rpy"))
+        local[:3, 3] = xml_lidars.numbers(origin.get("xyz"), np.zeros(3), "an xyz")
     sizes = [float(capsule.get(name, "0")) for name in ("radius", "length")] if capsule is not None else [0.0, 0.0]
     number = parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
     mesh = resources.primitive("capsule", [sizes[0], sizes[1] / 2], number)
-    parts.place(mesh, link, local, shape.get("name") or link, link, label)
+    if mesh is not None:
+        parts.place(mesh, link, local, shape.get("name") or link, link, label)
 
 
 def _color(material: Any) -> Optional[tuple[float, ...]]:

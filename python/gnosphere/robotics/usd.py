@@ -131,7 +131,7 @@ class Reader:
             triangles = triangles[:, ::-1]
         return self.parts.shapes.mesh((points, triangles), numbers[of_face], prim.GetName())
 
-    def _shape(self, prim: Any, material: int) -> int:
+    def _shape(self, prim: Any, material: int) -> Optional[int]:
         def get(name: str, default: float) -> float:
             attribute = prim.GetAttribute(name)
             return float(_value(attribute, self.time, default)) if attribute else default

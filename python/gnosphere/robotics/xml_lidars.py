@@ -16,9 +16,21 @@ from .robot_scene import Matrix, Parts
 KINDS = ("lidar", "ray", "gpu_lidar", "gpu_ray")
 
 
-def numbers(text: Optional[str], default: Any) -> Any:
-    """The numbers of a text as an array, or `default` if there is none."""
-    return np.array(text.split(), np.float64) if text and text.strip() else np.asarray(default, np.float64)
+def numbers(text: Optional[str], default: Any, what: str, counts: tuple[int, ...] = ()) -> Any:
+    """The numbers of a text as an array, or `default` if there is none. Raises ValueError that begins with `what` for
+    what is no finite number, and for a count that is neither that of `default` nor one of `counts`."""
+    if not text or not text.strip():
+        return np.asarray(default, np.float64)
+    try:
+        values = np.array(text.split(), np.float64)
+    except ValueError:
+        raise ValueError(f"{what} is '{text.strip()}', which are no numbers") from None
+    wanted = counts or (len(default),)
+    if len(values) not in wanted:
+        raise ValueError(f"{what} has {len(values)} numbers; it must have {' or '.join(map(str, wanted))}")
+    if not np.isfinite(values).all():
+        raise ValueError(f"{what} is '{text.strip()}'; its numbers must be finite")
+    return values
 
 
 def number(parent: Optional[ET.Element], name: str, default: float) -> float:
@@ -31,11 +43,10 @@ def pose_of(element: Optional[ET.Element]) -> Matrix:
     result = np.eye(4)
     if element is None:
         return result
-    values = numbers(element.text, np.zeros(6))
     if element.get("rotation_format") == "quat_xyzw":
-        return adapter.rows_of(gno.Pose(tuple(values[:3].tolist()), tuple(values[3:7].tolist())))
-    if len(values) != 6:
-        raise ValueError(f"a <pose> has {len(values)} numbers; it must have 6")
+        values = numbers(element.text, (0, 0, 0, 0, 0, 0, 1), "a <pose>")
+        return adapter.rows_of(gno.Pose(values[:3], values[3:]))
+    values = numbers(element.text, np.zeros(6), "a <pose>")
     angles = np.radians(values[3:]) if element.get("degrees", "").strip() in ("true", "1") else values[3:]
     result[:3, :3], result[:3, 3] = rotation(*angles), values[:3]
     return result
@@ -53,7 +64,7 @@ def mount(sensor: ET.Element, parts: Parts, name: str, frame: Any, frame_to_sens
         parts.leave_out(f"the lidar {error}")
         return
     for what in file.ignored:
-        if not what.startswith(("pose", "update_rate", "the last column")):
-            parts.leave_out(f"{what} '{name}'")
+        if not what.startswith(("pose", "update_rate")):
+            parts.leave_out(f"{what} '{name}'" if not what.startswith("the last column") else f"of '{name}' {what}")
     local = pose_of(sensor.find("pose")) if frame_to_sensor is None else frame_to_sensor
     parts.mount(file.sensor, name, frame, local, number(sensor, "update_rate", 0.0))
