@@ -17,8 +17,8 @@ struct TaggedCorner {
 
 // State of a beam with a footprint: the sub-rays that opaque triangles stop, and its chain.
 struct Cover {
-  uint farthest;           // bits of the largest range at which one of them is stopped
-  uint lowRays, highRays;  // one bit for each of them: 0..31 and 32..63
+  uint farthest;           // bits of the largest range at which an opaque triangle stops a sub-ray
+  uint lowRays, highRays;  // one bit for each sub-ray that is stopped: 0..31 and 32..63
   uint links;              // of the beam's chain of candidates
 };
 
@@ -46,13 +46,13 @@ struct Frame {
   uint projectedCapacity;
   uint tileCapacity;
   uint candidateCapacity;
-  float paperFirstElevation;  // paper: elevation of row 0 in radians, and rows per radian
-  float paperRowsPerRadian;
+  float paperFirstElevation;                // of accuracy paper: elevation of row 0 in radians
+  float paperRowsPerRadian;                 // of accuracy paper
   float shiftMin, shiftMax;                 // columns by which a row's beams fire earlier (less than 0) or later than
                                             // those of their places: at least and at most
   float beside;                             // columns by which beams lie behind their places, at most
   uint momentsBefore, momentsAfter;         // entries of columnMotions before and behind those of the columns
-  float stretch;                            // by so many more each beam of a row than that before, in order of azimuth
+  float stretch;                            // growth of that shift, in columns, from one beam of a row to the next
   float footprint;                          // radians: largest angle by which a beam spreads or deviates from its axis
   uint slabShift;                           // a slab has 1 << slabShift columns and is owned by one subgroup
   uint cullWorkgroups, triangleWorkgroups;  // of a shell's dispatches, if there is work for them

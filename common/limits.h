@@ -64,8 +64,8 @@ GNO_CONST uint kShellBuckets = 64;
 GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are left
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
-// A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided if its box
-// has more beams than this, and the scan fewer intervals of this length than the other number.
+// A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided while its
+// box has more than kFewIntervalBeams beams and the scan has fewer than kMostIntervals intervals of its length.
 GNO_CONST uint kFewIntervalBeams = 32;
 GNO_CONST uint kFewSliceBeams = 64;  // the same for cells of a list, whose beams are found by their slices
 GNO_CONST uint kMostIntervals = 64;

@@ -45,32 +45,40 @@ GNO_CONST uint kTableNone = 0;
 GNO_CONST uint kTableLater = 1;  // only rows with content in later shells
 GNO_CONST uint kTableAll = 2;
 
-// Values of PASS, shader by shader: project_groups, bin with lists, bin with words, prefix_sum, resolve,
-// effects_footprint, effects, records.
-GNO_CONST uint kPassList = 0;
-GNO_CONST uint kPassShells = 1;
-GNO_CONST uint kPassCount = 0;
-GNO_CONST uint kPassFill = 1;
-GNO_CONST uint kPassNearest = 0;
-GNO_CONST uint kPassPanes = 1;  // lists the panes before the beams' words
-GNO_CONST uint kPassTable = 2;  // no hits, the farthest-range table instead
-GNO_CONST uint kPassReduce = 0;
-GNO_CONST uint kPassBlocks = 1;
-GNO_CONST uint kPassApply = 2;
-GNO_CONST uint kPassResults = 0;
-GNO_CONST uint kPassWords = 1;      // only the words, which lists do not have
-GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
-GNO_CONST uint kPassOthers = 1;     // the others whose light meets no pane
-GNO_CONST uint kPassPanesToo = 2;   // those whose light may meet panes
-GNO_CONST uint kPassAll = 0;
-GNO_CONST uint kPassListed = 1;  // only the beams of hardBeams
-GNO_CONST uint kPassCountReturns = 0;
-GNO_CONST uint kPassHeader = 1;
-GNO_CONST uint kPassEntries = 2;  // lists the entries with a return
-GNO_CONST uint kPassRecords = 3;
-GNO_CONST uint kPassLists = 4;  // only notes whether a list was too small for a group of beams that is not the last
-GNO_CONST uint kPassHeaderOfAll = 5;  // of results in which every entry has a record, which count the returns
-GNO_CONST uint kPassSample = 6;       // ranges, for the shells of later scans
+// Values of PASS, which are named by their shader: project_groups, bin (with lists, then with words), prefix_sum,
+// resolve, effects_footprint, effects, records.
+GNO_CONST uint kPassGroupsList = 0;
+GNO_CONST uint kPassGroupsShells = 1;
+
+GNO_CONST uint kPassBinCount = 0;
+GNO_CONST uint kPassBinFill = 1;
+
+GNO_CONST uint kPassBinNearest = 0;
+GNO_CONST uint kPassBinPanes = 1;  // lists the panes before the beams' words
+GNO_CONST uint kPassBinTable = 2;  // no hits, the farthest-range table instead
+
+GNO_CONST uint kPassSumReduce = 0;
+GNO_CONST uint kPassSumBlocks = 1;
+GNO_CONST uint kPassSumApply = 2;
+
+GNO_CONST uint kPassResolveResults = 0;
+GNO_CONST uint kPassResolveWords = 1;  // only the words, which lists do not have
+
+GNO_CONST uint kPassFootprintWithinOne = 0;  // beams whose footprint lies on one triangle
+GNO_CONST uint kPassFootprintOthers = 1;     // the others whose light meets no pane
+GNO_CONST uint kPassFootprintPanesToo = 2;   // those whose light may meet panes
+
+GNO_CONST uint kPassEffectsAll = 0;
+GNO_CONST uint kPassEffectsListed = 1;  // only the beams of hardBeams
+
+GNO_CONST uint kPassRecordsCount = 0;
+GNO_CONST uint kPassRecordsHeader = 1;
+GNO_CONST uint kPassRecordsEntries = 2;  // lists the entries with a return
+GNO_CONST uint kPassRecordsWrite = 3;
+GNO_CONST uint kPassRecordsNoteLists =
+    4;  // only notes whether a list was too small for a group of beams before the last
+GNO_CONST uint kPassRecordsHeaderOfAll = 5;  // of results in which every entry has a record, which count the returns
+GNO_CONST uint kPassRecordsSample = 6;       // ranges, for the shells of later scans
 
 // Values of the specialization constant DEFORMED.
 GNO_CONST uint kDeformsNothing = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the arrays of arrays.h for a kernel, by the addresses in its job. In CUDA they are plain pointers.
+// Declares the arrays of arrays.h for a kernel, by the buffer addresses in its push constants. In CUDA they are plain pointers.
 #include "common/arrays.h"
 #include "common/effects/parameters.h"
 

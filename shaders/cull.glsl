@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests whether any beam can hit something in a box. All tests are conservative: a culled box cannot contain a hit.
 
-
 // The box of a group or cluster in the sensor's frame: the axis-aligned bounds of the rotated box, slightly widened.
 void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out vec3 high) {
   vec3 pivot = pivotOf(instance);
@@ -13,11 +12,11 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   vec3 size = vec3(dot(abs(instance.row0.xyz), extent), dot(abs(instance.row1.xyz), extent),
                    dot(abs(instance.row2.xyz), extent));
   // 1e-6 of each coordinate covers the rounding errors above and those of the corners' own transform.
-  float length1 = abs(middle.x) + abs(middle.y) + abs(middle.z) + extent.x + extent.y + extent.z;
+  float sumOfExtents = abs(middle.x) + abs(middle.y) + abs(middle.z) + extent.x + extent.y + extent.z;
   float largest = max(max(abs(instance.row0.x) + abs(instance.row0.y) + abs(instance.row0.z),
                           abs(instance.row1.x) + abs(instance.row1.y) + abs(instance.row1.z)),
                       abs(instance.row2.x) + abs(instance.row2.y) + abs(instance.row2.z));
-  vec3 slack = vec3(1e-6 * length1 * largest) + 1e-6 * abs(offset);
+  vec3 slack = vec3(1e-6 * sumOfExtents * largest) + 1e-6 * abs(offset);
   low = centre - size - slack;
   high = centre + size + slack;
 }

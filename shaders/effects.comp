@@ -31,7 +31,7 @@ layout(local_size_x = 64) in;
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & (kFieldSignal | kFieldIntensity)) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? kMaxEchoes : 1u)
-#define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassListed)
+#define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassEffectsListed)
 #define POINTS ((FIELDS & kFieldPoints) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
 
@@ -161,7 +161,7 @@ void storeReturn(uint j, Return value) {
 bool isHit() { return floatBitsToUint(hitRange) <= 0x7f800000u; }
 
 // Computes the returns of one beam.
-void judge() {
+void computeReturns() {
   uint count = isHit() ? 1 : 0, returned;
   if (many)
     count = echoCounts.at[resultOf(beamIndex)];
@@ -233,12 +233,12 @@ void answer(BeamRow row, bool own) {
     planned.rangeMax = window.y;
   }
   many = MANY_ECHOES;
-  if (PANES && PASS == kPassAll) many = echoCounts.at[resultOf(beamIndex)] != kNone;
+  if (PANES && PASS == kPassEffectsAll) many = echoCounts.at[resultOf(beamIndex)] != kNone;
   pointDirection = beamDirection;
   if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
     pointDirection = astray(beamDirection, angleError(planned, beamIndex));
   if (SIGNALS)
-    judge();
+    computeReturns();
   else
     storeHit();
 }
@@ -252,7 +252,7 @@ void main() {
   // Only the listed beams are processed if nothing but panes can change an answer. There is one loop for both cases,
   // because compilers inline answer() at every call. No invocation leaves it early, because all of a subgroup share
   // surfaces.
-  bool listed = PANES && PASS == kPassListed;
+  bool listed = PANES && PASS == kPassEffectsListed;
   uvec2 run = listed ? runOf(counters.hardBeams) : runOfBeams();
   uint ownRow = dealt(groupRow, frame.rows);
   BeamRow row = loadRow(ownRow);

@@ -59,7 +59,7 @@ float reflections[RAYS];
 // Their hits in all layers. The first pass has one layer. Until the last layer is reached, its place holds the hits that
 // end the light: the nearest opaque ones, with the shares that they reflect of the light that reaches them.
 const uint kPieces = RAYS * kMaxLayers;
-#define HELD_LAYERS (PASS == kPassWithinOne ? 1u : LAYERS)
+#define HELD_LAYERS (PASS == kPassFootprintWithinOne ? 1u : LAYERS)
 #define LAST_LAYER (RAYS * (LAYERS - 1))
 float ranges[kPieces], energies[kPieces];
 uint metCandidates[kPieces];
@@ -217,7 +217,7 @@ uvec2 leftTo(uint index, Beam beam) {
     if (LAYERS > 1 && !meetsPane && isPaneAt(k))
       meetsPane = touchesFootprint(candidateOf(projectedAt(k), beam), middle);
   }
-  return uvec2(meetsPane ? kPassPanesToo : kPassOthers, effortOf(count));
+  return uvec2(meetsPane ? kPassFootprintPanesToo : kPassFootprintOthers, effortOf(count));
 }
 
 // Finds the nearest hits on panes, or on all other surfaces. Skips candidates behind all hits or behind the end of the
@@ -471,7 +471,7 @@ void finish(uint entry) {
     loadPlaceOfBeam(rowOf(index), columnOf(index), axis.azimuth);
     openList(index);
     aim(index);
-    if (PASS != kPassWithinOne)
+    if (PASS != kPassFootprintWithinOne)
       follow(index, number, axis);
     else if (!findWithinOne(index, number, axis))
       leave(index, leftTo(index, axis));
@@ -499,9 +499,9 @@ void main() {
     for (uint i = subgroupOfStep(); i < count; i += subgroups) finish(leftBeam(i));
     return;
   }
-  uvec2 run = runOf(PASS == kPassWithinOne ? beamsOfViews() : leftBeams());
+  uvec2 run = runOf(PASS == kPassFootprintWithinOne ? beamsOfViews() : leftBeams());
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = first + gl_SubgroupInvocationID;
-    if (i < run.y) finish(PASS == kPassWithinOne ? i : leftBeam(i));
+    if (i < run.y) finish(PASS == kPassFootprintWithinOne ? i : leftBeam(i));
   }
 }

@@ -12,13 +12,13 @@ uint effortOf(uint candidateCount) {
 
 uint placeInClass(uint effort, uint number, uint ofPass) {
   uint beams = beamsOfViews();
-  return effort * beams + (ofPass == kPassPanesToo ? beams - 1 - number : number);
+  return effort * beams + (ofPass == kPassFootprintPanesToo ? beams - 1 - number : number);
 }
 
 // Lists a beam for a pass and in a class.
 void leave(uint index, uvec2 passAndEffort) {
   uint effort = passAndEffort.y, number = 0;
-  if (passAndEffort.x == kPassPanesToo)
+  if (passAndEffort.x == kPassFootprintPanesToo)
     number = atomicAdd(counters.paneBeams[effort], 1);
   else
     number = atomicAdd(counters.edgeBeams[effort], 1);
@@ -26,7 +26,7 @@ void leave(uint index, uvec2 passAndEffort) {
 }
 
 uint leftBeams(uint effort) {
-  return PASS == kPassPanesToo ? counters.paneBeams[effort] : counters.edgeBeams[effort];
+  return PASS == kPassFootprintPanesToo ? counters.paneBeams[effort] : counters.edgeBeams[effort];
 }
 
 uint leftBeams() {

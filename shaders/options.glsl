@@ -14,13 +14,13 @@ layout(constant_id = 8) const uint CULLING = 0;   // bits kCull...
 layout(constant_id = 9) const uint EFFECTS = 0;   // bits of effects/bits.h
 layout(constant_id = 10) const uint FIELDS = 0;   // bits kField...
 layout(constant_id = 11) const uint LAYERS = 1;   // surfaces that a sub-ray may hit; all but the last let light pass
-layout(constant_id = 12) const uint RETURNS = 1;  // per beam; until the last effects pass the first one is the hit
+layout(constant_id = 12) const uint RETURNS = 1;  // kept per beam; before stage effects, entry 0 of a beam holds its hit
 layout(constant_id = 13) const bool MOTION = false;  // the sensor or instances move within the scan; except for
                                                      // project and bin, also if lasers have origins
 layout(constant_id = 14) const bool LISTED = false;  // the beams are a list, sorted into the cells of a grid
 layout(constant_id = 15) const bool MAPPED = false;  // each beam lies in a place of a grid, and a table has its number
 layout(constant_id = 16) const uint RAYS = 61;  // places for the sub-rays of a footprint: 1, 7, 19 or 61
-layout(constant_id = 17) const uint RECORDS = 0;  // bits of the values that records hold, and kWholeWords
+layout(constant_id = 17) const uint RECORDS = 0;  // bits of records.h: values that records hold, kWholeWords, kFromWords
 layout(constant_id = 18) const uint DEFORMED = kDeformsNothing;  // whether the scene has deformable meshes
 layout(constant_id = 19) const bool ORIGINS = false;    // lasers stand away from the point that the scan is seen from
 layout(constant_id = 20) const bool STAGGERED = false;  // the beams of a place fire at different times

@@ -65,7 +65,7 @@ void applyBlocks() {
 }
 
 void main() {
-  if (PASS == kPassReduce) reduceBlocks();
-  if (PASS == kPassBlocks) scanBlocks();
-  if (PASS == kPassApply) applyBlocks();
+  if (PASS == kPassSumReduce) reduceBlocks();
+  if (PASS == kPassSumBlocks) scanBlocks();
+  if (PASS == kPassSumApply) applyBlocks();
 }

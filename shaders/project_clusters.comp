@@ -55,7 +55,8 @@ bool showsItsBack(Instance instance, uint cluster) {
   return dot(towards, clusters.at[cluster].coneAxis) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-// Sets the distance of the cluster's box. `deformer` is that of the instance's mesh.
+// Returns whether a beam may hit the cluster in this shell, and sets `nearest`, the distance of its box in metres.
+// `deformer` is that of the instance's mesh.
 bool seen(uint number, Instance instance, Deformer deformer, uint cluster, out float nearest) {
   vec3 meshLow, meshHigh, low, high;
   bool deformed = DEFORMED != kDeformsNothing && deformer.deformed != 0;

@@ -100,7 +100,7 @@ void chooseShells() {
 void main() {
   loadMotion();
   if (gl_WorkGroupID.x == 0 && gl_LocalInvocationID.x == 0) counters.alive = kAlive;
-  if (PASS == kPassList) {
+  if (PASS == kPassGroupsList) {
     listGroups();
   } else if (gl_LocalInvocationID.x == 0) {
     chooseShells();

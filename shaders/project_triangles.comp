@@ -175,6 +175,7 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
 }
 
 #include "project_motion.glsl"
+#include "project_silhouettes.glsl"
 
 // Section 3 of the paper: one-sided faces need n . v0 < 0; the box is the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {

@@ -2,10 +2,10 @@
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
 // the records. If every entry has a record, the pass that writes the records also counts the returns, and no pass before
-// it needs a barrier, for which CPU drivers pay in every workgroup. No workgroup waits for another. Each shot of a submission has a row of workgroups, results of its own,
-// and buffers of the caller. If several submissions project the beams of a shot, these passes run once, after the last
-// one. If the words of the beams tell their returns (see leavesWords()), the results come from them, and no stage stores
-// points; each shot is then one view.
+// it needs a barrier, for which CPU drivers pay in every workgroup. No workgroup waits for another. Each shot of a
+// submission has a row of workgroups, results of its own, and buffers of the caller. If several submissions project the
+// beams of a shot, these passes run once, after the last one. If the words of the beams tell their returns (see
+// leavesWords()), the results come from them, and no stage stores points; each shot is then one view.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -389,11 +389,11 @@ void writeRecords() {
 void main() {
   loadMotion();
   beginShot();
-  if (PASS == kPassLists && gl_LocalInvocationID.x == 0) noteLists();
-  if (PASS == kPassCountReturns) countReturns();
-  if (PASS == kPassHeader) writeHeaderOfReturns();
-  if (PASS == kPassHeaderOfAll && gl_LocalInvocationID.x == 0) writeHeader(plan.entries, 0);
-  if (PASS == kPassSample) sampleRanges();
-  if (PASS == kPassEntries) listEntries();
-  if (PASS == kPassRecords) writeRecords();
+  if (PASS == kPassRecordsNoteLists && gl_LocalInvocationID.x == 0) noteLists();
+  if (PASS == kPassRecordsCount) countReturns();
+  if (PASS == kPassRecordsHeader) writeHeaderOfReturns();
+  if (PASS == kPassRecordsHeaderOfAll && gl_LocalInvocationID.x == 0) writeHeader(plan.entries, 0);
+  if (PASS == kPassRecordsSample) sampleRanges();
+  if (PASS == kPassRecordsEntries) listEntries();
+  if (PASS == kPassRecordsWrite) writeRecords();
 }

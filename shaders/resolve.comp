@@ -76,7 +76,7 @@ uvec2 wordOfList(uint index, Beam beam) {
   uint entry = beamEntry(index), start = entry == 0 ? 0 : listEnds.at[entry - 1];
   uint end = min(listEnds.at[entry], frame.candidateCapacity);
   uvec2 word = nearestOfList(index, beam, start, end);
-  if (PANES || PASS == kPassWords) words.at[entry] = word;
+  if (PANES || PASS == kPassResolveWords) words.at[entry] = word;
   if (PANES && meetsPane(index, beam, start, end, word))
     hardBeams.at[atomicAdd(counters.hardBeams, 1)] = entry;
   return word;
@@ -109,7 +109,7 @@ void main() {
     if (NUMBERED && number == kNone) continue;
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[beamEntry(index)];
-    if (PASS == kPassWords) continue;
+    if (PASS == kPassResolveWords) continue;
     if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
     store(index, resultOf(number) * RETURNS, beam, word);
     hits += word.y != kNone ? 1 : 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The effects that a pipeline contains: bits of its specialisation constant EFFECTS, in the order of effectNames().
-#ifndef GNOSPHERE_EFFECTS_PLAN_H
-#define GNOSPHERE_EFFECTS_PLAN_H
+#ifndef GNOSPHERE_EFFECTS_BITS_H
+#define GNOSPHERE_EFFECTS_BITS_H
 
 #include "../shared.h"
 
@@ -30,8 +30,8 @@ GNO_CONST uint kRadialSpeed = 1u << 16;
 // Not an effect of its own: set if angle noise deflects beams before they meet anything.
 GNO_CONST uint kStrays = 1u << 31;
 
-// Not an effect either: set if the hits of each beam are found from its footprint, that is, if the candidates of each
-// beam are collected in lists and tried for every sub-ray. Otherwise the beam is one line, and its nearest hit counts.
+// Not an effect either: set if the hits of a beam are found by tracing the sub-rays of its footprint. Otherwise the
+// beam is a single line, and its nearest hit counts.
 GNO_CONST uint kFootprint = 1u << 30;
 
 // With one of these effects a beam's result is more than the nearest hit of its axis.
@@ -54,7 +54,8 @@ GNO_CONST uint kFieldIntensity = 16;
 // No field has this bit, which is set if points and owners are stored, because the words of the beams do not tell them.
 GNO_CONST uint kFieldPoints = 32;
 
-// Fields that need the surfaces pass. The intensity effect needs it too, for the angle of incidence and the material.
+// Fields for which stage effects computes the surface at the hit. The intensity effect needs the surface, too, for the
+// angle of incidence and the material.
 GNO_CONST uint kSurfaceFields = kFieldSurface | kFieldBarycentrics;
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The speed at which a surface recedes along the beam; an FMCW sensor measures it as a Doppler shift.
-#ifndef GNOSPHERE_EFFECTS_MOTION_H
-#define GNOSPHERE_EFFECTS_MOTION_H
+#ifndef GNOSPHERE_EFFECTS_DOPPLER_H
+#define GNOSPHERE_EFFECTS_DOPPLER_H
 
 #include "arithmetic.h"
 

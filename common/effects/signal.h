@@ -19,7 +19,7 @@
 #define PLANNED(bits) ((EFFECTS & (bits)) != 0u)
 
 // If a medium attenuates the light, returns must exceed the threshold even if `detection` is not planned.
-#define JUDGED PLANNED(kDetection | kMediumEffects)
+#define HAS_THRESHOLD PLANNED(kDetection | kMediumEffects)
 
 // Optical depth of the medium up to a range.
 GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
@@ -111,7 +111,7 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
 GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, uint number, float depth, float power,
                            GNO_INOUT(uint) cause) {
   if (p.hidesNear > 0u && echo.range < p.rangeMin) return false;
-  if (JUDGED) {
+  if (HAS_THRESHOLD) {
     float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
     if (!detected(p, power, chance)) {
       if (number == kScatterDraw) return false;

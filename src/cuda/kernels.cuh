@@ -106,23 +106,23 @@ __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_consta
 }
 
 template <typename Stage, typename Known>
-void launchAs(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  kernel<Stage, Known><<<dim3(groupsX, groupsY), gl_WorkGroupSize.x>>>(job);
+void launchAs(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
+  kernel<Stage, Known><<<dim3(workgroupsX, workgroupsY), gl_WorkGroupSize.x>>>(job);
 }
 
 #else
 
 // The host compiles each stage once, and reads the options that are known as it reads the others.
 template <typename Stage>
-void run(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  runWorkgroups(groupsX, groupsY, [&job] { Stage{job}.main(); });
+void run(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
+  runWorkgroups(workgroupsX, workgroupsY, [&job] { Stage{job}.main(); });
 }
 
 template <typename Stage, typename Known>
-void launchAs(const Job& given, uint32_t groupsX, uint32_t groupsY) {
+void launchAs(const Job& given, uint32_t workgroupsX, uint32_t workgroupsY) {
   Job job = given;
   Known::fix(job.options);
-  run<Stage>(job, groupsX, groupsY);
+  run<Stage>(job, workgroupsX, workgroupsY);
 }
 
 #endif
@@ -136,9 +136,9 @@ struct Moving {
 };
 
 template <typename Stage, typename Known = Nothing>
-void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  job.options.MOTION ? launchAs<Stage, Moving<Known, 1>>(job, groupsX, groupsY)
-                     : launchAs<Stage, Moving<Known, 0>>(job, groupsX, groupsY);
+void launch(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
+  job.options.MOTION ? launchAs<Stage, Moving<Known, 1>>(job, workgroupsX, workgroupsY)
+                     : launchAs<Stage, Moving<Known, 0>>(job, workgroupsX, workgroupsY);
 }
 
 struct beam_frames {
@@ -223,71 +223,73 @@ struct place_instances {
 // Handles every pair of INSIDE and RANGE that accuracyPartsOf() and validate(AccuracyParts) allow. Effects of lines are
 // planned for the standard pair alone.
 template <typename Stage>
-void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  if ((job.options.EFFECTS & kFootprintEffects) != 0) return launch<Stage, EffectLines>(job, groupsX, groupsY);
+void launchMeeting(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
+  if ((job.options.EFFECTS & kFootprintEffects) != 0) return launch<Stage, EffectLines>(job, workgroupsX, workgroupsY);
   const bool plane = job.options.RANGE == kRangePlane;
   if (job.options.INSIDE == kInsideExact)
-    launch<Stage, Lines<kInsideExact, kRangeExact>>(job, groupsX, groupsY);
+    launch<Stage, Lines<kInsideExact, kRangeExact>>(job, workgroupsX, workgroupsY);
   else if (job.options.INSIDE == kInsidePlain)
-    plane ? launch<Stage, Lines<kInsidePlain, kRangePlane>>(job, groupsX, groupsY)
-          : launch<Stage, Lines<kInsidePlain, kRangeEdgeWeights>>(job, groupsX, groupsY);
+    plane ? launch<Stage, Lines<kInsidePlain, kRangePlane>>(job, workgroupsX, workgroupsY)
+          : launch<Stage, Lines<kInsidePlain, kRangeEdgeWeights>>(job, workgroupsX, workgroupsY);
   else
-    plane ? launch<Stage, Lines<kInsideWatertight, kRangePlane>>(job, groupsX, groupsY)
-          : launch<Stage, Lines<kInsideWatertight, kRangeEdgeWeights>>(job, groupsX, groupsY);
+    plane ? launch<Stage, Lines<kInsideWatertight, kRangePlane>>(job, workgroupsX, workgroupsY)
+          : launch<Stage, Lines<kInsideWatertight, kRangeEdgeWeights>>(job, workgroupsX, workgroupsY);
 }
 
 // Launches the kernel for kRays sub-rays. Each pass is a kernel of its own, because the first and the others have
 // little in common, and together they have too few registers. With strays the others have too few of them even alone.
 template <uint kRays>
-void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+void launchFootprint(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
   using Stage = effects_footprint<kRays>;
   switch (job.options.PASS) {
-    case kPassOthers:
+    case kPassFootprintOthers:
       (job.options.EFFECTS & kStrays) != 0
-          ? launch<Stage, FootprintPass<kPassOthers, 1>>(job, groupsX, groupsY)
-          : launch<Stage, FootprintPass<kPassOthers, 1, kStrays>>(job, groupsX, groupsY);
+          ? launch<Stage, FootprintPass<kPassFootprintOthers, 1>>(job, workgroupsX, workgroupsY)
+          : launch<Stage, FootprintPass<kPassFootprintOthers, 1, kStrays>>(job, workgroupsX, workgroupsY);
       return;
-    case kPassPanesToo: return launch<Stage, FootprintPass<kPassPanesToo, kMaxLayers>>(job, groupsX, groupsY);
+    case kPassFootprintPanesToo:
+      return launch<Stage, FootprintPass<kPassFootprintPanesToo, kMaxLayers>>(job, workgroupsX, workgroupsY);
     default:
-      job.options.LAYERS == 1 ? launch<Stage, FootprintPass<kPassWithinOne, 1>>(job, groupsX, groupsY)
-                              : launch<Stage, FootprintPass<kPassWithinOne, kMaxLayers>>(job, groupsX, groupsY);
+      job.options.LAYERS == 1
+          ? launch<Stage, FootprintPass<kPassFootprintWithinOne, 1>>(job, workgroupsX, workgroupsY)
+          : launch<Stage, FootprintPass<kPassFootprintWithinOne, kMaxLayers>>(job, workgroupsX, workgroupsY);
   }
 }
 
 }  // namespace
 
-void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  if (groupsX == 0 || groupsY == 0) return;
+void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
+  if (workgroupsX == 0 || workgroupsY == 0) return;
   const bool footprint = (job.options.EFFECTS & kFootprint) != 0;
   switch (kernel) {
-    case Kernel::beam_frames: return launch<beam_frames>(job, groupsX, groupsY);
-    case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
-    case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
-    case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);
+    case Kernel::beam_frames: return launch<beam_frames>(job, workgroupsX, workgroupsY);
+    case Kernel::project_groups: return launch<project_groups>(job, workgroupsX, workgroupsY);
+    case Kernel::project_clusters: return launch<project_clusters>(job, workgroupsX, workgroupsY);
+    case Kernel::project_triangles: return launch<project_triangles>(job, workgroupsX, workgroupsY);
     case Kernel::bin:
-      if (!footprint) return launchMeeting<bin<1>>(job, groupsX, groupsY);
+      if (!footprint) return launchMeeting<bin<1>>(job, workgroupsX, workgroupsY);
       switch (job.options.RAYS) {
-        case 1: return launch<bin<1>, Footprints>(job, groupsX, groupsY);
-        case 7: return launch<bin<7>, Footprints>(job, groupsX, groupsY);
-        case 19: return launch<bin<19>, Footprints>(job, groupsX, groupsY);
-        default: return launch<bin<61>, Footprints>(job, groupsX, groupsY);
+        case 1: return launch<bin<1>, Footprints>(job, workgroupsX, workgroupsY);
+        case 7: return launch<bin<7>, Footprints>(job, workgroupsX, workgroupsY);
+        case 19: return launch<bin<19>, Footprints>(job, workgroupsX, workgroupsY);
+        default: return launch<bin<61>, Footprints>(job, workgroupsX, workgroupsY);
       }
-    case Kernel::prefix_sum: return launch<prefix_sum>(job, groupsX, groupsY);
-    case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
-    case Kernel::effects_strays: return launch<effects_strays>(job, groupsX, groupsY);
+    case Kernel::prefix_sum: return launch<prefix_sum>(job, workgroupsX, workgroupsY);
+    case Kernel::resolve: return launchMeeting<resolve>(job, workgroupsX, workgroupsY);
+    case Kernel::effects_strays: return launch<effects_strays>(job, workgroupsX, workgroupsY);
     case Kernel::effects_footprint:
       switch (job.options.RAYS) {
-        case 1: return launchFootprint<1>(job, groupsX, groupsY);
-        case 7: return launchFootprint<7>(job, groupsX, groupsY);
-        case 19: return launchFootprint<19>(job, groupsX, groupsY);
-        default: return launchFootprint<61>(job, groupsX, groupsY);
+        case 1: return launchFootprint<1>(job, workgroupsX, workgroupsY);
+        case 7: return launchFootprint<7>(job, workgroupsX, workgroupsY);
+        case 19: return launchFootprint<19>(job, workgroupsX, workgroupsY);
+        default: return launchFootprint<61>(job, workgroupsX, workgroupsY);
       }
-    case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
-    case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
+    case Kernel::effects_panes: return launch<effects_panes>(job, workgroupsX, workgroupsY);
+    case Kernel::effects: return launch<effects>(job, workgroupsX, workgroupsY);
 #ifdef GNO_CALLERS_BUFFERS
-    case Kernel::fit_clusters: return launch<fit_clusters>(job, groupsX, groupsY);
-    case Kernel::place_instances: return launch<place_instances>(job, groupsX, groupsY);
-    case Kernel::records: return launch<records>(job, groupsX, groupsY);
+    case Kernel::fit_clusters: return launch<fit_clusters>(job, workgroupsX, workgroupsY);
+    case Kernel::place_instances: return launch<place_instances>(job, workgroupsX, workgroupsY);
+    case Kernel::records: return launch<records>(job, workgroupsX, workgroupsY);
 #else
     case Kernel::fit_clusters:
     case Kernel::place_instances:

@@ -45,7 +45,7 @@ class CudaMachine final : public Machine {
     traits_.info = device_.info;
     if (options.tuning.maxBufferBytes > 0) traits_.info.maxBufferBytes = options.tuning.maxBufferBytes;
     traits_.int64Atomics = traits_.float64 = true;
-    traits_.groups = device_.groups;
+    traits_.workgroups = device_.workgroups;
   }
 
   const Traits& traits() const override { return traits_; }
@@ -84,7 +84,7 @@ class CudaMachine final : public Machine {
       case Step::Kind::dispatch:
         job.pass = step.pass;
         job.options = step.variant.options;
-        return device_.launch(step.variant.kernel, job, step.groupsX, step.groupsY);
+        return device_.launch(step.variant.kernel, job, step.workgroupsX, step.workgroupsY);
     }
   }
 

@@ -20,10 +20,10 @@ inline thread_local uvec3 gl_WorkGroupID, gl_NumWorkGroups;
 
 /// Runs a kernel's main function once per workgroup.
 template <typename Main>
-void runWorkgroups(uint groupsX, uint groupsY, const Main& main) {
-  gl_NumWorkGroups = {groupsX, groupsY, 1};
-  for (uint y = 0; y < groupsY; ++y)
-    for (uint x = 0; x < groupsX; ++x) {
+void runWorkgroups(uint workgroupsX, uint workgroupsY, const Main& main) {
+  gl_NumWorkGroups = {workgroupsX, workgroupsY, 1};
+  for (uint y = 0; y < workgroupsY; ++y)
+    for (uint x = 0; x < workgroupsX; ++x) {
       gl_WorkGroupID = {x, y, 0};
       main();
     }

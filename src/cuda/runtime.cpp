@@ -79,7 +79,7 @@ Device chooseDevice(const DeviceChoice& choice) {
   }
   if (index >= all.size()) throw Error(ErrorCode::device, which + "the last CUDA device here is " + all.back().name);
   Device device;
-  device.groups = 4096;
+  device.workgroups = 4096;
   device.index = static_cast<int>(index);
   device.launch = choice.kind == DeviceChoice::Kind::cudaFast ? fast::launch : parity::launch;
   device.info = all[index];

@@ -12,14 +12,14 @@
 
 namespace gnosphere::cuda {
 
-using Launch = void (*)(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY);
+using Launch = void (*)(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY);
 
 struct Device {
   DeviceInfo info;
   int index = 0;
   /// Number of workgroups that fills the device; most kernels loop over their items, so any number of workgroups will
   /// do.
-  uint32_t groups = 0;
+  uint32_t workgroups = 0;
   Launch launch = nullptr;
 };
 

@@ -43,8 +43,8 @@ std::vector<gpu::InstanceMotion> motionsOf(ShotMotions motions, const InstanceEn
 
 }  // namespace
 
-std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams) {
-  std::vector<EffectsArray> arrays;
+std::vector<ArrayContent> beamArrays(const SensorPlan& plan, uint64_t beams) {
+  std::vector<ArrayContent> arrays;
   const auto addRoom = [&](gpu::Array array, uint64_t bytesPerBeam) {
     arrays.push_back({array, beams * bytesPerBeam, {}});
   };
@@ -61,8 +61,8 @@ std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams) {
   return arrays;
 }
 
-std::vector<EffectsArray> lastingTables(const SensorPlan& plan) {
-  std::vector<EffectsArray> arrays;
+std::vector<ArrayContent> lastingTables(const SensorPlan& plan) {
+  std::vector<ArrayContent> arrays;
   if (plan.footprint()) arrays.push_back(arrayOf(gpu::Array::subRays, subRayLines(plan)));
   if (plan.looksAtOptics()) arrays.push_back(arrayOf(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
@@ -73,8 +73,8 @@ std::vector<EffectsArray> lastingTables(const SensorPlan& plan) {
   return arrays;
 }
 
-std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count) {
-  std::vector<EffectsArray> arrays;
+std::vector<ArrayContent> projectedArrays(const SensorPlan& plan, uint64_t count) {
+  std::vector<ArrayContent> arrays;
   if (plan.has(gpu::kFootprintEffects))
     arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
   if (plan.has(gpu::kCutOuts)) arrays.push_back({gpu::Array::projectedTexture, count * 2 * sizeof(gpu::vec4), {}});
@@ -84,9 +84,9 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   return arrays;
 }
 
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
+std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
                                      const InstanceEntries& entries) {
-  std::vector<EffectsArray> arrays;
+  std::vector<ArrayContent> arrays;
   if (plan.signals()) {
     std::vector<gpu::EffectParameters> all;
     for (const Shot& shot : shots) {

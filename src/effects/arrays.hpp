@@ -13,22 +13,22 @@
 namespace gnosphere {
 
 /// An array with its content, or its size alone if the stages write it.
-struct EffectsArray {
+struct ArrayContent {
   gpu::Array array;
   uint64_t bytes;
   std::vector<std::byte> content;  ///< `bytes` bytes, or empty
 };
 
 /// Tables that live as long as the sensor.
-std::vector<EffectsArray> lastingTables(const SensorPlan& plan);
+std::vector<ArrayContent> lastingTables(const SensorPlan& plan);
 /// Arrays that the stages pass on to each other, with entries for each beam. `beams` is the number of beams of all
 /// views together.
-std::vector<EffectsArray> beamArrays(const SensorPlan& plan, uint64_t beams);
+std::vector<ArrayContent> beamArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
-std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
+std::vector<ArrayContent> projectedArrays(const SensorPlan& plan, uint64_t count);
 /// Returns a range of values as the content of an array.
 template <typename Values>
-EffectsArray arrayOf(gpu::Array array, const Values& values) {
+ArrayContent arrayOf(gpu::Array array, const Values& values) {
   const auto bytes = std::as_bytes(std::span(values));
   return {array, bytes.size(), {bytes.begin(), bytes.end()}};
 }
@@ -40,7 +40,7 @@ struct InstanceEntries {
 };
 
 /// Arrays that are written anew for each scan; each of several shots is a view.
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
+std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
                                      const InstanceEntries& entries);
 
 }  // namespace gnosphere

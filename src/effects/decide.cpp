@@ -42,7 +42,7 @@ std::vector<std::string> needIntensity(const Effects& effects, const std::vector
   return names;
 }
 
-Answer judgeIntensity(const Question& q, const std::vector<std::string>& needIt) {
+Answer appliesIntensity(const Question& q, const std::vector<std::string>& needIt) {
   if (q.asksFor(Field::intensity)) return {true, "the field intensity asks for it"};
   if (needIt.empty()) return {false, "nothing asks for it"};
   std::string who;
@@ -89,15 +89,15 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
     } else if (effects.intensity.use == EffectUse::off && decision.request == EffectUse::automatic &&
                info.needsIntensity(effects)) {
       decision.reason = "intensity, which it needs, is off in the request";
-    } else if (info.judge) {
-      decideBy(info.judge(question), request.sensor, lenient, decision);
+    } else if (info.applies) {
+      decideBy(info.applies(question), request.sensor, lenient, decision);
     }
   }
   const std::vector<std::string> needIt = needIntensity(effects, decisions);
   for (size_t i = 0; i < decisions.size(); ++i) {
-    if (effectTable()[i].judge || decisions[i].request == EffectUse::off) continue;
+    if (effectTable()[i].applies || decisions[i].request == EffectUse::off) continue;
     const bool on = decisions[i].request == EffectUse::on;
-    decideBy(on ? Answer{false, ""} : judgeIntensity(question, needIt), request.sensor, lenient, decisions[i]);
+    decideBy(on ? Answer{false, ""} : appliesIntensity(question, needIt), request.sensor, lenient, decisions[i]);
   }
   checkOff(question, needIt);
   return decisions;

@@ -45,7 +45,7 @@ Answer countMaterials(const Scene& scene, Has has, const char* does, const char*
   return {true, std::to_string(count) + " of " + plural(seen, "material ", "materials ") + does};
 }
 
-Answer judgeDetection(const Question& q) {
+Answer appliesDetection(const Question& q) {
   const auto& detection = q.effects.detection;
   if (detection.use == EffectUse::automatic && detection.range == 0) return {false, "no range is given"};
   const double range = detection.range > 0 ? detection.range : q.sensor.rangeMax;
@@ -53,7 +53,7 @@ Answer judgeDetection(const Question& q) {
   return {true, format("as strong as %.3g %% at %.6g m", 100 * detection.reflectance, range)};
 }
 
-Answer judgeDropOut(const Question& q) {
+Answer appliesDropOut(const Question& q) {
   const auto& dropOut = q.effects.dropOut;
   const size_t beams = q.sensor.beamCount();
   for (uint32_t beam : dropOut.deadBeams) {
@@ -75,7 +75,7 @@ Answer judgeDropOut(const Question& q) {
   return {true, why};
 }
 
-Answer judgeRangeNoise(const Question& q) {
+Answer appliesRangeNoise(const Question& q) {
   const auto& noise = q.effects.rangeNoise;
   if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.step == 0) {
     return {false, "no bias, sigma or step is given", "give range-noise.sigma"};
@@ -87,7 +87,7 @@ Answer judgeRangeNoise(const Question& q) {
   return {true, why};
 }
 
-Answer judgeAngleNoise(const Question& q) {
+Answer appliesAngleNoise(const Question& q) {
   const auto& noise = q.effects.angleNoise;
   if (noise.azimuth == 0 && noise.elevation == 0) {
     return {false, "no standard deviation is given", "give angle-noise.azimuth or angle-noise.elevation"};
@@ -95,13 +95,13 @@ Answer judgeAngleNoise(const Question& q) {
   return {true, format("sigma %.3g x %.3g mrad", 1e3 * noise.azimuth, 1e3 * noise.elevation)};
 }
 
-Answer judgeIntensityNoise(const Question& q) {
+Answer appliesIntensityNoise(const Question& q) {
   const double sigma = q.effects.intensityNoise.sigma;
   if (sigma == 0) return {false, "no sigma is given", "give intensity-noise.sigma"};
   return {true, format("sigma %.3g", sigma)};
 }
 
-Answer judgeDivergence(const Question& q) {
+Answer appliesDivergence(const Question& q) {
   const auto& d = q.effects.divergence;
   const bool asked = d.horizontal > 0 || d.vertical > 0;
   const double horizontal = asked ? d.horizontal : q.sensor.divergenceHorizontal;
@@ -118,14 +118,14 @@ Answer judgeDivergence(const Question& q) {
   return {true, why};
 }
 
-Answer judgeReturns(const Question& q) {
+Answer appliesReturns(const Question& q) {
   const uint32_t asked = q.effects.returns.count, most = asked > 0 ? asked : q.sensor.maxReturns;
   if (most == 1) return {false, "the sensor reports one return per beam"};
   return {true, (asked > 0 ? "the request takes up to " : "the sensor reports up to ") +
                     plural(most, "return", "returns") + " per beam"};
 }
 
-Answer judgeTransmission(const Question& q) {
+Answer appliesTransmission(const Question& q) {
   const std::vector<Optics> optics = opticsOf(q.scene, q.materials, q.effects.intensity.wavelength);
   return countMaterials(
       q.scene, [&](size_t i) { return optics[i].transmission > 0; }, "let light through",
@@ -143,13 +143,13 @@ bool hasHoles(const Scene& scene, const Material& material) {
   return least < material.alphaCutoff;
 }
 
-Answer judgeCutOuts(const Question& q) {
+Answer appliesCutOuts(const Question& q) {
   return countMaterials(
       q.scene, [&](size_t i) { return hasHoles(q.scene, q.scene.materials[i]); }, "have holes",
       "no material that is seen has holes", "give a material alphaMode MASK and a texture with alpha");
 }
 
-Answer judgeMotion(const Question& q) {
+Answer appliesMotion(const Question& q) {
   if (!firesInTurn(q.sensor))
     return {false, "the sensor fires all beams at once",
             q.sensor.isGrid() ? "give the sensor a rotation period" : "give its beams times"};
@@ -162,31 +162,31 @@ Answer withoutWeather(const Question& q, Answer otherwise) {
   return q.variableWeather ? Answer{true, "shots bring their own weather"} : otherwise;
 }
 
-Answer judgeFog(const Question& q) {
+Answer appliesFog(const Question& q) {
   const double visibility = q.effects.fog.visibility;
   if (visibility == 0) return withoutWeather(q, {false, "no visibility is given", "give fog.visibility"});
   return {true, format("visibility %.6g m", visibility)};
 }
 
-Answer judgeRain(const Question& q) {
+Answer appliesRain(const Question& q) {
   const double rate = q.effects.rain.rate;
   if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give rain.rate"});
   return {true, format("%.6g mm/h", rate)};
 }
 
-Answer judgeSnow(const Question& q) {
+Answer appliesSnow(const Question& q) {
   const double rate = q.effects.snow.rate;
   if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give snow.rate"});
   return {true, format("%.6g mm/h, melted", rate)};
 }
 
-Answer judgeVolumes(const Question& q) {
+Answer appliesVolumes(const Question& q) {
   const auto& boxes = q.effects.volumes.boxes;
   if (boxes.empty()) return withoutWeather(q, {false, "no box is given", "give volumes.boxes"});
   return {true, plural(boxes.size(), "box", "boxes")};
 }
 
-Answer judgeRadialSpeed(const Question& q) {
+Answer appliesRadialSpeed(const Question& q) {
   if (!q.asksFor(Field::radialSpeed)) return {false, "no field asks for it"};
   return {true, "the field radial_speed asks for it"};
 }
@@ -202,10 +202,10 @@ bool dropsByIntensity(const Effects& effects) {
 }
 
 template <auto kGroup>
-EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsIntensity)(const Effects&), const char* doc,
-                  std::vector<Parameter<Effects>> parameters = {}) {
+EffectInfo effect(const char* name, uint32_t bit, Applies applies, bool (*needsIntensity)(const Effects&),
+                  const char* doc, std::vector<Parameter<Effects>> parameters = {}) {
   const auto use = [](Effects& effects) -> EffectUse& { return (effects.*kGroup).use; };
-  return {name, bit, use, judge, needsIntensity, doc, std::move(parameters)};
+  return {name, bit, use, applies, needsIntensity, doc, std::move(parameters)};
 }
 
 // The limits are wide: they are meant to detect wrong units, not unusual values.
@@ -237,7 +237,7 @@ std::vector<EffectInfo> makeTable() {
                true),
            number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10, "Only for Model::carla.")}),
       effect<&E::detection>(
-          "detection", gpu::kDetection, judgeDetection, always,
+          "detection", gpu::kDetection, appliesDetection, always,
           "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
           "square to the beam at `range`. Automatic: on if a range is given.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
@@ -248,12 +248,12 @@ std::vector<EffectInfo> makeTable() {
                "softness", "", 0, 10,
                "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),
       effect<&E::dropOut>(
-          "drop-out", gpu::kDropOut, judgeDropOut, dropsByIntensity,
+          "drop-out", gpu::kDropOut, appliesDropOut, dropsByIntensity,
           "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams. Automatic: on if a "
           "rate "
           "or a dead beam is given.",
           {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
-                                                         "Probability for every return, 0..1."),
+                                                         "Probability that a beam is lost with all its returns, 0..1."),
            number<&E::dropOut, &E::DropOut::intensityLimit>(
                "intensity_limit", "", 0.001, 1, "Unit intensity above which zeroIntensityRate has no effect."),
            number<&E::dropOut, &E::DropOut::zeroIntensityRate>(
@@ -261,7 +261,7 @@ std::vector<EffectInfo> makeTable() {
            indices<&E::dropOut, &E::DropOut::deadBeams>(
                "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")}),
       effect<&E::rangeNoise>(
-          "range-noise", gpu::kRangeNoise, judgeRangeNoise, never,
+          "range-noise", gpu::kRangeNoise, appliesRangeNoise, never,
           "Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is "
           "given.",
           {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100, "Added to every range."),
@@ -270,7 +270,7 @@ std::vector<EffectInfo> makeTable() {
                                                                  "Times the range, added to sigma."),
            number<&E::rangeNoise, &E::RangeNoise::step>(
                "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation.")}),
-      effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, judgeAngleNoise, never,
+      effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, appliesAngleNoise, never,
                              "Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.",
                              {number<&E::angleNoise, &E::AngleNoise::azimuth>(
                                   "azimuth", "rad", 0, 0.1, "Standard deviation; cut off at 4 sigma."),
@@ -283,12 +283,12 @@ std::vector<EffectInfo> makeTable() {
                                     "The beam has the nominal direction, but its point is reported in the deviating "
                                     "one."}},
                                   "What deviates.")}),
-      effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, judgeIntensityNoise, always,
+      effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, appliesIntensityNoise, always,
                                  "Gaussian noise of the intensity. Automatic: on if a sigma is given.",
                                  {number<&E::intensityNoise, &E::IntensityNoise::sigma>(
                                      "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
       effect<&E::divergence>(
-          "divergence", gpu::kDivergence, judgeDivergence, always,
+          "divergence", gpu::kDivergence, appliesDivergence, always,
           "An elliptical footprint, sampled by sub-rays that share the candidate triangles of their beam.",
           {count<&E::divergence, &E::Divergence::subRays>(
                "sub_rays", "", 1, 1261,
@@ -300,7 +300,7 @@ std::vector<EffectInfo> makeTable() {
            number<&E::divergence, &E::Divergence::vertical>(
                "vertical", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.")}),
       effect<&E::returns>(
-          "returns", gpu::kReturns, judgeReturns, always,
+          "returns", gpu::kReturns, appliesReturns, always,
           "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.",
           {choice<&E::returns, &E::Returns::mode>("mode",
                                                   {{"first"},
@@ -322,30 +322,30 @@ std::vector<EffectInfo> makeTable() {
            number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,
                                                         "Full width at half maximum.")}),
       effect<&E::transmission>(
-          "transmission", gpu::kTransmission, judgeTransmission, always,
+          "transmission", gpu::kTransmission, appliesTransmission, always,
           "Light that passes through glass: materials with alpha mode BLEND or KHR_materials_transmission."),
-      effect<&E::cutOuts>("cut-outs", gpu::kCutOuts, judgeCutOuts, never,
+      effect<&E::cutOuts>("cut-outs", gpu::kCutOuts, appliesCutOuts, never,
                           "Holes in surfaces: materials with alpha mode MASK."),
       effect<&E::sensorMotion>(
-          "sensor-motion", gpu::kSensorMotion, judgeMotion, never,
+          "sensor-motion", gpu::kSensorMotion, appliesMotion, never,
           "The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor has a rotation period.",
           {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
               "deskew",
               "If true, points are reported in the frame of Shot::pose, otherwise in that of their column.")}),
-      effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, judgeMotion, never,
+      effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, appliesMotion, never,
                                "Instances move during the scan as Shot::instanceMotions and Shot::meshMotions say."),
       effect<&E::fog>(
-          "fog", gpu::kFog, judgeFog, always, "Automatic: on if a visibility is given.",
+          "fog", gpu::kFog, appliesFog, always, "Automatic: on if a visibility is given.",
           {number<&E::fog, &E::Fog::visibility>(
               "visibility", "m", 0, 1e6, "Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.")}),
-      effect<&E::rain>("rain", gpu::kRain, judgeRain, always, "Automatic: on if a rate is given.",
+      effect<&E::rain>("rain", gpu::kRain, appliesRain, always, "Automatic: on if a rate is given.",
                        {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500, "0 for no rain.")}),
-      effect<&E::snow>("snow", gpu::kSnow, judgeSnow, always, "Automatic: on if a rate is given.",
+      effect<&E::snow>("snow", gpu::kSnow, appliesSnow, always, "Automatic: on if a rate is given.",
                        {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100, "Of melted water; 0 for no snow.")}),
-      effect<&E::volumes>("volumes", gpu::kVolumes, judgeVolumes, always, "Automatic: on if there are boxes.",
+      effect<&E::volumes>("volumes", gpu::kVolumes, appliesVolumes, always, "Automatic: on if there are boxes.",
                           {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}),
       effect<&E::radialSpeed>(
-          "radial-speed", gpu::kRadialSpeed, judgeRadialSpeed, never,
+          "radial-speed", gpu::kRadialSpeed, appliesRadialSpeed, never,
           "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "
           "moves away. Automatic: on if Field::radialSpeed is requested."),
   };

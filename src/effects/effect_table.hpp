@@ -35,14 +35,14 @@ struct Answer {
   std::string wayOut = {};  ///< how to supply what is missing; if empty, `on` is accepted nevertheless
   bool wrong = false;       ///< true if the request does not fit the sensor, an error even if the effect is automatic
 };
-using Judge = Answer (*)(const Question&);
+using Applies = Answer (*)(const Question&);
 
 /// The description of one effect, without its formulas.
 struct EffectInfo {
   const char* name;
   uint32_t bit;  ///< bit of the effect in effects/bits.h
   EffectUse& (*use)(Effects&);
-  Judge judge;  ///< null for intensity, which is planned if another effect or a field needs it
+  Applies applies;  ///< null for intensity, which is planned if another effect or a field needs it
   bool (*needsIntensity)(const Effects&);
   const char* doc;  ///< the sentences of effects.hpp
   std::vector<Parameter<Effects>> parameters;

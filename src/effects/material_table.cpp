@@ -10,7 +10,6 @@
 #include "base/nearest_text.hpp"
 #include "effects/openmaterial.hpp"
 #include "effects/parameter_text.hpp"
-#include "scene/validate.hpp"
 
 namespace gnosphere {
 namespace {
@@ -27,7 +26,7 @@ struct Column {
 constexpr Column kColumns[] = {{"reflectance_905", &Row::reflectance905, 1},
                                {"reflectance_1550", &Row::reflectance1550, 1},
                                {"roughness", &Row::roughness, 1},
-                               {"retro", &Row::retro, kMostRetro},
+                               {"retro", &Row::retro, Material::kMostRetro},
                                {"transmission", &Row::transmission, 1}};
 
 constexpr size_t kMaxTableBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB

@@ -156,27 +156,27 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   const double order = times.step < 0 ? -1 : 1;  // a clockwise head fires its last column first
   const glm::dvec3 perColumn = moves ? glm::transpose(middle.turn) * (order * drift.perColumn) : glm::dvec3(0);
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {up(shift + lasers.distance),
-                   up(turn),
-                   up(shiftStep),
-                   up(turnStep),
-                   up(lasers.distance),
-                   up(lasers.forward),
-                   up(lasers.left),
-                   up(lasers.up),
-                   up(std::abs(times.step)),
-                   up(std::max(times.last, -times.earliest)),
-                   0,
-                   moves,
-                   static_cast<float>(times.middle),
-                   static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
-                   glm::vec3(perColumn),
-                   up(drift.wander),
-                   up(drift.wanderPerColumn),
-                   up(bend.shift),
-                   up(bend.turn),
-                   bend.first,
-                   bend.end};
+  tables.bounds = {.shift = up(shift + lasers.distance),
+                   .turn = up(turn),
+                   .shiftPerColumn = up(shiftStep),
+                   .turnPerColumn = up(turnStep),
+                   .origins = up(lasers.distance),
+                   .forward = up(lasers.forward),
+                   .left = up(lasers.left),
+                   .up = up(lasers.up),
+                   .secondsPerColumn = up(std::abs(times.step)),
+                   .seconds = up(std::max(times.last, -times.earliest)),
+                   .instances = 0,
+                   .sensor = moves,
+                   .middle = static_cast<float>(times.middle),
+                   .columnsToMiddle = static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
+                   .drift = glm::vec3(perColumn),
+                   .wander = up(drift.wander),
+                   .wanderPerColumn = up(drift.wanderPerColumn),
+                   .bendShift = up(bend.shift),
+                   .bendTurn = up(bend.turn),
+                   .bendFirst = bend.first,
+                   .bendEnd = bend.end};
   return tables;
 }
 

@@ -13,8 +13,7 @@ namespace gnosphere {
 nlohmann::json readMaterialJson(const std::filesystem::path& file);
 
 /// Returns whether the root of a JSON file is one of ASAM OpenMATERIAL 3D: an asset (.xoma), a mapping (.xomm) or a
-/// material
-/// (.xomp).
+/// material (.xomp).
 bool isOpenMaterial(const nlohmann::json& root);
 
 /// Returns one row per material; property files are looked for relative to `file`. Throws Error(file), or

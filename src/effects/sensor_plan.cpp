@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 
+#include "base/units.hpp"
 #include "common/effects/noise.h"
 #include "effects/decide.hpp"
 #include "gnosphere/error.hpp"
@@ -42,11 +42,12 @@ bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
 }
 
-// Returns the largest tangent of the elevation of a beam; not infinite for a beam to a pole, since 0 times it is 0.
+// Returns the largest tangent of the elevation of a beam. The tangent of a beam to a pole counts as finite, so that 0
+// times the result is 0 and not NaN.
 double steepestOf(const Sensor& sensor) {
   double steepest = 0;
   for (const Channel& channel : sensor.channels)
-    steepest = std::max(steepest, std::abs(std::tan(channel.elevationDeg * std::numbers::pi / 180)));
+    steepest = std::max(steepest, std::abs(std::tan(kDegree * channel.elevationDeg)));
   for (const BeamList& list : sensor.patterns)
     for (const Vec3& direction : list.directions)
       steepest = std::max(steepest, std::abs(direction.z) / std::max(std::hypot(direction.x, direction.y), 1e-9));
@@ -189,7 +190,7 @@ void checkWeather(const SensorPlan& plan, const Weather& weather, const std::str
     if (brings && !plan.has(bit))
       throw Error(ErrorCode::invalidArgument,
                   which + "it brings " + effect + ", which is not planned for sensor '" + plan.sensor.name +
-                      "'; set SensorRequest::variableWeather, and do not turn " + effect + " off");
+                      "'; request variable weather for the sensor, and do not turn " + effect + " off");
   };
   need(weather.visibility > 0, gpu::kFog, "fog");
   need(weather.rainRate > 0, gpu::kRain, "rain");

@@ -80,7 +80,7 @@ struct SensorPlan {
   /// Whether points lie on the axes of their beams, as seen from the lasers: with words, ranges are then enough.
   bool pointsOnAxes() const { return !has(gpu::kAngleNoise) || has(gpu::kStrays); }
   /// Whether stage effects computes the results of all beams.
-  bool judged() const { return !onlyLines() && (signals() || speeds() || surfaces()); }
+  bool computesReturns() const { return !onlyLines() && (signals() || speeds() || surfaces()); }
 };
 
 /// Makes the plans of sensors. When the scene changes, plan() is called again with the changed scene.

@@ -10,10 +10,6 @@
 namespace gnosphere {
 namespace {
 
-gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
-  return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
-}
-
 gpu::vec4 row(const JointMap& map, size_t number) {
   return {map[4 * number], map[4 * number + 1], map[4 * number + 2], map[4 * number + 3]};
 }
@@ -74,9 +70,9 @@ std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deform
   result.reserve(mesh.positions.size());
   std::vector<Influence> influences;
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
-    gpu::vec3 position = at(mesh.positions, vertex);
+    gpu::vec3 position = vertexAt(mesh.positions, vertex);
     for (size_t i = 0; i < mesh.morphTargets.size(); ++i)
-      position = gpu::withShare(position, at(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
+      position = gpu::withShare(position, vertexAt(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
     gpu::vec3 sum = {0, 0, 0};
     influencesOf(mesh, vertex, influences);
     for (const Influence& influence : influences) {

@@ -5,12 +5,18 @@
 #include <array>
 #include <vector>
 
+#include "common/types.h"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
 
 /// Row-major 3x4 in single precision; takes and gives positions relative to Mesh::origin.
 using JointMap = std::array<float, 12>;
+
+/// Returns vertex number `vertex` of an array of x, y, z per vertex.
+inline gpu::vec3 vertexAt(const std::vector<float>& values, size_t vertex) {
+  return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
+}
 
 /// The maps of a deformation of a mesh with this origin, by joint; none if the deformation is empty.
 std::vector<JointMap> jointMapsOf(const Vec3& origin, const Deformation& deformation);

@@ -22,10 +22,6 @@ bool isFinite(const gpu::vec3& p) {
          std::abs(p.z) <= gpu::kCoordinateLimit;
 }
 
-gpu::vec3 vertexAt(const std::vector<float>& values, size_t vertex) {
-  return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
-}
-
 // Extends the box of a joint; the boxes are in the order of the joints.
 void include(std::vector<JointBox>& boxes, uint32_t joint, const gpu::vec3& position) {
   auto place = std::find_if(boxes.begin(), boxes.end(), [&](const JointBox& other) { return other.joint >= joint; });

@@ -11,19 +11,20 @@
 
 #include "base/limits.hpp"
 #include "base/threads.hpp"
+#include "base/units.hpp"
 #include "pipeline/tuning.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi, kDegree = std::numbers::pi / 180;
+constexpr double kTurn = 2 * std::numbers::pi;
 constexpr uint32_t kLeastColumns = 16, kMostCellColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
 constexpr size_t kLookupCellsPerRow = 2047;
 // Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
 // anywhere, and tries all cells.
-constexpr size_t kFewBeams = 64;
+constexpr size_t kFewestForOwnColumns = 64;
 constexpr uint32_t kColumnsOfFew = 64, kColumnsOfScattered = 16;
 // Elevations closer than this, in radians, are one, unless many of them follow each other.
 constexpr double kSameElevation = 1e-6;
@@ -465,7 +466,7 @@ std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const F
     if (sorted.size() == i) sorted.push_back(sortedOf(frame, group->beams));
     const auto& [beams, ends] = sorted[i];
     uint32_t own = group->lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
-    if (beams.size() >= kFewBeams) own = columnCount(beams, ends);
+    if (beams.size() >= kFewestForOwnColumns) own = columnCount(beams, ends);
     columns = std::max(columns, own);
     rows = std::max(rows, ends.size());
     most = std::max(most, beams.size());

@@ -66,8 +66,8 @@ BeamSets makeBeamSets(const SensorPlan& plan) {
   return result;
 }
 
-std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamTables> set) {
-  std::vector<EffectsArray> arrays;
+std::vector<ArrayContent> arraysOf(const SensorPlan& plan, std::span<const BeamTables> set) {
+  std::vector<ArrayContent> arrays;
   const BeamTables& first = set[0];
   const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
     if (content.size() > limits::kEntries.most)
@@ -115,14 +115,14 @@ std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamT
   return arrays;
 }
 
-EffectsArray viewTables(std::span<const View> views) {
+ArrayContent viewTables(std::span<const View> views) {
   std::vector<std::array<uint32_t, 2>> content;
   for (const View& view : views)
     content.push_back({view.group->table, static_cast<uint32_t>(view.shot - views[0].shot)});
   return arrayOf(Array::viewTables, content);
 }
 
-EffectsArray startFarthest(std::span<const BeamTables* const> views) {
+ArrayContent startFarthest(std::span<const BeamTables* const> views) {
   std::vector<uint32_t> content;
   for (const BeamTables* tables : views)
     content.insert(content.end(), tables->startFarthest.begin(), tables->startFarthest.end());

@@ -36,12 +36,12 @@ BeamSets makeBeamSets(const SensorPlan& plan);
 
 /// Returns a set of tables as arrays of a device, in which one table follows the other. Throws Error(outOfMemory) if an
 /// array has more entries than kernels can address.
-std::vector<EffectsArray> arraysOf(const SensorPlan& plan, std::span<const BeamTables> set);
+std::vector<ArrayContent> arraysOf(const SensorPlan& plan, std::span<const BeamTables> set);
 
 /// Returns the table and the shot of each view; shots are counted from that of the first view on.
-EffectsArray viewTables(std::span<const View> views);
+ArrayContent viewTables(std::span<const View> views);
 
 /// Returns the farthest-range table of each view before anything is hit.
-EffectsArray startFarthest(std::span<const BeamTables* const> views);
+ArrayContent startFarthest(std::span<const BeamTables* const> views);
 
 }  // namespace gnosphere

@@ -7,12 +7,11 @@
 #include <numeric>
 
 #include "base/limits.hpp"
+#include "base/units.hpp"
 #include "pipeline/tuning.hpp"
 
 namespace gnosphere {
 namespace {
-
-constexpr double kRadians = std::numbers::pi / 180;
 
 std::vector<gpu::Row> makeRows(const Sensor& sensor) {
   std::vector<uint32_t> order(sensor.channels.size());
@@ -21,7 +20,7 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
   });
   std::vector<gpu::Row> rows;
-  for (uint32_t channel : order) rows.push_back(rowAt(sensor.channels[channel].elevationDeg * kRadians, channel));
+  for (uint32_t channel : order) rows.push_back(rowAt(sensor.channels[channel].elevationDeg * kDegree, channel));
   return rows;
 }
 
@@ -79,13 +78,13 @@ BeamTables makeBeamTables(const Sensor& sensor) {
 
 void setPaper(const Sensor& sensor, BeamTables& tables) {
   gpu::Frame& frame = tables.frame;
-  const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
+  const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kDegree; };
   if (frame.rows > 1) {
     const double first = elevationOf(tables.rows.front()), last = elevationOf(tables.rows.back());
     frame.paperFirstElevation = static_cast<float>(first);
     frame.paperRowsPerRadian = static_cast<float>(last > first ? (frame.rows - 1) / (last - first) : 0);
   } else if (frame.rows == 1) {
-    frame.paperFirstElevation = static_cast<float>(sensor.channels[0].elevationDeg * kRadians);
+    frame.paperFirstElevation = static_cast<float>(sensor.channels[0].elevationDeg * kDegree);
   }
 }
 

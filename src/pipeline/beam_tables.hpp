@@ -12,8 +12,8 @@ namespace gnosphere {
 
 struct BeamTables {
   std::vector<gpu::Row> rows;  ///< one per channel, in order of elevation
-  std::vector<uint32_t>
-      rowLookup;  ///< per cell of elevation keys: first row in or above the cell | first row above it << 16
+  /// Per cell of elevation keys: first row in or above the cell | first row above it << 16.
+  std::vector<uint32_t> rowLookup;
   std::vector<float> columns;         ///< cos, sin of the azimuth of each place, then of rows that look elsewhere
   gpu::Frame frame = {};              ///< the backend fills in capacities and the instance count
   bool between = false;               ///< rows look between the places of the grid; each has its own run of `columns`

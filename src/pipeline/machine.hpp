@@ -21,8 +21,8 @@ struct Traits {
   bool cpu = false;           ///< true for a software device
   bool int64Atomics = false;  ///< the device has a 64-bit atomic minimum on storage buffers
   bool float64 = false;
-  bool spreadsRays = false;  ///< kernels can spread the sub-rays of a beam over the lanes of a subgroup
-  uint32_t groups = 4096;    ///< workgroups that fill the device; kernels loop until all items are done
+  bool spreadsRays = false;    ///< kernels can spread the sub-rays of a beam over the lanes of a subgroup
+  uint32_t workgroups = 4096;  ///< number that fills the device; kernels loop until all items are done
 };
 
 /// The memory of every array of a scan, indexed by gpu::Array; null if no kernel of the scan uses the array.

@@ -10,7 +10,7 @@ std::vector<Output> outputsOf(const SensorPlan& plan, bool words) {
     outputs = {{gpu::Array::words, 2 * sizeof(uint32_t)}};
   else
     outputs = {{gpu::Array::points, four}, {gpu::Array::owners, two}};
-  if (words && plan.returns > 1 && (plan.judged() || plan.panes()))
+  if (words && plan.returns > 1 && (plan.computesReturns() || plan.panes()))
     outputs.push_back({gpu::Array::laterWords, (plan.returns - 1) * 2 * static_cast<uint32_t>(sizeof(uint32_t))});
   if (plan.asks(gpu::kFieldIntensity))
     outputs.push_back({gpu::Array::intensities, plan.returns * static_cast<uint32_t>(sizeof(float))});

@@ -58,7 +58,7 @@ gpu::RecordValue packed(const RecordLayout::Value& value, size_t offset) {
 }
 
 // Whether each value has a word of its own, which holds the bits that the value has anyway.
-bool wholeWords(const RecordLayout& layout, uint32_t held) {
+bool isOfWholeWords(const RecordLayout& layout, uint32_t held) {
   if (static_cast<size_t>(std::popcount(held)) != layout.values.size() || layout.stride % 4 != 0) return false;
   return std::all_of(layout.values.begin(), layout.values.end(), [](const RecordLayout::Value& value) {
     const ValueType own = fieldInfo(value.field).type;
@@ -104,7 +104,7 @@ RecordTables recordTables(const RecordLayout& layout) {
     tables.values.push_back(packed(value, 0));
   }
   for (const gpu::RecordValue& value : tables.values) tables.held |= 1u << value.value;
-  if (!layout.empty() && wholeWords(layout, tables.held)) {
+  if (!layout.empty() && isOfWholeWords(layout, tables.held)) {
     tables.held |= gpu::kWholeWords;
     placeWords(layout, tables);
   }

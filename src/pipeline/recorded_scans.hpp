@@ -43,8 +43,8 @@ class RecordedScans {
     std::unique_ptr<DeviceMemory> addresses = nullptr;  // gpu::Addresses
     PlacedArrays placed = {};
     RecordedTransforms transforms = {};
-    size_t views = 0;  // of the last recording, as is the next one
-    bool moves = false;
+    size_t views = 0;    // of the last recording
+    bool moves = false;  // whether anything moved in the last recording
   };
   /// A scan that was recorded: its number, and its runs.
   struct Recorded {

@@ -44,8 +44,8 @@ std::vector<Step> RecordedTransforms::steps(Machine& machine, const InstanceTabl
   std::vector<Step> steps = {Step{Step::Kind::fill, "", Array::unplacedInstances}, Step{Step::Kind::dispatch}};
   steps[1].variant = kPlaceInstances;
   steps[1].pass.placedCount = static_cast<uint32_t>(transforms.count());
-  steps[1].groupsX =
-      std::min(machine.traits().groups, (steps[1].pass.placedCount + kInstancesPerGroup - 1) / kInstancesPerGroup);
+  steps[1].workgroupsX =
+      std::min(machine.traits().workgroups, (steps[1].pass.placedCount + kInstancesPerGroup - 1) / kInstancesPerGroup);
   return steps;
 }
 

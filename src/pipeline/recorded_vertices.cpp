@@ -53,7 +53,7 @@ void RecordedVertices::record(size_t number) {
   std::array<Step, 2> steps = {Step{Step::Kind::fill, "", Array::droppedTriangles}, Step{Step::Kind::dispatch}};
   steps[1].variant = kFitClusters;
   steps[1].pass.placedCount = static_cast<uint32_t>(work.groups.size());
-  steps[1].groupsX = std::min(machine_.traits().groups, steps[1].pass.placedCount);
+  steps[1].workgroupsX = std::min(machine_.traits().workgroups, steps[1].pass.placedCount);
   machine_.record(*frame.addresses, steps, arrays);
   frame.meshes = std::move(meshes);
   vertexSources.taken();

@@ -68,11 +68,11 @@ gpu::Counters withHits(gpu::Counters counters, uint64_t hits, uint64_t beams, ui
 
 void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& device, uint64_t usableTriangles,
                   Counters& result) {
-  const bool judged = plan.signals();
-  const uint64_t hits = judged ? device.causes[0] : device.hits;
+  const bool signals = plan.signals();
+  const uint64_t hits = signals ? device.causes[0] : device.hits;
   result.hits += hits;
   result.misses += beams - hits;
-  if (judged)
+  if (signals)
     for (size_t i = 0; i < kCauseCount; ++i) result.causes[i] += device.causes[i];
   result.nonFinite += device.nonFinite;
   result.culledByCluster += usableTriangles - device.triangles;
@@ -228,7 +228,7 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
   const BeamTables& tables = *device.tables[0];
   const bool part = tables.listed && tables.numbers.size() < plan.sensor.beamCount();
   const uint64_t beams = part ? tables.numbers.size() : plan.sensor.beamCount();
-  const bool judged = plan.judged();
+  const bool computed = plan.computesReturns();
   std::atomic<uint64_t> hits = 0;
   if (device.words) hits = readWords(workers, plan, device, instances, motion, scan);
   const uint32_t returns = plan.returns;
@@ -236,7 +236,7 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
     if (device.points) readPoints(device, first, count, scan);
-    if (device.points && !judged) hits += hitsAmong(scan, beam, beamEnd);
+    if (device.points && !computed) hits += hitsAmong(scan, beam, beamEnd);
     if (device.intensities)
       std::copy_n(device.intensities + first, count, ScanColumns(scan).data<float>(Field::intensity) + first);
     readSignals(from(device.signals), first, count, returns, scan);
@@ -246,9 +246,9 @@ void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& 
   };
   if (part)
     for (const uint32_t beam : tables.numbers) read(beam, beam + 1);
-  else if (!device.words || judged)
+  else if (!device.words || computed)
     inSlices(workers, beams, 1, read);
-  const gpu::Counters counters = judged ? device.counters : withHits(device.counters, hits, beams, tables.masked);
+  const gpu::Counters counters = computed ? device.counters : withHits(device.counters, hits, beams, tables.masked);
   readCounters(plan, beams, counters, instances.contentOf(shot.world).usableTriangles(), scan.counters);
 }
 

@@ -46,7 +46,7 @@ double reachOf(const SimulatorOptions& options, double rangeMax) {
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
-  if (plan.judged()) return (plan.returns == 1 || plan.layout.empty()) && plan.pointsOnAxes();
+  if (plan.computesReturns()) return (plan.returns == 1 || plan.layout.empty()) && plan.pointsOnAxes();
   return binning != gpu::kBinningLists;
 }
 
@@ -56,7 +56,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
          accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper &&
-         !(plan.judged() && (plan.surfaces() || plan.speeds())) && !plan.panes() && !plan.footprint() &&
+         !(plan.computesReturns() && (plan.surfaces() || plan.speeds())) && !plan.panes() && !plan.footprint() &&
          !plan.has(gpu::kStrays) && plan.sensor.patterns.size() <= 1;
 }
 

@@ -101,8 +101,7 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
   };
   room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
-  // An array that grows is made anew without the numbers. It grows with the number of instances, which changes the
-  // numbering.
+  // An array that grows is made anew without the numbers. The count of instances has then grown, and with it numbering().
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
   const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
@@ -171,9 +170,7 @@ void SceneArrays::placeDeformations(PlacedArrays& to) {
   const Deformables& deformables = geometry_.deformables();
   if (to.deformation_ == deformables.version()) return;
   const auto put = [&](Array array, std::span<const std::byte> content, std::unique_ptr<DeviceMemory>& memory) {
-    makeRoom(machine_, array, content.size(), MemoryKind::upload, memory);
-    std::copy(content.begin(), content.end(), static_cast<std::byte*>(memory->host()));
-    memory->flush();
+    load(machine_, array, content.size(), content, memory);
   };
   put(Array::deformers, std::as_bytes(deformables.deformers()), to.deformers_);
   put(Array::jointRows, std::as_bytes(deformables.jointRows()), to.jointRows_);

@@ -56,7 +56,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   prepareKernels();
   setArrays_.resize(sets());
   for (size_t set = 0; set < sets(); ++set)
-    for (const EffectsArray& array : arraysOf(plan_, beamSets_.sets[set]))
+    for (const ArrayContent& array : arraysOf(plan_, beamSets_.sets[set]))
       setArrays_[set][static_cast<size_t>(array.array)] =
           uploaded(machine_, array.array, std::span<const std::byte>(array.content));
   const bool lists = binning_ == gpu::kBinningLists;
@@ -67,7 +67,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (lists) allocate(Array::blockSums, blockSumBytes(1));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
-    for (const EffectsArray& array : lastingTables(plan)) {
+    for (const ArrayContent& array : lastingTables(plan)) {
       allocate(array.array, array.bytes);
       of(array.array)->write(0, array.content);
     }
@@ -213,11 +213,11 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   input.holes = tables.holes;
   const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
   input.sparse = hides && !tables.startFarthest.empty();
-  using Judged = StepsInput::Judged;
-  input.effects = plan_.judged() ? Judged::all : plan_.panes() ? Judged::listed : Judged::none;
-  input.laterWords = leavesWords_ && plan_.returns > 1 && input.effects == Judged::listed;
+  using Returns = StepsInput::Returns;
+  input.effects = plan_.computesReturns() ? Returns::all : plan_.panes() ? Returns::listed : Returns::none;
+  input.laterWords = leavesWords_ && plan_.returns > 1 && input.effects == Returns::listed;
   // Stage effects reads the nearest hits from the words, which lists have only after stage resolve.
-  input.resolve = !footprint && (lists || !(leavesWords_ || plan_.judged()));
+  input.resolve = !footprint && (lists || !(leavesWords_ || plan_.computesReturns()));
   return stepsOf(input, placed, still);
 }
 
@@ -251,8 +251,8 @@ gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const
   return frame;
 }
 
-void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
-  for (const EffectsArray& array : arrays)
+void SensorArrays::load(Frame& frame, const std::vector<ArrayContent>& arrays) {
+  for (const ArrayContent& array : arrays)
     gnosphere::load(machine_, array.array, array.bytes, array.content, frame.arrays[static_cast<size_t>(array.array)]);
 }
 
@@ -280,8 +280,8 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
   const DispatchSizes sizes = dispatchSizesOf(machine_.traits());
-  content.cullWorkgroups = sizes.cullGroups;
-  content.triangleWorkgroups = sizes.triangleGroups;
+  content.cullWorkgroups = sizes.cullWorkgroups;
+  content.triangleWorkgroups = sizes.triangleWorkgroups;
   content.shellClusters = shellClustersOfViews(shellClusters_, count);
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   content.shellHint = shellHint_;
@@ -394,7 +394,7 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   move(results.motions, firstEntry);
   move(results.barycentrics, firstEntry);
   results.counters = shareOf(results.counters, view, views);
-  if (!plan_.judged()) return results;
+  if (!plan_.computesReturns()) return results;
   DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::viewCauses)];
   memory.invalidate();
   const uint32_t* const causes = static_cast<const uint32_t*>(memory.host()) + size_t{view} * gpu::kCauses;

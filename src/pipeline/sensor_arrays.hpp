@@ -29,7 +29,7 @@ class SensorArrays {
   /// Whether scans leave the nearest hits of all beams, and nothing else, for the host to resolve, each shot as one
   /// view.
   bool leavesHitsAlone() const {
-    return leavesWords_ && outputs_.size() == 1 && plan_.returns == 1 && !keepsRecords() && !plan_.judged() &&
+    return leavesWords_ && outputs_.size() == 1 && plan_.returns == 1 && !keepsRecords() && !plan_.computesReturns() &&
            mostGroups() == 1;
   }
   /// Distance in metres beyond which instances cannot be hit.
@@ -135,7 +135,7 @@ class SensorArrays {
                           StillImage::Use still, Motion motion, uint32_t shots, bool last) const;
   uint32_t findMostViews(uint64_t room) const;
   uint64_t blockSumBytes(uint32_t views) const;
-  std::vector<EffectsArray> arraysByBeam(uint32_t views) const;
+  std::vector<ArrayContent> arraysByBeam(uint32_t views) const;
   void allocateByBeam(uint32_t views);
   void growArrays(uint32_t views);
   void repeat(gpu::Array array, uint32_t views);
@@ -153,7 +153,7 @@ class SensorArrays {
   void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes);
   void addFrame();
-  void load(Frame& frame, const std::vector<EffectsArray>& arrays);
+  void load(Frame& frame, const std::vector<ArrayContent>& arrays);
   const gpu::Counters& counters(Frame& frame) const;
   uint64_t limit(uint64_t entryBytes) const;
   std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return arrays_[static_cast<size_t>(array)]; }

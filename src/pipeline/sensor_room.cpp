@@ -45,12 +45,12 @@ uint64_t SensorArrays::limit(uint64_t entryBytes) const {
 
 // Returns the arrays with entries per beam and view that stages pass on to each other. Results that stay on the device
 // are among them, so all frames share them.
-std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
+std::vector<ArrayContent> SensorArrays::arraysByBeam(uint32_t views) const {
   const uint64_t beams = uint64_t{this->beams()} * views;
   const bool lists = binning_ == gpu::kBinningLists;
-  std::vector<EffectsArray> arrays;
+  std::vector<ArrayContent> arrays;
   if (!plan_.bare()) arrays = beamArrays(plan_, entriesOf(views));
-  const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
+  const bool words = !lists || plan_.panes() || (plan_.computesReturns() && !plan_.footprint());
   if (words && !leavesWords_) arrays.push_back({Array::words, beams * sizeof(Word), {}});
   if (lists || plan_.panes() || plan_.footprint()) arrays.push_back({Array::listEnds, beams * 4, {}});
   if (plan_.footprint() && !lists) {
@@ -67,7 +67,7 @@ std::vector<EffectsArray> SensorArrays::arraysByBeam(uint32_t views) const {
 }
 
 void SensorArrays::allocateByBeam(uint32_t views) {
-  for (const EffectsArray& array : arraysByBeam(views)) allocate(array.array, array.bytes);
+  for (const ArrayContent& array : arraysByBeam(views)) allocate(array.array, array.bytes);
 }
 
 uint64_t SensorArrays::blockSumBytes(uint32_t views) const {
@@ -79,7 +79,7 @@ uint32_t SensorArrays::findMostViews(uint64_t room) const {
   const uint32_t together = fewestGroups();  // views of one shot
   for (const Output& output : outputs_)
     mostOfView = std::max(mostOfView, entriesOf(together) * output.bytesPerBeam / together);
-  for (const EffectsArray& array : arraysByBeam(together)) {
+  for (const ArrayContent& array : arraysByBeam(together)) {
     ofView += array.bytes / together;
     mostOfView = std::max(mostOfView, array.bytes / together);
   }
@@ -113,7 +113,7 @@ void SensorArrays::repeat(Array array, uint32_t views) {
   for (size_t set = 0; set < sets(); ++set) {
     std::unique_ptr<DeviceMemory>& memory = setArrays_[set][static_cast<size_t>(array)];
     if (!memory) continue;
-    for (const EffectsArray& once : arraysOf(plan_, beamSets_.sets[set])) {
+    for (const ArrayContent& once : arraysOf(plan_, beamSets_.sets[set])) {
       if (once.array != array) continue;
       std::vector<std::byte> content;
       content.reserve(once.content.size() * views);
@@ -149,7 +149,7 @@ void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
   };
   if (!keepsRecords())
     for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
-  if (plan_.judged()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
+  if (plan_.computesReturns()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
   if (capacities_.projected > 0)
     makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
              of(Array::projectedViews));
@@ -157,7 +157,7 @@ void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
 
 uint64_t SensorArrays::mostProjected() const {
   uint64_t bytes = sizeof(gpu::vec4);
-  for (const EffectsArray& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);
+  for (const ArrayContent& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);
   return limit(bytes);
 }
 
@@ -173,7 +173,7 @@ uint64_t SensorArrays::mostCandidates() const {
 
 uint64_t SensorArrays::listBytes(const Capacities& room) const {
   uint64_t ofProjected = 2 * sizeof(gpu::TaggedCorner) + sizeof(gpu::vec4) + sizeof(gpu::vec2);
-  for (const EffectsArray& array : projectedArrays(plan_, 1)) ofProjected += array.bytes;
+  for (const ArrayContent& array : projectedArrays(plan_, 1)) ofProjected += array.bytes;
   return room.projected * ofProjected + (tilesBehind(room) + room.tiles) * kTileBytes +
          room.candidates * candidateBytes();
 }
@@ -204,7 +204,7 @@ void SensorArrays::makeLists(const Capacities& room) {
     allocate(Array::projectedB, count * sizeof(gpu::vec4));
     allocate(Array::projectedC, count * sizeof(gpu::TaggedCorner));
     allocate(Array::projectedColumns, count * sizeof(gpu::vec2));
-    for (const EffectsArray& array : projectedArrays(plan_, count)) allocate(array.array, array.bytes);
+    for (const ArrayContent& array : projectedArrays(plan_, count)) allocate(array.array, array.bytes);
   }
   if (const uint64_t tiles = tilesBehind(room) + room.tiles; tiles != tilesBehind(had) + had.tiles)
     allocate(Array::tiles, tiles * kTileBytes);

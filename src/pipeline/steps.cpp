@@ -32,15 +32,16 @@ class Steps {
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);
       // The table is kept as long as the still image.
-      dispatch("bin", Kernel::bin, input_.sizes.cullGroups, {.table = gpu::kTableAll}, gpu::kPassTable);
+      dispatch("bin", Kernel::bin, input_.sizes.cullWorkgroups, {.table = gpu::kTableAll}, gpu::kPassBinTable);
     }
     if (still != StillImage::Use::none) scanMoving(placed.moving);
     if (input_.panes && binning_ != gpu::kBinningLists) binPanes();
     if (input_.resolve) {
-      dispatchOnBeams("resolve", Kernel::resolve, judged() ? gpu::kPassWords : gpu::kPassResults);
+      dispatchOnBeams("resolve", Kernel::resolve,
+                      computesReturns() ? gpu::kPassResolveWords : gpu::kPassResolveResults);
       finish("resolve");
     }
-    judge();
+    runEffects();
     if (input_.records != 0) input_.lastViews ? writeRecords() : noteLists();
     return std::move(steps_);
   }
@@ -71,7 +72,7 @@ class Steps {
       fill(gpu::Array::listEnds, gpu::kNone, ofBeams);
     if (input_.footprint && binning_ != gpu::kBinningLists)
       fill(gpu::Array::covers, 0, sizeof(gpu::Cover) * uint64_t{frame.beams});
-    if (input_.panes && judged())
+    if (input_.panes && computesReturns())
       add({Step::Kind::fill,
            "",
            gpu::Array::echoCounts,
@@ -79,7 +80,7 @@ class Steps {
            0,
            sizeof(uint32_t) * uint64_t{frame.scanBeams} * input_.shots,
            gpu::kNone});
-    if (input_.views > 1 && judged()) fill(gpu::Array::viewCauses, 0);
+    if (input_.views > 1 && computesReturns()) fill(gpu::Array::viewCauses, 0);
     if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }
 
@@ -88,7 +89,7 @@ class Steps {
   void scanShells(const PlacedGroups::Run& placed) {
     const bool several = input_.shells > 1;
     list({placed.first, placed.groups, 0, !several});
-    if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassShells);
+    if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassGroupsShells);
     for (uint32_t shell = 0; shell < input_.shells; ++shell) {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
@@ -113,15 +114,15 @@ class Steps {
   }
 
   void list(const gpu::Pass& pass) {
-    dispatch("project", Kernel::project_groups, std::min(input_.sizes.cullGroups, (pass.placedCount + 63) / 64), pass,
-             gpu::kPassList);
+    dispatch("project", Kernel::project_groups, std::min(input_.sizes.cullWorkgroups, (pass.placedCount + 63) / 64),
+             pass, gpu::kPassGroupsList);
   }
 
   void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
     const DispatchSizes& sizes = input_.sizes;
-    dispatchInShell("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass,
+    dispatchInShell("project", Kernel::project_clusters, std::min(sizes.cullWorkgroups, placed.groups), pass,
                     offsetof(gpu::Shell, clusterWork));
-    dispatchInShell("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass,
+    dispatchInShell("project", Kernel::project_triangles, std::min(sizes.triangleWorkgroups, placed.clusters), pass,
                     offsetof(gpu::Shell, triangleWork));
     worksOn(uint64_t{placed.clusters} * gpu::kClusterTriangles);
     finish("project");
@@ -130,22 +131,22 @@ class Steps {
   void bin(gpu::Pass shell, uint32_t table) {
     const DispatchSizes& sizes = input_.sizes;
     const uint64_t boxes = kBeamsPerBox * uint64_t{input_.frame.projectedCapacity};
-    const uint32_t blocks = std::min(sizes.groups, input_.frame.beams * input_.views / gpu::kPrefixBlock + 1);
+    const uint32_t blocks = std::min(sizes.workgroups, input_.frame.beams * input_.views / gpu::kPrefixBlock + 1);
     shell.table = tableInBin() ? table : gpu::kTableNone;
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
       dispatchInShell("bin", kernel, groups, shell, offsetof(gpu::Shell, binWork), number);
-      if (kernel == Kernel::bin && number != gpu::kPassTable) worksOn(boxes);
+      if (kernel == Kernel::bin && number != gpu::kPassBinTable) worksOn(boxes);
     };
-    pass(Kernel::bin, 0, sizes.triangleGroups);
+    pass(Kernel::bin, 0, sizes.triangleWorkgroups);
     if (binning_ == gpu::kBinningLists) {
-      pass(Kernel::prefix_sum, gpu::kPassReduce, blocks);
-      pass(Kernel::prefix_sum, gpu::kPassBlocks, 1);
-      pass(Kernel::prefix_sum, gpu::kPassApply, blocks);
-      pass(Kernel::bin, gpu::kPassFill, sizes.groups);
+      pass(Kernel::prefix_sum, gpu::kPassSumReduce, blocks);
+      pass(Kernel::prefix_sum, gpu::kPassSumBlocks, 1);
+      pass(Kernel::prefix_sum, gpu::kPassSumApply, blocks);
+      pass(Kernel::bin, gpu::kPassBinFill, sizes.workgroups);
     }
     if (table != gpu::kTableNone && !tableInBin()) {
       shell.table = table;
-      pass(Kernel::bin, gpu::kPassTable, sizes.triangleGroups);
+      pass(Kernel::bin, gpu::kPassBinTable, sizes.triangleWorkgroups);
     }
     finish("bin");
   }
@@ -159,46 +160,46 @@ class Steps {
          gpu::kMostShells * sizeof(gpu::Shell) + offsetof(gpu::Shell, nextSlab),
          sizeof(gpu::Shell::nextSlab),
          0});
-    dispatch("bin", Kernel::bin, input_.sizes.triangleGroups, {.shell = gpu::kMostShells}, gpu::kPassPanes);
+    dispatch("bin", Kernel::bin, input_.sizes.triangleWorkgroups, {.shell = gpu::kMostShells}, gpu::kPassBinPanes);
     finish("bin");
   }
 
-  void judge() {
+  void runEffects() {
     if (input_.footprint) {
-      for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
+      for (const uint32_t pass : {gpu::kPassFootprintWithinOne, gpu::kPassFootprintOthers})
         dispatchOnList(Kernel::effects_footprint, pass);
-      if (input_.variant.options.LAYERS > 1) dispatchOnList(Kernel::effects_footprint, gpu::kPassPanesToo);
+      if (input_.variant.options.LAYERS > 1) dispatchOnList(Kernel::effects_footprint, gpu::kPassFootprintPanesToo);
     }
     if (input_.panes) dispatchOnList(Kernel::effects_panes, 0);
-    if (judged()) dispatchOnBeams("effects", Kernel::effects);
-    if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
-    if (input_.footprint || input_.effects != StepsInput::Judged::none) finish("effects");
+    if (computesReturns()) dispatchOnBeams("effects", Kernel::effects);
+    if (input_.effects == StepsInput::Returns::listed) dispatchOnList(Kernel::effects, gpu::kPassEffectsListed);
+    if (input_.footprint || input_.effects != StepsInput::Returns::none) finish("effects");
   }
 
   // The records come after the last views of their shots, when the counters of this submission are gone.
-  void noteLists() { dispatch("records", Kernel::records, 1, {}, gpu::kPassLists, input_.shots); }
+  void noteLists() { dispatch("records", Kernel::records, 1, {}, gpu::kPassRecordsNoteLists, input_.shots); }
 
   void writeRecords() {
     const auto pass = [&](uint32_t number, uint64_t entriesPerGroup) {
-      const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, input_.entries / entriesPerGroup + 1);
+      const uint64_t groups = std::min<uint64_t>(input_.sizes.workgroups, input_.entries / entriesPerGroup + 1);
       dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number, input_.shots);
     };
     if (input_.organised) {
-      dispatch("records", Kernel::records, 1, {}, gpu::kPassSample);
-      dispatch("records", Kernel::records, 1, {}, gpu::kPassHeaderOfAll, input_.shots);
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassRecordsSample);
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassRecordsHeaderOfAll, input_.shots);
     } else {
       const bool oneBlock = input_.entries <= gpu::kPrefixBlock;
-      if (!oneBlock) pass(gpu::kPassCountReturns, gpu::kPrefixBlock);
-      dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader, input_.shots);
-      if (!oneBlock) pass(gpu::kPassEntries, gpu::kPrefixBlock);
+      if (!oneBlock) pass(gpu::kPassRecordsCount, gpu::kPrefixBlock);
+      dispatch("records", Kernel::records, 1, {}, gpu::kPassRecordsHeader, input_.shots);
+      if (!oneBlock) pass(gpu::kPassRecordsEntries, gpu::kPrefixBlock);
     }
-    pass(gpu::kPassRecords, 256);
+    pass(gpu::kPassRecordsWrite, 256);
     finish("records");
   }
 
   // Dispatches a kernel that processes the beams of `hardBeams`.
   void dispatchOnList(Kernel kernel, uint32_t pass) {
-    const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
+    const uint32_t groups = input_.footprint ? input_.sizes.footprintWorkgroups : input_.sizes.workgroups;
     const uint32_t beamsPerGroup = spreads(kernel, pass) ? kSpreadBeamsPerGroup : 64;
     const uint32_t beams = input_.frame.beams * input_.views;
     dispatch("effects", kernel, std::min(groups, beams / beamsPerGroup + 1), {}, pass);
@@ -208,10 +209,10 @@ class Steps {
 
   // The first pass of footprints finishes most beams by a short test, which an invocation does alone.
   bool spreads(Kernel kernel, uint32_t pass) const {
-    return input_.raysPerLane > 0 && kernel == Kernel::effects_footprint && pass != gpu::kPassWithinOne;
+    return input_.raysPerLane > 0 && kernel == Kernel::effects_footprint && pass != gpu::kPassFootprintWithinOne;
   }
 
-  bool judged() const { return input_.effects == StepsInput::Judged::all; }
+  bool computesReturns() const { return input_.effects == StepsInput::Returns::all; }
 
   // Dispatches one row of workgroups per channel of each view; the beams of a list are one row.
   void dispatchOnBeams(const char* stage, Kernel kernel, uint32_t pass = 0) {
@@ -232,8 +233,8 @@ class Steps {
     if (decided && steps_.size() > before) steps_.back().arguments = pass.shell * sizeof(gpu::Shell) + work;
   }
 
-  void dispatch(const char* stage, Kernel kernel, uint32_t groupsX, const gpu::Pass& pass, uint32_t number = 0,
-                uint32_t groupsY = 1) {
+  void dispatch(const char* stage, Kernel kernel, uint32_t workgroupsX, const gpu::Pass& pass, uint32_t number = 0,
+                uint32_t workgroupsY = 1) {
     Step step = {Step::Kind::dispatch, stage};
     step.variant = input_.variant;
     step.variant.kernel = kernel;
@@ -243,7 +244,7 @@ class Steps {
     if (!looksAtRays) step.variant.options.RAYS = 1;
     if (spreads(kernel, number))
       step.variant.options.SPREAD_RAYS = std::exchange(step.variant.options.RAYS, input_.raysPerLane);
-    if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
+    if (kernel == Kernel::effects_footprint && number == gpu::kPassFootprintOthers) step.variant.options.LAYERS = 1;
     // Nothing but the lasers' origins: these kernels need no poses.
     const bool bounds = kernel == Kernel::project_groups || kernel == Kernel::project_clusters ||
                         kernel == Kernel::project_triangles || kernel == Kernel::bin;
@@ -252,9 +253,9 @@ class Steps {
     step.variant.options.DEFORMED = input_.deformed ? deformedFor(kernel) : gpu::kDeformsNothing;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
-    step.groupsX = groupsX;
-    step.groupsY = groupsY;
-    if (groupsX > 0 && groupsY > 0) add(step);
+    step.workgroupsX = workgroupsX;
+    step.workgroupsY = workgroupsY;
+    if (workgroupsX > 0 && workgroupsY > 0) add(step);
   }
 
   void worksOn(uint64_t work) {
@@ -263,7 +264,7 @@ class Steps {
 
   // The last step's kernel divides its beams by runs.glsl.
   void inRuns(uint64_t work) {
-    steps_.back().pass.groups = steps_.back().groupsX;
+    steps_.back().pass.groups = steps_.back().workgroupsX;
     worksOn(work);
   }
 
@@ -307,14 +308,14 @@ std::vector<Step> inSubmissions(std::span<const Step> steps, uint64_t most) {
   uint64_t left = most;
   for (const Step& step : steps) {
     const uint64_t wanted = (step.work + most - 1) / most;
-    const uint64_t parts = step.pass.groups > 0 ? std::clamp<uint64_t>(wanted, 1, step.groupsX) : 1;
+    const uint64_t parts = step.pass.groups > 0 ? std::clamp<uint64_t>(wanted, 1, step.workgroupsX) : 1;
     for (uint64_t part = 0; part < parts; ++part) {
       Step one = step;
       one.work = step.work / parts;
       if (parts > 1) {
-        const auto end = static_cast<uint32_t>(step.groupsX * (part + 1) / parts);
-        one.pass.firstGroup = static_cast<uint32_t>(step.groupsX * part / parts);
-        one.groupsX = end - one.pass.firstGroup;
+        const auto end = static_cast<uint32_t>(step.workgroupsX * (part + 1) / parts);
+        one.pass.firstGroup = static_cast<uint32_t>(step.workgroupsX * part / parts);
+        one.workgroupsX = end - one.pass.firstGroup;
       }
       if (one.work > left && left < most) {
         result.push_back({Step::Kind::cut});

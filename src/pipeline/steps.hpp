@@ -23,7 +23,7 @@ struct Step {
     fill,      ///< fills `array` from byte `first` on with the 32-bit `value`; 0 bytes means up to the end
     copy,      ///< copies all of `from` to `array`
     start,     ///< timestamp: the first stage starts here
-    dispatch,  ///< runs groupsX x groupsY workgroups of `variant`, or fewer: see `arguments`
+    dispatch,  ///< runs workgroupsX x workgroupsY workgroups of `variant`, or fewer: see `arguments`
     finish,    ///< timestamp: a part of `stage` ends here
     cut,       ///< a submission ends here; a device to which steps are not submitted ignores it
   };
@@ -34,9 +34,9 @@ struct Step {
   uint32_t value = 0;
   Variant variant;
   gpu::Pass pass = {};
-  uint32_t groupsX = 0, groupsY = 1;
+  uint32_t workgroupsX = 0, workgroupsY = 1;
   /// If set, an offset in bytes into the array `shells`: earlier kernels write the number of workgroups there, none if
-  /// there is nothing to do. A device may run `groupsX` instead; without work they end at once.
+  /// there is nothing to do. A device may run `workgroupsX` instead; without work they end at once.
   std::optional<uint64_t> arguments = {};
   /// How many triangles or lines of light a dispatch looks at, at most and roughly. Dispatches that look at few have 0.
   uint64_t work = 0;
@@ -62,7 +62,11 @@ struct StepsInput {
   uint64_t entries = 0;          ///< returns of all beams of a shot, with those that are missing
   bool organised = false;        ///< records of all entries
   bool lastViews = true;         ///< of their shots; after them come the records
-  enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
+  enum class Returns {
+    none,
+    listed,
+    all
+  } effects = Returns::none;  ///< the beams whose returns are computed from echoes
 };
 
 /// Returns the number of entries of one level of the farthest-range table, each of which covers `columns` x `rows`

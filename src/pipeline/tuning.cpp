@@ -62,7 +62,7 @@ constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread =
 // `project`. Where subgroups take work from a shared counter until it is empty, one workgroup per thread is enough, and
 // more only poll.
 DispatchSizes dispatchSizesOf(const Traits& traits) {
-  if (!traits.cpu) return {traits.groups, traits.groups, traits.groups, 8 * traits.groups};
+  if (!traits.cpu) return {traits.workgroups, traits.workgroups, traits.workgroups, 8 * traits.workgroups};
   const uint32_t threads = threadCount(), groups = std::max(64u, 8 * threads);
   return {groups, 4 * threads, threads, 8 * groups};
 }

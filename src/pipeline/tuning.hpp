@@ -14,7 +14,7 @@ struct Traits;
 
 /// Largest number of workgroups per dispatch; kernels loop until all items are done.
 struct DispatchSizes {
-  uint32_t groups, cullGroups, triangleGroups, footprintGroups;
+  uint32_t workgroups, cullWorkgroups, triangleWorkgroups, footprintWorkgroups;
 };
 DispatchSizes dispatchSizesOf(const Traits& traits);
 

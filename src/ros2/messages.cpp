@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <span>
 
+#include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
 #include "ros2/check.hpp"
@@ -103,10 +103,9 @@ LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, 
   if (!sensor.isGrid()) refuse("laserScanOf: the sensor " + sensor.name + " is a list of beams, which has no channels");
   if (channel >= sensor.channels.size() || scan.columns != sensor.columns || scan.channels != sensor.channels.size())
     refuse("laserScanOf: the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
-  constexpr double kRadians = std::numbers::pi / 180;
   const Channel& of = sensor.channels[channel];
-  const double step = sensor.azimuthSpanDeg * kRadians / sensor.columns;
-  const double begin = (sensor.azimuthStartDeg + of.azimuthOffsetDeg) * kRadians;
+  const double step = sensor.azimuthSpanDeg * kDegree / sensor.columns;
+  const double begin = (sensor.azimuthStartDeg + of.azimuthOffsetDeg) * kDegree;
   LaserScan laser;
   laser.stamp = stamp;
   laser.frame = frame;

@@ -21,11 +21,6 @@ void copyArray(const std::vector<T>& from, size_t view, std::vector<T>& to) {
 
 }  // namespace
 
-bool isOfEveryScan(Field field) {
-  constexpr Field kOfEveryScan[] = {Field::x, Field::y, Field::z, Field::range, Field::triangle, Field::instance};
-  return std::find(std::begin(kOfEveryScan), std::end(kOfEveryScan), field) != std::end(kOfEveryScan);
-}
-
 void BatchArrays::make(const std::vector<Field>& fields) {
   Scan& all = batch_.entries_;
   const size_t entries = batch_.views * batch_.beams * batch_.returns;

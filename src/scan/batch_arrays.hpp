@@ -7,9 +7,6 @@
 
 namespace gnosphere {
 
-/// Whether every scan has the field, in an array of its own and not as a column.
-bool isOfEveryScan(Field field);
-
 class BatchArrays {
  public:
   explicit BatchArrays(Batch& batch) : batch_(batch) {}

@@ -17,9 +17,7 @@ void refuseMissing(Field field) {
   if (field == Field::tie || field == Field::tolerance)
     throw Error(ErrorCode::invalidArgument, name + ": only the device 'reference' gives it");
   // These fields are missing only in scans that were read from a file.
-  constexpr Field kAlways[] = {Field::x, Field::y, Field::z, Field::triangle, Field::instance};
-  if (std::find(std::begin(kAlways), std::end(kAlways), field) != std::end(kAlways))
-    throw Error(ErrorCode::invalidArgument, name);
+  if (isOfEveryScan(field)) throw Error(ErrorCode::invalidArgument, name);
   throw Error(ErrorCode::invalidArgument, name + ": it was not asked for; add it to the fields of the sensor");
 }
 

@@ -19,6 +19,11 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
+bool isOfEveryScan(Field field) {
+  constexpr Field kOfEveryScan[] = {Field::x, Field::y, Field::z, Field::range, Field::triangle, Field::instance};
+  return std::find(std::begin(kOfEveryScan), std::end(kOfEveryScan), field) != std::end(kOfEveryScan);
+}
+
 const char* nameOf(ValueType type) {
   constexpr const char* kNames[] = {"f32", "f64", "u8", "u16", "u32"};
   return kNames[static_cast<size_t>(type)];

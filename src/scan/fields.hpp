@@ -21,6 +21,9 @@ const char* cppNameOf(ValueType type);
 /// Returns the letter of the type in PCD: F for a float, U for an unsigned integer.
 char letterOf(ValueType type);
 
+/// Returns whether every scan has the field, in a public array and not as a column.
+bool isOfEveryScan(Field field);
+
 /// One column of a cloud file. A scalar field has one column, a vector has one per component.
 struct ColumnInfo {
   Field field;

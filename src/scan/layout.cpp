@@ -37,7 +37,7 @@ void checkColumn(const RecordLayout::Value& value) {
            " or a larger multiple of 4");
 }
 
-uint64_t wholeWords(uint64_t bytes) {
+uint64_t roundedToWords(uint64_t bytes) {
   return (bytes + 3) / 4 * 4;
 }
 
@@ -100,10 +100,10 @@ RecordLayout columnLayout(const std::vector<Field>& fields, uint64_t rows) {
 }
 
 uint64_t RecordLayout::bytesFor(uint64_t rows) const {
-  uint64_t bytes = wholeWords(rows * stride);
+  uint64_t bytes = roundedToWords(rows * stride);
   for (const Value& value : values)
     if (value.stride > 0 && rows > 0)
-      bytes = std::max(bytes, value.offset + wholeWords((rows - 1) * value.stride + sizeOf(value.type)));
+      bytes = std::max(bytes, value.offset + roundedToWords((rows - 1) * value.stride + sizeOf(value.type)));
   return bytes;
 }
 

@@ -11,11 +11,11 @@ void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushC
 }
 
 void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
-                             uint32_t groupsX, uint32_t groupsY) {
+                             uint32_t workgroupsX, uint32_t workgroupsY) {
   bind(kernel, layout, constants);
-  if (groupsX <= mostGroups_) return vk_->vkCmdDispatch(commands_, groupsX, groupsY, 1);
-  for (uint32_t first = 0; first < groupsX; first += std::min(mostGroups_, groupsX - first))
-    vk_->vkCmdDispatchBase(commands_, first, 0, 0, std::min(mostGroups_, groupsX - first), groupsY, 1);
+  if (workgroupsX <= mostGroups_) return vk_->vkCmdDispatch(commands_, workgroupsX, workgroupsY, 1);
+  for (uint32_t first = 0; first < workgroupsX; first += std::min(mostGroups_, workgroupsX - first))
+    vk_->vkCmdDispatchBase(commands_, first, 0, 0, std::min(mostGroups_, workgroupsX - first), workgroupsY, 1);
 }
 
 void CommandBuffer::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,

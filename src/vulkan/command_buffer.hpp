@@ -16,8 +16,8 @@ class CommandBuffer {
   VkCommandBuffer handle() const { return commands_; }
   /// More workgroups than a dispatch may have become several dispatches; gl_WorkGroupID counts through. Kernels of
   /// which that is asked must not use gl_NumWorkGroups.
-  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
-                uint32_t groupsY);
+  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t workgroupsX,
+                uint32_t workgroupsY);
   /// Reads the number of workgroups from a buffer.
   void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                         const Buffer& arguments, VkDeviceSize offset);

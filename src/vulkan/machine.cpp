@@ -83,8 +83,8 @@ class StepRecorder {
         if (step.arguments)
           return commands_.dispatchIndirect(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass},
                                             bufferOf(gpu::Array::shells), *step.arguments);
-        return commands_.dispatch(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass}, step.groupsX,
-                                  step.groupsY);
+        return commands_.dispatch(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass},
+                                  step.workgroupsX, step.workgroupsY);
       case Step::Kind::start:
       case Step::Kind::finish:
       case Step::Kind::cut: return;
@@ -113,8 +113,8 @@ std::string textOf(const Step& step) {
   std::string text = std::string(step.stage) + ": " + nameOf(step.variant.kernel);
   if (step.variant.options.PASS > 0) text += ", pass " + std::to_string(step.variant.options.PASS);
   if (step.arguments) text += ", shell " + std::to_string(step.pass.shell);
-  return text + (step.arguments ? ", at most " : ", ") + std::to_string(step.groupsX) +
-         (step.groupsY > 1 ? " x " + std::to_string(step.groupsY) : "") + " workgroups";
+  return text + (step.arguments ? ", at most " : ", ") + std::to_string(step.workgroupsX) +
+         (step.workgroupsY > 1 ? " x " + std::to_string(step.workgroupsY) : "") + " workgroups";
 }
 
 // Writes the table by which the kernels find the arrays.

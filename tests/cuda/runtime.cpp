@@ -12,7 +12,7 @@ Device chooseDevice(const DeviceChoice&) {
   device.info.name = "CUDA's kernels on the host";
   device.info.maxBufferBytes = uint64_t{1} << 32;
   device.info.usable = true;
-  device.groups = 7;
+  device.workgroups = 7;
   device.launch = parity::launch;
   return device;
 }

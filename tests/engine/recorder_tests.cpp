@@ -52,10 +52,10 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fewOfDevice(VkDevice device, const char
   if (std::string(name) != "vkCmdDispatchBase") return real;
   few.dispatch = reinterpret_cast<PFN_vkCmdDispatchBase>(real);
   const PFN_vkCmdDispatchBase counting = [](VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z,
-                                            uint32_t groupsX, uint32_t groupsY, uint32_t groupsZ) {
+                                            uint32_t workgroupsX, uint32_t workgroupsY, uint32_t groupsZ) {
     few.divided += x > 0;
-    CHECK(groupsX <= FewWorkgroups::kMost);
-    few.dispatch(commands, x, y, z, groupsX, groupsY, groupsZ);
+    CHECK(workgroupsX <= FewWorkgroups::kMost);
+    few.dispatch(commands, x, y, z, workgroupsX, workgroupsY, groupsZ);
   };
   return reinterpret_cast<PFN_vkVoidFunction>(counting);
 }

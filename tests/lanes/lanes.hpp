@@ -32,8 +32,8 @@ constexpr bool kLanesInStep = false;  // see lanes.glsl
 
 using CallSite = std::source_location;
 
-inline void runWorkgroups(uint groupsX, uint groupsY, const std::function<void()>& main) {
-  lanes::dispatch(groupsX, groupsY, main);
+inline void runWorkgroups(uint workgroupsX, uint workgroupsY, const std::function<void()>& main) {
+  lanes::dispatch(workgroupsX, workgroupsY, main);
 }
 
 inline void barrier(CallSite where = CallSite::current()) {

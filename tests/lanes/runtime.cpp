@@ -10,9 +10,9 @@
 namespace gnosphere::cuda {
 namespace {
 
-void launchNamed(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
+void launchNamed(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
   lanes::setKernel(nameOf(kernel));
-  parity::launch(kernel, job, groupsX, groupsY);
+  parity::launch(kernel, job, workgroupsX, workgroupsY);
 }
 
 }  // namespace
@@ -22,7 +22,7 @@ Device chooseDevice(const DeviceChoice&) {
   device.info.name = "lanes on the host";
   device.info.maxBufferBytes = uint64_t{1} << 32;
   device.info.usable = true;
-  device.groups = 3;
+  device.workgroups = 3;
   device.launch = launchNamed;
   return device;
 }

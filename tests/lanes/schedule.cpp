@@ -69,7 +69,7 @@ struct Habit {
 
 class Dispatch {
  public:
-  Dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main);
+  Dispatch(uint32_t workgroupsX, uint32_t workgroupsY, const std::function<void()>& main);
   ~Dispatch() { current = nullptr; }
 
   void run();
@@ -124,13 +124,13 @@ std::string placeOf(const std::source_location& where) {
   return file.substr(file.rfind('/') + 1) + ":" + std::to_string(where.line());
 }
 
-Dispatch::Dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main)
-    : groups_{groupsX, groupsY}, main_(main), random_(chosen.seed * 1'000'003 + dispatches) {
+Dispatch::Dispatch(uint32_t workgroupsX, uint32_t workgroupsY, const std::function<void()>& main)
+    : groups_{workgroupsX, workgroupsY}, main_(main), random_(chosen.seed * 1'000'003 + dispatches) {
   constexpr uint32_t kMasks[] = {~0u, 0xff, 0x1f, 0x3};
   habit_.next = static_cast<Habit::Next>(random_() % 4);
   habit_.interruptMask = kMasks[random_() % 4];
   habit_.atOnce = 1 + static_cast<uint32_t>(random_() % 4);
-  waiting_.resize(size_t{groupsX} * groupsY);
+  waiting_.resize(size_t{workgroupsX} * workgroupsY);
   std::iota(waiting_.begin(), waiting_.end(), 0);
   std::shuffle(waiting_.begin(), waiting_.end(), random_);
 }
@@ -302,9 +302,9 @@ bool hasRun(const std::string& kernel) {
   return kernelsRun.contains(kernel);
 }
 
-void dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main) {
+void dispatch(uint32_t workgroupsX, uint32_t workgroupsY, const std::function<void()>& main) {
   ++dispatches;
-  Dispatch dispatch(groupsX, groupsY, main);
+  Dispatch dispatch(workgroupsX, workgroupsY, main);
   active = &dispatch;
   try {
     dispatch.run();

@@ -45,9 +45,9 @@ void setKernel(const char* name);
 /// Returns whether a kernel of this name has run.
 bool hasRun(const std::string& kernel);
 
-/// Runs `main` once per lane of groupsX * groupsY workgroups. Throws Finding if a subgroup operation or a barrier is
-/// reached by some lanes of a subgroup or workgroup only, or if lanes race for memory.
-void dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main);
+/// Runs `main` once per lane of workgroupsX * workgroupsY workgroups. Throws Finding if a subgroup operation or a
+/// barrier is reached by some lanes of a subgroup or workgroup only, or if lanes race for memory.
+void dispatch(uint32_t workgroupsX, uint32_t workgroupsY, const std::function<void()>& main);
 
 /// Values that the lanes of a subgroup have given to an operation, valid until the lane's next operation.
 class Given {

@@ -91,7 +91,7 @@ TEST_CASE("steps of more work than a submission may have are divided at their wo
   const auto dispatch = [](uint64_t work, uint32_t groups, bool divisible) {
     Step step = {Step::Kind::dispatch, "bin"};
     step.work = work;
-    step.groupsX = groups;
+    step.workgroupsX = groups;
     step.pass.groups = divisible ? groups : 0;
     return step;
   };
@@ -102,7 +102,7 @@ TEST_CASE("steps of more work than a submission may have are divided at their wo
       if (step.kind == Step::Kind::fill) all += "fill ";
       if (step.kind != Step::Kind::dispatch) continue;
       const uint32_t first = step.pass.firstGroup;
-      all += std::to_string(first) + "-" + std::to_string(first + step.groupsX) + " ";
+      all += std::to_string(first) + "-" + std::to_string(first + step.workgroupsX) + " ";
     }
     return all;
   };

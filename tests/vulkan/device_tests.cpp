@@ -241,12 +241,12 @@ TEST_CASE("a dispatch of more workgroups than the device allows is divided") {
   const_cast<vulkan::Capabilities&>(device.capabilities()).mostGroups = 100;
   static std::vector<std::array<uint32_t, 3>> dispatches;
   dispatches.clear();
-  functionsOf(device).vkCmdDispatchBase = [](VkCommandBuffer, uint32_t x, uint32_t, uint32_t, uint32_t groupsX,
-                                             uint32_t groupsY, uint32_t) {
-    dispatches.push_back({x, groupsX, groupsY});
+  functionsOf(device).vkCmdDispatchBase = [](VkCommandBuffer, uint32_t x, uint32_t, uint32_t, uint32_t workgroupsX,
+                                             uint32_t workgroupsY, uint32_t) {
+    dispatches.push_back({x, workgroupsX, workgroupsY});
   };
-  functionsOf(device).vkCmdDispatch = [](VkCommandBuffer, uint32_t groupsX, uint32_t groupsY, uint32_t) {
-    dispatches.push_back({0, groupsX, groupsY});
+  functionsOf(device).vkCmdDispatch = [](VkCommandBuffer, uint32_t workgroupsX, uint32_t workgroupsY, uint32_t) {
+    dispatches.push_back({0, workgroupsX, workgroupsY});
   };
   functionsOf(device).vkCmdBindPipeline = [](VkCommandBuffer, VkPipelineBindPoint, VkPipeline) {};
   functionsOf(device).vkCmdPushConstants = [](VkCommandBuffer, VkPipelineLayout, VkShaderStageFlags, uint32_t, uint32_t,

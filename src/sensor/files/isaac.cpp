@@ -4,7 +4,6 @@
 // fires one emitter state per scan.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "base/text.hpp"
@@ -101,7 +100,7 @@ void fire(const SensorSource& source, const Emitters& emitters, size_t i, const 
   const double azimuth = emitters.azimuths[i] + headDeg;
   list.directions.push_back(directionOfAngles(source, azimuth, emitters.elevations[i], list.size()));
   if (has.origins) {
-    const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = std::numbers::pi / 180 * azimuth;
+    const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = kDegree * azimuth;
     list.origins.push_back(
         {-std::sin(a) * side, std::cos(a) * side, emitters.heights.empty() ? 0 : emitters.heights[i]});
   }

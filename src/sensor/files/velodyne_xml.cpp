@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // VeloView's db.xml, an archive of boost: degrees, and centimetres.
 #include <algorithm>
-#include <numbers>
 #include <pugixml.hpp>
 #include <set>
 
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -45,7 +45,7 @@ void readVelodyneXml(SensorSource& source) {
   for (const pugi::xml_node& item : database.child("enabled_").children("item"))
     enabled.push_back(item.text().as_int() != 0);
 
-  constexpr double kRadians = std::numbers::pi / 180, kMetres = 0.01;
+  constexpr double kMetres = 0.01;
   std::vector<VelodyneLaser> lasers;
   std::set<double> ids;
   size_t disabled = 0;
@@ -59,8 +59,8 @@ void readVelodyneXml(SensorSource& source) {
       ++disabled;
       continue;
     }
-    lasers.push_back({kRadians * numberAt(source, laser, "rotCorrection_"),
-                      kRadians * numberAt(source, laser, "vertCorrection_", true),
+    lasers.push_back({kDegree * numberAt(source, laser, "rotCorrection_"),
+                      kDegree * numberAt(source, laser, "vertCorrection_", true),
                       kMetres * numberAt(source, laser, "vertOffsetCorrection_"),
                       kMetres * numberAt(source, laser, "horizOffsetCorrection_")});
     for (const char* key : {"distCorrection_", "distCorrectionX_", "distCorrectionY_", "focalDistance_", "focalSlope_"})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slots hand out the indices of things that come and go.
+// A pool of indices for objects that come and go.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 namespace gnosphere {
 
 /// Keeps which of the indices 0..size - 1 exist and how often each is used. A freed index is taken again first.
-class Slots {
+class IndexPool {
  public:
-  explicit Slots(const char* noun) : noun_(noun) {}
+  explicit IndexPool(const char* noun) : noun_(noun) {}
 
   size_t size() const { return uses_.size(); }
   bool has(size_t index) const { return index < uses_.size() && uses_[index] != kFree; }
