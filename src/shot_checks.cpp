@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gnosphere/error.hpp"
-#include "scan/batch_arrays.hpp"
+#include "scan/fields.hpp"
 #include "scan/layout.hpp"
 #include "sensor/beams.hpp"
 

@@ -2,29 +2,23 @@
 #include "gnosphere/simulator.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <set>
 #include <utility>
 
-#include "base/limits.hpp"
-#include "base/room.hpp"
-#include "base/slots.hpp"
-#include "base/threads.hpp"
+#include "base/index_pool.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
-#include "geometry/transform_rows.hpp"
-#include "geometry/transform_sources.hpp"
-#include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
+#include "kept_scene.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
 #include "pipeline/result_ring.hpp"
 #include "scan/batch_arrays.hpp"
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
+#include "scan/fields.hpp"
 #include "scan/layout.hpp"
-#include "scene/validate.hpp"
 #include "shot_checks.hpp"
 
 namespace gnosphere {
@@ -56,32 +50,22 @@ void checkFor(Result& result, const Check& check) {
 
 }  // namespace
 
-// Keeps the parts of the scene from which plans are made; the backend keeps the rest.
 class Simulator::Impl {
  public:
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
-      : options_(options), planner_(options_) {
-    validate(scene);
+      : options_(options), planner_(options_), kept_(scene, planner_) {
     if (options.accuracyParts) validate(*options.accuracyParts);
-    scene_.materials = scene.materials;
-    scene_.alphaImages = scene.alphaImages;
-    for (size_t i = 0; i < scene.materials.size(); ++i) materials_.take();
-    for (const Mesh& mesh : scene.meshes) keep(keptOf(mesh));
-    for (const Instance& instance : scene.instances) {
-      reserveInstance();
-      keep(instance.mesh, instance.classId, instance.world);
-    }
     for (const SensorRequest& given : sensors) {
       check(given);
       const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
-      plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
+      plans_.push_back(planner_.plan(kept_.scene(), request, plans_.size(), false));
       warnOfLeftOut(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
     }
-    stale_ = false;
     backend_ = makeBackend(scene, plans_, options_);
+    kept_.changeIn(*backend_);
   }
 
   void prepareToScan(std::span<const Shot> shots, bool numbered) {
@@ -134,7 +118,7 @@ class Simulator::Impl {
       result.channels = sensor.height();
       result.pose = shots[i].pose;
       result.skewed = isSkewed(*plans_[shots[i].sensor], shots[i]);
-      computed_[shots[i].sensor].set(classes_, shots[i].frame, result);
+      computed_[shots[i].sensor].set(kept_.classes(), shots[i].frame, result);
       receive(i);
     });
     unfinished.result = nullptr;
@@ -189,21 +173,21 @@ class Simulator::Impl {
     planAgain();
     for (size_t i = 0; i < recording.scans.size(); ++i)
       check(*recording.scans[i].shot, "shot " + std::to_string(i) + ": ");
-    recording.classes = &classes_;
+    recording.classes = &kept_.classes();
     backend_->record(recording);
   }
 
   void abandon(size_t frame) { backend_->abandon(frame); }
 
-  // Each change allocates what it needs first, then changes the backend, which may fail, and then notes the change,
-  // which cannot.
+  // A change of the sensors allocates what it needs first, then changes the backend, which may fail, and then notes the
+  // change, which cannot.
 
   size_t addSensor(const SensorRequest& given) {
     check(given);
     const size_t index = sensors_.next();
     SensorRequest request = completed(given, index);
     sensors_.reserve();
-    auto plan = planner_.plan(scene_, request, index, false);
+    auto plan = planner_.plan(kept_.scene(), request, index, false);
     warnOfLeftOut(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());
@@ -229,173 +213,12 @@ class Simulator::Impl {
     sensors_.giveBack(index);
   }
 
-  size_t addMaterial(Material material, const AlphaImage* image) {
-    validate(material, "the new material");
-    const size_t index = materials_.next();
-    material.alphaImage = kNoImage;
-    AlphaImage alpha;
-    if (image) {
-      validate(*image, "the alpha image of the new material");
-      alpha = *image;
-      const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
-                                       [](const AlphaImage& other) { return other.alpha.empty(); });
-      material.alphaImage = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
-      if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();  // unused if what follows fails
-    }
-    materials_.reserve();
-    scene_.materials.resize(std::max(index + 1, materials_.size()));
-    const auto exchange = [&, number = material.alphaImage] {
-      std::swap(scene_.materials[index], material);
-      if (image) std::swap(scene_.alphaImages[number], alpha);
-      planner_.forgetTextures();
-    };
-    changeMaterials(exchange);
-    materials_.take();
-    return index;
-  }
-
-  void removeMaterial(size_t index) {
-    materials_.checkUnused(index, "meshes");
-    const uint32_t image = scene_.materials[index].alphaImage;
-    const auto shares = [&](const Material& other) { return other.alphaImage == image; };
-    const bool alone =
-        image != kNoImage && std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1;
-    Material none;
-    AlphaImage noImage;
-    changeMaterials([&] {
-      std::swap(scene_.materials[index], none);
-      if (alone) std::swap(scene_.alphaImages[image], noImage);
-      planner_.forgetTextures();
-    });
-    materials_.giveBack(index);
-  }
-
-  size_t addMesh(const Mesh& mesh) {
-    const size_t index = meshes_.next();
-    const std::string name = "the new mesh" + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
-    validate(mesh, name, scene_.materials);
-    for (const MeshPart& part : mesh.parts) materials_.check(part.material);
-    KeptMesh kept = keptOf(mesh);
-    backend_->setMesh(index, &mesh);
-    keep(std::move(kept));
-    return index;
-  }
-
-  void removeMesh(size_t index) {
-    meshes_.checkUnused(index, "instances");
-    backend_->setMesh(index, nullptr);
-    for (const MeshPart& part : scene_.meshes[index].parts) --materials_.uses(part.material);
-    scene_.meshes[index] = {};
-    meshes_.giveBack(index);
-  }
-
-  void setPositions(size_t mesh, std::span<const float> positions) {
-    meshes_.check(mesh);
-    if (positions.size() != 3 * vertexCounts_[mesh])
-      throw Error(ErrorCode::invalidArgument,
-                  "mesh " + std::to_string(mesh) + " has " + std::to_string(vertexCounts_[mesh]) +
-                      " vertices of three numbers each; " + std::to_string(positions.size()) + " numbers were given");
-    if (scene_.meshes[mesh].deformable())
-      throw Error(ErrorCode::invalidArgument,
-                  "mesh " + std::to_string(mesh) + " follows joints or morph targets; setDeformation() moves it");
-    backend_->setPositions(mesh, positions);
-  }
-
-  void setDeformation(size_t mesh, const Deformation& deformation) {
-    checkDeformation(mesh, deformation, "");
-    backend_->setDeformation(mesh, deformation);
-  }
-
-  void setVertices(size_t mesh, const CallerVertices& buffer) {
-    meshes_.check(mesh);
-    const std::string name = "mesh " + std::to_string(mesh);
-    if (scene_.meshes[mesh].deformable())
-      throw Error(ErrorCode::invalidArgument,
-                  name + " follows joints or morph targets; its vertices cannot come from a buffer");
-    validate(buffer, vertexCounts_[mesh], name);
-    backend_->setVertices(mesh, buffer);
-  }
-
-  void setTransforms(const CallerTransforms& buffer) {
-    validate(buffer);
-    for (size_t i = 0; i < buffer.instances; ++i) instances_.check(buffer.firstInstance + i);
-    backend_->setTransforms(buffer);
-    for (size_t i = 0; i < buffer.instances; ++i) inBuffer_[buffer.firstInstance + i] = 1;
-  }
-
-  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-    meshes_.check(mesh);
-    const size_t index = instances_.next();
-    validate(transform, index);
-    limits::kTriangles.check(placedTriangles_ + trianglesOf(mesh), "the scene would place");
-    reserveInstance();
-    backend_->setInstance(index, mesh, transform, world);
-    return keep(mesh, classId, world);
-  }
-
-  std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
-    std::vector<uint32_t> indices;
-    indices.reserve(instances.size());
-    for (size_t i = 0; i < instances.size(); ++i) {
-      meshes_.check(instances[i].mesh, "entry " + std::to_string(i) + ": ");
-      if (!finite(instances[i].transform))
-        throw Error(ErrorCode::invalidArgument, "entry " + std::to_string(i) + ": the transform is not finite");
-    }
-    try {
-      for (const Instance& instance : instances)
-        indices.push_back(
-            static_cast<uint32_t>(addInstance(instance.mesh, instance.transform, instance.classId, instance.world)));
-    } catch (...) {
-      for (size_t i = indices.size(); i > 0; --i) removeInstance(indices[i - 1]);
-      throw;
-    }
-    return indices;
-  }
-
-  void removeInstance(size_t index) {
-    instances_.check(index);
-    backend_->setInstance(index, kNoMesh, {});
-    inBuffer_[index] = 0;
-    uint32_t& mesh = scene_.instances[index].mesh;
-    placedTriangles_ -= trianglesOf(mesh);
-    stale_ |= --meshes_.uses(mesh) == 0;
-    mesh = kNoMesh;
-    instances_.giveBack(index);
-  }
-
-  void setTransform(size_t instance, const Transform& transform) {
-    instances_.check(instance);
-    validate(transform, instance);
-    const auto number = static_cast<uint32_t>(instance);
-    move({&number, 1}, {&transform, 1});
-  }
-
-  template <typename T>
-  void setTransforms(std::span<const uint32_t> instances, std::span<const T> values) {
-    readTransforms(values, instances.size(), transforms_);
-    const auto isRight = [&](size_t i) { return instances_.has(instances[i]) && finite(transforms_[i]); };
-    std::atomic<bool> right = true;
-    inRuns(instances.size(), kTransformsPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
-      for (uint64_t i = first; i < end; ++i)
-        if (!isRight(i)) right = false;
-    });
-    for (size_t i = 0; !right; ++i) {
-      if (isRight(i)) continue;
-      const std::string which = "entry " + std::to_string(i) + ": ";
-      instances_.check(instances[i], which);
-      throw Error(ErrorCode::invalidArgument,
-                  which + "the transform of instance " + std::to_string(instances[i]) + " is not finite" +
-                      (values.size() == 7 * instances.size() ? ", or its quaternion is zero" : ""));
-    }
-    move(instances, transforms_);
-  }
-
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
   /// yet.
   Plan plan(size_t sensor, size_t views) const {
     sensors_.check(sensor);
     std::shared_ptr<const SensorPlan> next = plans_[sensor];
-    if (stale_) next = SensorPlanner(planner_).plan(scene_, requests_[sensor], sensor, true);
+    if (kept_.isStale()) next = SensorPlanner(planner_).plan(kept_.scene(), requests_[sensor], sensor, true);
     const bool made = views <= 1 && sameArrays(*plans_[sensor], *next);
     Plan plan = made ? backend_->plan(sensor) : backend_->planOf(next, views);
     plan.effects = next->decisions;
@@ -407,6 +230,7 @@ class Simulator::Impl {
     if (const std::shared_ptr<ResultRing> ring = ring_.lock()) use.work += ring->bytes();
     return use;
   }
+  KeptScene& kept() { return kept_; }
   const Backend& backend() const { return *backend_; }
   const SensorPlans& plans() const { return plans_; }
   std::shared_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
@@ -426,7 +250,7 @@ class Simulator::Impl {
   void check(const SensorRequest& request) const {
     validate(request.sensor);
     for (const uint32_t instance : request.ignoredInstances)
-      instances_.check(instance, "sensor '" + request.sensor.name + "': it ignores an instance, but ");
+      kept_.checkInstance(instance, "sensor '" + request.sensor.name + "': it ignores an instance, but ");
     if (request.layout.empty()) return;
     if (!options_.device.adopted && !options_.compileOnly && !options_.resultsOnDevice)
       throw Error(ErrorCode::invalidArgument,
@@ -440,7 +264,7 @@ class Simulator::Impl {
     SensorRequest request = given;
     if (options_.resultsOnDevice && request.layout.empty()) {
       request.layout = columnLayout({Field::range}, 0);
-      const uint64_t returns = planner_.plan(scene_, withFieldsOfLayout(request), index, false)->returns;
+      const uint64_t returns = planner_.plan(kept_.scene(), withFieldsOfLayout(request), index, false)->returns;
       std::vector<Field> fields = request.fields;
       fields.insert(fields.begin(), Field::range);
       request.layout = columnLayout(fields, request.sensor.beamCount() * returns);
@@ -448,136 +272,35 @@ class Simulator::Impl {
     return withFieldsOfLayout(request);
   }
 
-  void checkDeformation(size_t mesh, const Deformation& deformation, const std::string& which) const {
-    meshes_.check(mesh);
-    const std::string name = which + "mesh " + std::to_string(mesh);
-    const Mesh& kept = scene_.meshes[mesh];
-    if (!kept.deformable()) throw Error(ErrorCode::invalidArgument, name + " has neither joints nor morph targets");
-    validate(deformation, name, kept);
-  }
-
   void check(const Shot& shot, const std::string& which) const {
     validate(shot.pose, which);
     validate(shot.motion, which);
-    for (const InstanceMotion& motion : shot.instanceMotions) {
-      instances_.check(motion.instance, which);
-      validate(motion.end, motion.instance, which);
-      if (inBuffer_[motion.instance]) refuseMotion(motion.instance, which);
-    }
-    for (const MeshMotion& motion : shot.meshMotions) {
-      checkDeformation(motion.mesh, motion.end, which);
-      for (size_t i = 0; i < inBuffer_.size(); ++i)
-        if (inBuffer_[i] && scene_.instances[i].mesh == motion.mesh) refuseMotion(i, which);
-    }
+    kept_.checkMotions(shot, which);
     sensors_.check(shot.sensor, which);
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 
   // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed.
   void planAgain() {
-    if (!stale_) return;
+    if (!kept_.isStale()) return;
     for (size_t i = 0; i < plans_.size(); ++i) {
       if (!plans_[i]) continue;
-      auto plan = planner_.plan(scene_, requests_[i], i, true);
+      auto plan = planner_.plan(kept_.scene(), requests_[i], i, true);
       if (!sameArrays(*plans_[i], *plan)) backend_->setSensor(i, plan);
       plans_[i] = std::move(plan);
     }
-    stale_ = false;
-  }
-
-  uint64_t trianglesOf(size_t mesh) const {
-    uint64_t sum = 0;
-    for (const MeshPart& part : scene_.meshes[mesh].parts) sum += part.triangleCount;
-    return sum;
-  }
-
-  /// Changes the materials, and changes them back if the backend fails; `exchange` undoes itself.
-  template <typename Exchange>
-  void changeMaterials(const Exchange& exchange) {
-    exchange();
-    try {
-      backend_->setMaterials(scene_.materials, scene_.alphaImages);
-    } catch (...) {
-      exchange();
-      throw;
-    }
-    stale_ = true;
-  }
-
-  /// Parts of a mesh that the simulator keeps.
-  struct KeptMesh {
-    Mesh mesh;  // without its vertices and triangles
-    size_t vertexCount;
-    ClassTable::Runs classes;
-  };
-
-  /// Makes room for the next mesh as well.
-  KeptMesh keptOf(const Mesh& mesh) {
-    KeptMesh kept = {{}, mesh.vertexCount(), ClassTable::runsOf(mesh.parts, scene_.materials)};
-    kept.mesh.parts = mesh.parts;
-    kept.mesh.jointCount = mesh.jointCount;
-    kept.mesh.morphTargets.resize(mesh.morphTargets.size());
-    meshes_.reserve();
-    const size_t count = std::max(meshes_.next() + 1, meshes_.size());
-    makeRoom(scene_.meshes, count);
-    makeRoom(vertexCounts_, count);
-    classes_.reserveMesh(count);
-    return kept;
-  }
-
-  void keep(KeptMesh kept) {
-    const size_t index = meshes_.next();
-    meshes_.take();
-    scene_.meshes.resize(meshes_.size());
-    vertexCounts_.resize(meshes_.size());
-    scene_.meshes[index] = std::move(kept.mesh);
-    vertexCounts_[index] = kept.vertexCount;
-    for (const MeshPart& part : scene_.meshes[index].parts) ++materials_.uses(part.material);
-    classes_.setMesh(index, std::move(kept.classes));
-  }
-
-  void move(std::span<const uint32_t> instances, std::span<const Transform> transforms) {
-    backend_->moveInstances(instances, transforms);
-    for (const uint32_t instance : instances) inBuffer_[instance] = 0;
-  }
-
-  /// Makes room for the next instance.
-  void reserveInstance() {
-    instances_.reserve();
-    const size_t count = std::max(instances_.next() + 1, instances_.size());
-    makeRoom(scene_.instances, count);
-    makeRoom(inBuffer_, count);
-    classes_.reserveInstance(count);
-  }
-
-  size_t keep(uint32_t mesh, uint16_t classId, uint32_t world) {
-    const size_t index = instances_.next();
-    instances_.take();
-    scene_.instances.resize(instances_.size());
-    scene_.instances[index].mesh = mesh;
-    scene_.instances[index].world = world;
-    placedTriangles_ += trianglesOf(mesh);
-    stale_ |= meshes_.uses(mesh)++ == 0;
-    classes_.setInstance(index, mesh, classId);
-    inBuffer_.resize(instances_.size());
-    return index;
+    kept_.setPlanned();
   }
 
   const SimulatorOptions options_;
   SensorPlanner planner_;
-  Scene scene_;  // meshes have only their parts, and instances only their mesh and world
-  Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
-  std::vector<size_t> vertexCounts_;  // by mesh
-  uint64_t placedTriangles_ = 0;
-  ClassTable classes_;
-  std::vector<Transform> transforms_;      // of the last setTransforms(); its memory is used again
-  std::vector<uint8_t> inBuffer_;          // by instance: 1 if its transform comes from a buffer
+  KeptScene kept_;
+  IndexPool sensors_{"sensor"};
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
   std::set<size_t> warnedOfMotion_;        // sensors
-  bool stale_ = false;  // true if the visible materials may have changed since the sensors were planned
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };
@@ -631,10 +354,10 @@ std::shared_ptr<ResultRing> Simulator::makeRing(size_t buffers, uint64_t bytes, 
   return impl_->makeRing(buffers, bytes, hostBytes);
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
-  impl_->setVertices(mesh, buffer);
+  impl_->kept().setVertices(mesh, buffer);
 }
 void Simulator::setTransforms(const CallerTransforms& buffer) {
-  impl_->setTransforms(buffer);
+  impl_->kept().setTransforms(buffer);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {
@@ -644,40 +367,40 @@ void Simulator::removeSensor(size_t sensor) {
   impl_->removeSensor(sensor);
 }
 size_t Simulator::addMaterial(const Material& material, const AlphaImage* image) {
-  return impl_->addMaterial(material, image);
+  return impl_->kept().addMaterial(material, image);
 }
 void Simulator::removeMaterial(size_t material) {
-  impl_->removeMaterial(material);
+  impl_->kept().removeMaterial(material);
 }
 size_t Simulator::addMesh(const Mesh& mesh) {
-  return impl_->addMesh(mesh);
+  return impl_->kept().addMesh(mesh);
 }
 void Simulator::removeMesh(size_t mesh) {
-  impl_->removeMesh(mesh);
+  impl_->kept().removeMesh(mesh);
 }
 void Simulator::setDeformation(size_t mesh, const Deformation& deformation) {
-  impl_->setDeformation(mesh, deformation);
+  impl_->kept().setDeformation(mesh, deformation);
 }
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
-  impl_->setPositions(mesh, positions);
+  impl_->kept().setPositions(mesh, positions);
 }
 std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instances) {
-  return impl_->addInstances(instances);
+  return impl_->kept().addInstances(instances);
 }
 size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-  return impl_->addInstance(mesh, transform, classId, world);
+  return impl_->kept().addInstance(mesh, transform, classId, world);
 }
 void Simulator::removeInstance(size_t instance) {
-  impl_->removeInstance(instance);
+  impl_->kept().removeInstance(instance);
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
-  impl_->setTransform(instance, transform);
+  impl_->kept().setTransform(instance, transform);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const double> values) {
-  impl_->setTransforms(instances, values);
+  impl_->kept().setTransforms(instances, values);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const float> values) {
-  impl_->setTransforms(instances, values);
+  impl_->kept().setTransforms(instances, values);
 }
 
 Plan Simulator::plan(size_t sensor, size_t views) const {

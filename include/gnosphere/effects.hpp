@@ -56,7 +56,7 @@ struct Effects {
   /// rate or a dead beam is given.
   struct DropOut {
     EffectUse use = EffectUse::automatic;
-    double generalRate = 0;           ///< probability for every return, 0..1
+    double generalRate = 0;           ///< probability that a beam is lost with all its returns, 0..1
     double intensityLimit = 1;        ///< unit intensity above which zeroIntensityRate has no effect
     double zeroIntensityRate = 0;     ///< probability at intensity 0, 0..1; falls linearly to 0 at the limit
     std::vector<uint32_t> deadBeams;  ///< indices of beams that never return anything: channel * columns + column

@@ -52,6 +52,8 @@ struct AlphaImage {
 
 /// Surface properties in the terms of the glTF metallic-roughness model. Colours are linear; factors lie in 0..1.
 struct Material {
+  static constexpr float kMostRetro = 1e6f;  ///< the gain of a cube corner
+
   std::string name;
   std::array<float, 4> baseColor = {1, 1, 1, 1};
   float metallic = 0;
@@ -60,8 +62,8 @@ struct Material {
   AlphaMode alphaMode = AlphaMode::opaque;
   float alphaCutoff = 0.5f;
   uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha channel of the base colour texture
-  /// Retro-reflection: gain over a Lambertian surface of reflectance 1, up to 1e6; 0 for none. No scene file format
-  /// that we read states it.
+  /// Retro-reflection: gain over a Lambertian surface of reflectance 1, at most kMostRetro; 0 for none. No scene file
+  /// format that we read states it.
   float retro = 0;
   /// If true, both faces reflect. glTF states this per material; scenes from other formats are double-sided.
   bool doubleSided = true;

@@ -137,7 +137,7 @@ void validate(const Material& material, const std::string& name) {
   check("roughness", material.roughness, 1);
   check("transmission", material.transmission, 1);
   check("alpha cutoff", material.alphaCutoff, std::numeric_limits<float>::max());
-  check("retro-reflection", material.retro, kMostRetro);
+  check("retro-reflection", material.retro, Material::kMostRetro);
 }
 
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials) {

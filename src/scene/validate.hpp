@@ -7,12 +7,9 @@
 
 namespace gnosphere {
 
-/// The largest gain of a retro-reflection over a Lambertian surface: that of a cube corner.
-inline constexpr float kMostRetro = 1e6f;
-
 /// As many alpha values as pixels, and at least one.
 void validate(const AlphaImage& image, const std::string& name);
-/// Factors in 0..1, as glTF has them, and a retro-reflection of 0..kMostRetro.
+/// Factors in 0..1, as glTF has them, and a retro-reflection of 0..Material::kMostRetro.
 void validate(const Material& material, const std::string& name);
 /// Arrays of fitting sizes, indices within them, and parts that cover every triangle with materials that exist.
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials);

@@ -111,6 +111,39 @@ TEST_CASE("every column is seen from the sensor's position when it fires") {
   }
 }
 
+TEST_CASE("a scan of a moving sensor is skewed, unless it is deskewed") {
+  const std::string device = ON_EVERY_DEVICE;
+  const auto isSkewed = [&](const Shot& shot, bool deskew) {
+    return scanned(device, room(), spinning(), shot, deskew).skewed;
+  };
+  CHECK(isSkewed(driving(), false));
+  CHECK(!isSkewed(driving(), true));
+  Shot standing = driving();
+  for (SensorMotion::Stamp& stamp : standing.motion.stamps) stamp.pose = standing.pose;
+  CHECK(!isSkewed(standing, false));
+}
+
+TEST_CASE("a simulator tells once of the motion that a sensor leaves out") {
+  std::vector<std::string> warnings;
+  TestOptions options = optionsOn("reference");
+  options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  Sensor atOnce = spinning();
+  atOnce.rotationPeriod = 0;
+  const auto scan = [&](const Effects& effects) {
+    warnings.clear();
+    Simulator simulator(room(), {atOnce, effects}, options);
+    for (int run = 0; run < 2; ++run) {
+      Scan result;
+      simulator.scanInto(driving(), result);
+    }
+    return warnings;
+  };
+  CHECK(scan(Effects()) == std::vector<std::string>{"sensor '" + atOnce.name +
+                                                    "': sensor-motion is left out, although a shot brings it: the "
+                                                    "sensor fires all beams at once"});
+  CHECK(scan(Effects::none()).empty());
+}
+
 TEST_CASE("dust stays in place while the sensor moves and turns") {
   const std::string device = ON_EVERY_DEVICE;
   const bool lasersAside = GENERATE(false, true);

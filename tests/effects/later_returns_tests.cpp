@@ -124,9 +124,9 @@ TEST_CASE("the kernel of effects runs for the beams at panes alone if no field a
         if (pipeline.name == "effects") result.push_back(pipeline.constants.at(kPassConstant));
     return result;
   };
-  CHECK(passes() == std::vector<uint32_t>{gpu::kPassListed});
+  CHECK(passes() == std::vector<uint32_t>{gpu::kPassEffectsListed});
   options.fields = {Field::intensity};
-  CHECK(passes() == std::vector<uint32_t>{gpu::kPassAll});
+  CHECK(passes() == std::vector<uint32_t>{gpu::kPassEffectsAll});
 }
 
 }  // namespace gnosphere::test

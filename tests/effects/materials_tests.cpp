@@ -4,6 +4,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 #include <numbers>
 
 #include "folder.hpp"
@@ -115,6 +116,18 @@ TEST_CASE("an invalid table is refused") {
   for (const size_t depth : {size_t{63}, size_t{1'000'000}})
     refused(folder, "t.json", nested(depth), "is not JSON: it nests deeper than 64 levels");
   CHECK_THROWS_MATCHES(loadMaterialTable("none.json"), Error, MessageMatches(ContainsSubstring("none.json")));
+}
+
+TEST_CASE("a material table that a program makes is checked when it is applied") {
+  Scene scene;
+  scene.materials.resize(1);
+  const auto refused = [&](MaterialTable::Row row, const std::string& why) {
+    CHECK_THROWS_MATCHES(opticsOf(scene, {{row}}, 905), Error, MessageMatches(ContainsSubstring(why)));
+  };
+  refused({"a", 7}, "material 'a': reflectance_905 must be 0..1, or negative if not stated, is 7");
+  refused({"a", 0.5f, std::nanf("")}, "reflectance_1550 must be 0..1");
+  refused({"a", -1, -1, -1, 2e6f}, "retro must be 0..1000000");
+  CHECK_NOTHROW(opticsOf(scene, {{{"a", 0.5f}}}, 905));
 }
 
 TEST_CASE("an OpenMATERIAL BRDF is read near normal incidence, for light that returns to the sensor") {

@@ -285,9 +285,10 @@ TEST_CASE("what does not fit is refused with its name, and the simulator goes on
   Shot shot;
   shot.weather = Weather{100, 0, 0, {}};
   Scan scan;
-  CHECK_THROWS_WITH(simulator.scanInto(shot, scan),
-                    "it brings fog, which is not planned for sensor 'grid'; set SensorRequest::variableWeather, and do "
-                    "not turn fog off");
+  CHECK_THROWS_WITH(
+      simulator.scanInto(shot, scan),
+      "it brings fog, which is not planned for sensor 'grid'; request variable weather for the sensor, and do "
+      "not turn fog off");
   CHECK(sameBytes(simulator.scan({}), before));
 }
 

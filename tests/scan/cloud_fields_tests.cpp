@@ -191,6 +191,9 @@ TEST_CASE("a scan in the world frame has its points, normals and velocities turn
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry)
       CHECK(std::bit_cast<uint32_t>(world.column<float>(field)[entry]) ==
             std::bit_cast<uint32_t>(scan.column<float>(field)[entry]));
+  scan.skewed = true;
+  REQUIRE_THROWS_WITH(inWorld(scan), Catch::Matchers::ContainsSubstring("scan with sensor-motion.deskew"));
+  scan.skewed = false;
   scan.points.clear();
   REQUIRE_THROWS_AS(inWorld(scan), Error);
 }

@@ -2,6 +2,7 @@
 // The alpha of cut-out textures, and its mapping to a mesh.
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <functional>
 
 #include "scene_text.hpp"
 
@@ -209,6 +210,22 @@ TEST_CASE("invalid texture indices are errors that name them") {
   file = cutOut();
   textureOf(file)["texCoord"] = 2;  // the set is missing, so all coordinates are 0 as on a GPU
   CHECK(file.load().meshes[0].uvs == Floats(6, 0));
+}
+
+TEST_CASE("validate refuses factors of a material outside 0..1, and NaN") {
+  const Scene good = cutOut().load();
+  const auto refused = [&](const std::function<void(Material&)>& change, const std::string& why) {
+    Scene scene = good;
+    scene.materials[0].name = "leaf";
+    change(scene.materials[0]);
+    CHECK_THROWS_WITH(validate(scene), "material 0 ('leaf'): its " + why);
+  };
+  refused([](Material& m) { m.metallic = 9; }, "metallic factor must be 0..1, is 9");
+  refused([](Material& m) { m.roughness = -2; }, "roughness must be 0..1, is -2");
+  refused([](Material& m) { m.transmission = 4; }, "transmission must be 0..1, is 4");
+  refused([](Material& m) { m.baseColor[3] = std::nanf(""); }, "base colour must be 0..1, is nan");
+  refused([](Material& m) { m.retro = 2e6f; }, "retro-reflection must be 0..1e+06, is 2e+06");
+  refused([](Material& m) { m.retro = std::nanf(""); }, "retro-reflection must be 0..1e+06, is nan");
 }
 
 TEST_CASE("validate refuses invalid images and coordinates") {
