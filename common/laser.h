@@ -20,7 +20,7 @@ GNO_INLINE vec4 between(vec4 a, vec4 b, float share) {
   return result;
 }
 
-// Returns the sensor between two moments that are so close that a straight line joins them.
+// Returns the sensor between two moments, which a straight line joins.
 GNO_INLINE ColumnMotion motionBetween(ColumnMotion a, ColumnMotion b, float share) {
   ColumnMotion at;
   at.row0 = between(a.row0, b.row0, share);

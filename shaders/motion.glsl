@@ -34,7 +34,8 @@ ColumnMotion columnMotionAt(float place) {
 }
 
 // Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire
-// between two entries of the table, which are so close that a straight line joins them.
+// between two entries of the table, which a straight line joins. Where the path bends at a stamp between two entries, the line
+// cuts the bend off, by at most a quarter of the entries' distance in time times the change of the velocity.
 ColumnMotion columnMotionOf(uint row, uint column) {
   if (LISTED) return columnMotionAt(beamOrigins.at[tableEntry(column)].w);
   if (STAGGERED) return columnMotionAt(momentOf(loadedRow(row).first, loadedRow(row).lag, column, frame.columns));

@@ -42,7 +42,7 @@ struct ScanTimes {
 
   double at(uint32_t i) const { return first + i * step; }
 };
-/// Intervals of the scan of a list. Straight lines between poses so close together miss the true path by nanometres.
+/// Intervals of the scan of a list. Straight lines between poses so close together miss a smooth path by nanometres.
 inline constexpr uint32_t kListIntervals = 2048;
 /// Returns the times of the columns for a grid; a list has kListIntervals.
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame = 0);
