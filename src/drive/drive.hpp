@@ -52,6 +52,11 @@ struct WeatherStamp {
   double rain = 0, snow = 0;  ///< mm/h
 };
 
+/// The kinds of weather that any entry of the drive's weather states. A sensor's effects decide about the others.
+struct WeatherKinds {
+  bool fog = false, rain = false, snow = false;
+};
+
 struct Output {
   std::string format, folder;
   std::vector<size_t> sensors;  ///< indices into Drive::sensors
@@ -71,6 +76,7 @@ struct Drive {
   Trajectory ego;
   std::vector<RigSensor> sensors;
   std::vector<WeatherStamp> weather;
+  WeatherKinds weatherKinds;
   std::vector<Output> outputs;
   std::vector<std::string> warnings;  ///< what a user may want to know and is no mistake
   std::string fingerprint;            ///< hash of the drive file and of everything that was read for it

@@ -199,6 +199,9 @@ void DriveReader::weather() {
     stamp.fog = list[i].contains("visibility") ? 1 / list[i]["visibility"].get<double>() : 0;
     stamp.rain = list[i].value("rain", 0.0);
     stamp.snow = list[i].value("snow", 0.0);
+    drive_.weatherKinds.fog |= list[i].contains("visibility");
+    drive_.weatherKinds.rain |= list[i].contains("rain");
+    drive_.weatherKinds.snow |= list[i].contains("snow");
     if (i > 0 && stamp.time < drive_.weather.back().time)
       refuse(entryPath("weather", i) + ".time", "comes before the entry in front of it");
     drive_.weather.push_back(stamp);

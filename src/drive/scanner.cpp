@@ -7,6 +7,24 @@
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
+namespace {
+
+template <typename Effect>
+bool isOn(const Effect& effect) {
+  return effect.use != EffectUse::off;
+}
+
+/// Returns the weather that the effects of a sensor ask for.
+Weather ownWeather(const Effects& effects) {
+  Weather weather;
+  if (isOn(effects.fog)) weather.visibility = effects.fog.visibility;
+  if (isOn(effects.rain)) weather.rainRate = effects.rain.rate;
+  if (isOn(effects.snow)) weather.snowRate = effects.snow.rate;
+  if (isOn(effects.volumes)) weather.volumes = effects.volumes.boxes;
+  return weather;
+}
+
+}  // namespace
 
 Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields,
                  SimulatorOptions options)
@@ -32,19 +50,22 @@ SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {
   fields.insert(Field::time);
   if (rigged.effects.intensity.use == EffectUse::off) fields.erase(Field::intensity);
   SensorRequest request(rigged.sensor, rigged.effects, {fields.begin(), fields.end()});
+  request.sensor.name = rigged.name;  // which warnings and errors tell, as a rig may have several heads of one kind
   request.variableWeather = weatherFor(sensor, drive_.start).has_value();
   return request;
 }
 
 std::optional<Weather> Scanner::weatherFor(size_t sensor, double time) const {
   const Effects& effects = drive_.sensors[sensor].effects;
-  const bool fog = effects.fog.use != EffectUse::off, rain = effects.rain.use != EffectUse::off,
-             snow = effects.snow.use != EffectUse::off;
-  std::optional<Weather> weather = drive_.weatherAt(time);
-  if (!weather || !(fog || rain || snow)) return {};
-  if (!fog) weather->visibility = 0;
-  if (!rain) weather->rainRate = 0;
-  if (!snow) weather->snowRate = 0;
+  const WeatherKinds& stated = drive_.weatherKinds;
+  const std::optional<Weather> ofDrive = drive_.weatherAt(time);
+  const bool fog = stated.fog && isOn(effects.fog), rain = stated.rain && isOn(effects.rain),
+             snow = stated.snow && isOn(effects.snow);
+  if (!ofDrive || !(fog || rain || snow)) return {};
+  Weather weather = ownWeather(effects);
+  if (fog) weather.visibility = ofDrive->visibility;
+  if (rain) weather.rainRate = ofDrive->rainRate;
+  if (snow) weather.snowRate = ofDrive->snowRate;
   return weather;
 }
 
@@ -64,6 +85,7 @@ void Scanner::scan(RecordedScan& recorded) {
   if (recorded.sensorMoves && drive_.ego.movesWithin(time, time + recorded.duration)) shot.motion = motionOf(recorded);
   placeWorld(recorded, shot);
   simulator_->scanInto(shot, recorded.scan);
+  recorded.scan.sensor = rigged.sensor.name;
   recorded.points = 0;
   for (size_t entry = 0; entry < recorded.scan.ranges.size(); ++entry) {
     recorded.points += recorded.scan.returned(entry);

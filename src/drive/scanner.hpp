@@ -22,7 +22,8 @@ class Scanner {
 
  private:
   SensorRequest requestOf(size_t sensor, std::set<Field> fields) const;
-  /// The drive's weather without what the effects of a sensor turn off; none if they turn all of it off.
+  /// Returns the drive's weather without what the effects of a sensor turn off. Kinds that the drive does not state,
+  /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
   /// The sensor's poses during a scan: at the stamps of the ego's trajectory, and 17 times at equal intervals, between

@@ -273,6 +273,41 @@ TEST_CASE("weather comes when the drive says so, and only to sensors that it can
   CHECK(same("side/000004.npy"));  // at 0.85 s, but its effects are "clean"
 }
 
+TEST_CASE("a sensor keeps its dust, and its own fog, rain and snow where the weather of the drive states none") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"][0]["sensors"] = {"top"};
+  json["duration"] = 0.1;
+  const auto cloud = [&](const Json& effects, const Json& weather, const std::string& name) {
+    json["sensors"][0]["effects"] = effects;
+    json["weather"] = weather;
+    folder.run(json, name);
+    return folder.get(name + "/npy/top/000000.npy");
+  };
+  const Json clear = {{"divergence", {{"use", "off"}}}};
+  const auto with = [&](const char* effect, const Json& parameters) {
+    Json effects = clear;
+    effects[effect] = parameters;
+    return effects;
+  };
+  const Json dust = with("volumes", {{"boxes", {{{"min", {-9, -9, 0}}, {"max", {9, 9, 3}}, {"extinction", 0.5}}}}});
+  const Json fog = with("fog", {{"visibility", 10}}), rain = with("rain", {{"rate", 80}}),
+             snow = with("snow", {{"rate", 20}});
+  const Json none = Json::array(), dry = {{{"time", 0}, {"rain", 0}}}, calm = {{{"time", 0}, {"snow", 0}}};
+  const std::string empty = cloud(clear, none, "empty");
+  for (const auto& [name, effects, weather] : {std::tuple{"dust", dust, dry},
+                                               {"fog", fog, dry},
+                                               {"rain", rain, calm},
+                                               {"snow", snow, dry},
+                                               {"entry of a time alone", fog, {{{"time", 0}}}}}) {
+    INFO(name);
+    const std::string own = cloud(effects, none, name + std::string(" alone"));
+    CHECK(own != empty);
+    CHECK(cloud(effects, weather, name + std::string(" and weather")) == own);
+  }
+  CHECK(cloud(rain, dry, "replaced") == empty);
+}
+
 TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
   for (const bool deskew : {false, true}) {
     INFO("deskew " << deskew);
