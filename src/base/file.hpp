@@ -51,23 +51,50 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   return bytes;
 }
 
-/// An output file that appears only when it is complete: it is written as NAME.part, or as `part` if that is given,
-/// which commit() renames and the destructor removes. Every member throws Error(file) with the system's reason.
+/// Where the bytes of an output file go.
+struct WritePlace {
+  std::filesystem::path file;  ///< the file, or what links from it lead to
+  bool inPlace = false;        ///< whether it is a pipe or a device, or an open file that a link of /proc names
+};
+
+/// Returns the place to which an output file is written. Links are followed, also to a file that is not there yet.
+inline WritePlace writePlaceOf(std::filesystem::path file) {
+  constexpr int kMostLinks = 40;  // as in Linux
+  std::error_code absent;
+  bool inPlace = std::filesystem::exists(file, absent) && !std::filesystem::is_regular_file(file, absent) &&
+                 !std::filesystem::is_directory(file, absent);
+  for (int i = 0; i < kMostLinks && !inPlace && std::filesystem::is_symlink(file, absent); ++i) {
+    inPlace = file.native().starts_with("/proc/");
+    if (!inPlace) file = file.parent_path() / std::filesystem::read_symlink(file, absent);
+  }
+  return {std::move(file), inPlace};
+}
+
+/// Returns the name under which an output file is written until it is complete.
+inline std::filesystem::path partOf(const std::filesystem::path& file) {
+  return std::filesystem::path(file) += ".part";
+}
+
+/// An output file that appears only when it is complete: it is written as NAME.part, which commit() renames and the
+/// destructor removes. If NAME is a link, the file to which it leads is written so, in its own folder. Pipes and
+/// devices are written directly. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path file, std::filesystem::path part = {})
-      : file_(std::move(file)), part_(std::move(part)) {
-    if (part_.empty()) (part_ = file_) += ".part";
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file_, ignored)) refuse(EISDIR);
-    stream_ = std::fopen(part_.c_str(), "wb");
-    if (!stream_) refuse(errno);
+  explicit AtomicFile(std::filesystem::path file)
+      : file_(std::move(file)), place_(writePlaceOf(file_)), part_(place_.inPlace ? place_.file : partOf(place_.file)) {
+    open();
+  }
+  /// Writes to `part`, which commit() renames, and follows no link: data sets that are exchanged may have links that
+  /// lead out of their folder.
+  AtomicFile(std::filesystem::path file, std::filesystem::path part)
+      : file_(std::move(file)), place_{file_}, part_(std::move(part)) {
+    open();
   }
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile() {
     if (stream_) std::fclose(stream_);
-    if (!committed_) std::remove(part_.c_str());
+    if (!committed_ && !place_.inPlace) std::remove(part_.c_str());
   }
 
   void write(const void* data, size_t bytes) {
@@ -81,23 +108,36 @@ class AtomicFile {
     if (std::fflush(stream_) != 0) refuse(errno);
     if (::fsync(::fileno(stream_)) != 0 && errno != EINVAL && errno != ENOTSUP) refuse(errno);
     if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
-    if (std::rename(part_.c_str(), file_.c_str()) != 0) refuse(errno);
+    if (!place_.inPlace && std::rename(part_.c_str(), place_.file.c_str()) != 0) refuse(errno);
     committed_ = true;
   }
 
  private:
+  void open() {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(place_.file, ignored)) refuse(EISDIR);
+    stream_ = std::fopen(part_.c_str(), "wb");
+    if (!stream_) refuse(errno);
+  }
   [[noreturn]] void refuse(int reason) const {
     throw Error(ErrorCode::file, file_.string() + ": cannot be written: " + std::strerror(reason));
   }
 
-  std::filesystem::path file_, part_;
+  std::filesystem::path file_;
+  WritePlace place_;
+  std::filesystem::path part_;
   std::FILE* stream_ = nullptr;
   bool committed_ = false;
 };
 
-/// Throws Error(file) if `file` cannot be written, before any work is done for it. No file is left behind.
+/// Throws Error(file) if `file` cannot be written, before any work is done for it. No file is left behind. A pipe is
+/// not opened, because its reader would see the end of it.
 inline void checkWritable(const std::filesystem::path& file) {
-  const AtomicFile probe(file);
+  if (!writePlaceOf(file).inPlace) {
+    const AtomicFile probe(file);
+  } else if (::access(file.c_str(), W_OK) != 0) {
+    throw Error(ErrorCode::file, file.string() + ": cannot be written: " + std::strerror(errno));
+  }
 }
 
 }  // namespace gnosphere
