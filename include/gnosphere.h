@@ -839,6 +839,8 @@ typedef struct gno_comparison {
   uint64_t beams, hits, missed, false_hits, wrong_owner, wrong_range, ties, tie_differences, tie_missed, tie_false_hits,
       tie_wrong_owner;
   double tie_error_max, range_error_max, range_error_9999, range_error_rms, hit_error_max;
+  uint64_t wrong_point;
+  double point_error_max;
 } gno_comparison;
 
 /* Writes the rows of a scan to `rows` and gives their number; entries * stride bytes always suffice. */

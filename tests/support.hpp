@@ -179,8 +179,8 @@ inline std::string firstDifference(const Scan& reference, const Scan& other) {
 inline void requireSame(const Scan& reference, const Scan& other) {
   const Comparison difference = compare(reference, other);
   INFO("missed " << difference.missed << ", false " << difference.falseHits << ", wrong owner " << difference.wrongOwner
-                 << ", wrong range " << difference.wrongRange << ", ties " << difference.ties << " of "
-                 << difference.beams << "; first: " << firstDifference(reference, other));
+                 << ", wrong range " << difference.wrongRange << ", wrong point " << difference.wrongPoint << ", ties "
+                 << difference.ties << " of " << difference.beams << "; first: " << firstDifference(reference, other));
   REQUIRE(difference.same());
 }
 

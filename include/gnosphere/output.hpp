@@ -62,12 +62,12 @@ GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 /// `reference` is taken as the truth. Returns that the reference marks as ties are counted separately.
 struct Comparison {
   uint64_t beams = 0;
-  uint64_t hits = 0;            ///< hits in the reference
-  uint64_t missed = 0;          ///< hits in the reference but not in the other, without ties
-  uint64_t falseHits = 0;       ///< hits in the other but not in the reference, without ties
+  uint64_t hits = 0;            ///< returns of the reference
+  uint64_t missed = 0;          ///< returns of the reference that the other does not have, without ties
+  uint64_t falseHits = 0;       ///< returns of the other that the reference does not have, without ties
   uint64_t wrongOwner = 0;      ///< both hit, but different triangles, without ties
   uint64_t wrongRange = 0;      ///< both hit, but the ranges differ by more than the tolerance, without ties
-  uint64_t ties = 0;            ///< returns that the reference marks as ties
+  uint64_t ties = 0;            ///< returns of either cloud, or beams without any, that the reference marks as ties
   uint64_t tieDifferences = 0;  ///< ties in which the two differ in owner or hit
   uint64_t tieMissed = 0, tieFalseHits = 0, tieWrongOwner = 0;
   double tieErrorMax = 0;     ///< metres, over ties that both hit, whatever the owner
@@ -75,11 +75,16 @@ struct Comparison {
   double rangeError9999 = 0;  ///< 99.99th percentile of |error|, in metres
   double rangeErrorRms = 0;   ///< root mean square, in metres
   double hitErrorMax = 0;     ///< metres, over beams that both hit, whatever the owner, without ties
-  bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0; }
+  uint64_t wrongPoint = 0;    ///< both hit, but their points are further apart than the tolerance, without ties
+  double pointErrorMax = 0;   ///< metres between points, over beams that both hit, whatever the owner, without ties
+  bool same() const {
+    return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0 && wrongPoint == 0;
+  }
 };
 
 /// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no
-/// tolerance of its own. Throws Error(invalidArgument) if the clouds do not have the same beams.
+/// tolerance of its own. If both clouds have points, these may be apart by the tolerance and a millionth of the range,
+/// which is the rounding of coordinates. Throws Error(invalidArgument) if the clouds do not have the same beams.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

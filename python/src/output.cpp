@@ -81,13 +81,15 @@ void bindComparison(nb::module_& m) {
       "The differences between two clouds of the same beams, counted per beam, or per return if beams "
       "have several. Returns that the reference marks as ties are counted separately.")
       .def_ro("beams", &Comparison::beams, "Beams compared, or returns if beams have several.")
-      .def_ro("hits", &Comparison::hits, "Hits in the reference.")
-      .def_ro("missed", &Comparison::missed, "Hits in the reference but not in the other, without ties.")
-      .def_ro("false_hits", &Comparison::falseHits, "Hits in the other but not in the reference, without ties.")
+      .def_ro("hits", &Comparison::hits, "Returns of the reference.")
+      .def_ro("missed", &Comparison::missed, "Returns of the reference that the other does not have, without ties.")
+      .def_ro("false_hits", &Comparison::falseHits,
+              "Returns of the other that the reference does not have, without ties.")
       .def_ro("wrong_owner", &Comparison::wrongOwner, "Both hit, but different triangles, without ties.")
       .def_ro("wrong_range", &Comparison::wrongRange,
               "Both hit, but the ranges differ by more than the tolerance, without ties.")
-      .def_ro("ties", &Comparison::ties, "Returns that the reference marks as ties.")
+      .def_ro("ties", &Comparison::ties,
+              "Returns of either cloud, or beams without any, that the reference marks as ties.")
       .def_ro("tie_differences", &Comparison::tieDifferences, "Ties in which the two differ in owner or hit.")
       .def_ro("tie_missed", &Comparison::tieMissed, "Ties in which the reference hits and the other does not.")
       .def_ro("tie_false_hits", &Comparison::tieFalseHits, "Ties in which the other hits and the reference does not.")
@@ -98,6 +100,10 @@ void bindComparison(nb::module_& m) {
       .def_ro("range_error_rms", &Comparison::rangeErrorRms, "Root mean square, in metres.")
       .def_ro("hit_error_max", &Comparison::hitErrorMax,
               "Metres, over beams that both hit, whatever the owner, without ties.")
+      .def_ro("wrong_point", &Comparison::wrongPoint,
+              "Both hit, but their points are further apart than the tolerance, without ties.")
+      .def_ro("point_error_max", &Comparison::pointErrorMax,
+              "Metres between points, over beams that both hit, whatever the owner, without ties.")
       .def("same", &Comparison::same, "Whether nothing is missed, false or wrong.");
   m.def(
       "compare",
@@ -108,7 +114,9 @@ void bindComparison(nb::module_& m) {
       },
       "reference"_a, "other"_a, "tolerance"_a = 1e-3,
       "Compares two clouds; `reference` is taken as the truth. `tolerance`, in metres, applies to beams for which the "
-      "reference states no tolerance of its own. Raises Error(invalid_argument) if the clouds do not have the same "
+      "reference states no tolerance of its own. If both clouds have points, these may be apart by the tolerance and a "
+      "millionth of the range, which is the rounding of coordinates. Raises Error(invalid_argument) if the clouds do "
+      "not have the same "
       "beams.");
 }
 

@@ -100,6 +100,8 @@ gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance
     to->range_error_9999 = from.rangeError9999;
     to->range_error_rms = from.rangeErrorRms;
     to->hit_error_max = from.hitErrorMax;
+    to->wrong_point = from.wrongPoint;
+    to->point_error_max = from.pointErrorMax;
   });
 }
 

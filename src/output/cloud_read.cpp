@@ -27,6 +27,7 @@ constexpr uint32_t kMostReturns = 16;
 
 struct Grid {
   uint32_t columns = 0, channels = 0;
+  bool stated = true;  ///< whether no beam may lie beyond the grid
 };
 
 uint32_t whole(const CloudTable& table, const CloudColumn& column, size_t row) {
@@ -39,7 +40,7 @@ uint32_t whole(const CloudTable& table, const CloudColumn& column, size_t row) {
 
 /// If the file does not state its grid, the rings may define one: every beam of ring j must lie in row j.
 Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t beams) {
-  const Grid line{static_cast<uint32_t>(beams), 1};
+  const Grid line{static_cast<uint32_t>(beams), 1, false};
   const CloudColumn* ring = table.find("ring");
   if (!ring) return line;
   uint64_t channels = 1;
@@ -49,7 +50,7 @@ Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t be
   for (size_t row = 0; row < table.rows; ++row) {
     if (whole(table, beam, row) / columns != whole(table, *ring, row)) return line;
   }
-  return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels)};
+  return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels), false};
 }
 
 /// The number of each row's return, from 1 on, or 0 for a beam without returns: what the column `return` says. Without
@@ -216,16 +217,18 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
   return table;
 }
 
-Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
+CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
   const CloudTable table = readTable(format, std::move(bytes), source);
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
   const std::vector<uint32_t> numbers = numberReturns(table, beam);
-  Scan scan;
+  CloudFile read;
+  Scan& scan = read.scan;
   scan.sensor = table.sensor;
   scan.returns = findReturns(table, numbers);
   const Grid grid = findGrid(table, beam, scan.returns);
+  read.statesGrid = grid.stated;
   scan.columns = grid.columns;
   scan.channels = grid.channels;
   const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
@@ -263,10 +266,14 @@ Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::str
     scan.counters.hits += std::any_of(first, first + scan.returns, [](float range) { return !std::isnan(range); });
   }
   scan.counters.misses = beamCount - scan.counters.hits;
-  return scan;
+  return read;
 }
 
 Scan readCloud(const std::filesystem::path& file) {
+  return readCloudFile(file).scan;
+}
+
+CloudFile readCloudFile(const std::filesystem::path& file) {
   const CloudFormat& format = cloudFormat(file);
   std::string bytes = format.read ? readWholeFile(file) : "";  // otherwise the file is refused before it is read
   return readCloudBytes(format, std::move(bytes), file.string());

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "output/cloud_file.hpp"
 #include "output/cloud_format.hpp"
 #include "scan/fields.hpp"
 
@@ -50,8 +51,9 @@ CloudTable readPly(std::string bytes, const std::string& source);
 CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
 
-/// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format) if it is bad.
-Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
+/// Does the work of readCloudFile() on a file's content; `source` names it in messages. Throws Error(format) if it is
+/// bad.
+CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
 
 /// Reads the next line from `position` on without its end, which is \n or \r\n. Returns false at the end of the text.
 bool nextLine(std::string_view text, size_t& position, std::string_view& line);

@@ -7,6 +7,7 @@
 
 #include "gnosphere/error.hpp"
 #include "output/comparison_sum.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere {
 namespace {
@@ -23,10 +24,35 @@ void checkFields(const Scan& scan, const char* which) {
 
 /// Returns the entry of the beam's k-th return, or nothing if the beam has fewer. A hit without a range counts, too.
 std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
-  if (k >= scan.returns) return {};
+  if (k >= scan.returns || beam >= scan.beamCount()) return {};
   const size_t entry = beam * scan.returns + k;
   return scan.hit(entry) || scan.returned(entry) ? std::optional(entry) : std::nullopt;
 }
+
+[[noreturn]] void refuseBeams(const Scan& reference, const Scan& other) {
+  throw Error(ErrorCode::invalidArgument, "the clouds are not of the same beams: the reference has " +
+                                              std::to_string(reference.beamCount()) + ", the other " +
+                                              std::to_string(other.beamCount()));
+}
+
+/// An error of a return that both clouds have; one that is no number is infinite, such as that of a hit without a
+/// range.
+double madeNumber(double error) {
+  return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+}
+
+/// Whether a cloud has a point for each of its entries.
+bool hasPoints(const Scan& scan) {
+  return !scan.points.empty() && scan.points.size() == 3 * scan.ranges.size();
+}
+
+/// The distance of two points in metres.
+double distance(const float* a, const float* b) {
+  return std::hypot(double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]);
+}
+
+/// The share of the range by which points may be apart beside the tolerance: the rounding of their coordinates.
+constexpr double kPointRounding = 1e-6;
 
 /// The percentile of the errors that is reported: 99.99 %, in ten thousandths.
 constexpr uint64_t kTenThousandths = 9999;
@@ -38,23 +64,32 @@ ComparisonSum::ComparisonSum(uint64_t beams, double tolerance) : tolerance_(tole
 }
 
 void ComparisonSum::add(const Scan& reference, const Scan& other) {
-  if (reference.beamCount() != other.beamCount()) {
-    throw Error(ErrorCode::invalidArgument, "the clouds are not of the same beams: the reference has " +
-                                                std::to_string(reference.beamCount()) + ", the other " +
-                                                std::to_string(other.beamCount()));
-  }
+  if (reference.beamCount() != other.beamCount()) refuseBeams(reference, other);
+  addBeams(reference, other);
+}
+
+void ComparisonSum::add(const CloudFile& reference, const CloudFile& other) {
+  const size_t beams = std::max(reference.scan.beamCount(), other.scan.beamCount());
+  for (const CloudFile* file : {&reference, &other})
+    if (file->statesGrid && file->scan.beamCount() != beams) refuseBeams(reference.scan, other.scan);
+  addBeams(reference.scan, other.scan);
+}
+
+void ComparisonSum::addBeams(const Scan& reference, const Scan& other) {
   checkFields(reference, "the reference cloud");
   checkFields(other, "the other cloud");
-  sum_.beams += reference.beamCount();
+  const size_t beams = std::max(reference.beamCount(), other.beamCount());
+  sum_.beams += beams;
   ties_ = reference.has(Field::tie) ? reference.column<uint8_t>(Field::tie) : ColumnView<uint8_t>();
   tolerances_ = reference.has(Field::tolerance) ? reference.column<float>(Field::tolerance) : ColumnView<float>();
+  points_ = hasPoints(reference) && hasPoints(other);
   const size_t returns = std::max(reference.returns, other.returns);
-  for (size_t beam = 0; beam < reference.beamCount(); ++beam)
+  for (size_t beam = 0; beam < beams; ++beam)
     for (size_t k = 0; k < returns; ++k) addReturn(reference, other, beam, k);
 }
 
 bool ComparisonSum::inTie(size_t beam, size_t returns) const {
-  if (ties_.empty()) return false;
+  if (ties_.size() < (beam + 1) * returns) return false;
   for (size_t k = 0; k < returns; ++k)
     if (ties_[beam * returns + k] != 0) return true;
   return false;
@@ -65,11 +100,11 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   const bool both = expected && found;
   const bool sameOwner = both && reference.triangles[*expected] == other.triangles[*found] &&
                          reference.instances[*expected] == other.instances[*found];
-  double error = both ? std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]}) : 0;
-  if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is wrong
+  const double error =
+      both ? madeNumber(std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]})) : 0;
   sum_.hits += expected.has_value();
   if (inTie(beam, reference.returns)) {
-    ++sum_.ties;
+    sum_.ties += k == 0 || expected || found;
     sum_.tieMissed += expected && !found;
     sum_.tieFalseHits += found && !expected;
     sum_.tieWrongOwner += both && !sameOwner;
@@ -85,7 +120,14 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   sum_.wrongOwner += !sameOwner;
   sum_.wrongRange += error > allowed;
   sum_.hitErrorMax = std::max(sum_.hitErrorMax, error);
+  if (points_) addPoints(reference, other, *expected, *found, allowed);
   if (sameOwner) keep(error);
+}
+
+void ComparisonSum::addPoints(const Scan& reference, const Scan& other, size_t expected, size_t found, double allowed) {
+  const double error = madeNumber(distance(&reference.points[3 * expected], &other.points[3 * found]));
+  sum_.wrongPoint += !(error <= allowed + kPointRounding * double{reference.ranges[expected]});
+  sum_.pointErrorMax = std::max(sum_.pointErrorMax, error);
 }
 
 void ComparisonSum::keep(double error) {
@@ -116,6 +158,26 @@ Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
   ComparisonSum sum(reference.beamCount(), tolerance);
   sum.add(reference, other);
   return sum.result();
+}
+
+Comparison compareFiles(const CloudFile& reference, const CloudFile& other, double tolerance) {
+  ComparisonSum sum(std::max(reference.scan.beamCount(), other.scan.beamCount()), tolerance);
+  sum.add(reference, other);
+  return sum.result();
+}
+
+std::vector<Field> fieldsNotCompared(const Scan& reference, const Scan& other) {
+  constexpr Field kKnown[] = {Field::range,        Field::triangle,    Field::instance, Field::tie, Field::tolerance,
+                              Field::returnNumber, Field::returnCount, Field::ring,     Field::beam};
+  std::vector<Field> ignored;
+  for (const ColumnInfo& column : allColumns()) {
+    const Field field = column.field;
+    const bool isPoint = field == Field::x || field == Field::y || field == Field::z;
+    const bool inBoth = reference.has(field) && other.has(field), inOne = reference.has(field) || other.has(field);
+    const bool compared = std::find(std::begin(kKnown), std::end(kKnown), field) != std::end(kKnown);
+    if (column.component == 0 && inOne && !compared && !(isPoint && inBoth)) ignored.push_back(field);
+  }
+  return ignored;
 }
 
 }  // namespace gnosphere

@@ -5,7 +5,7 @@
 #include <queue>
 #include <vector>
 
-#include "gnosphere/output.hpp"
+#include "output/cloud_file.hpp"
 
 namespace gnosphere {
 
@@ -17,16 +17,22 @@ class ComparisonSum {
   ComparisonSum(uint64_t beams, double tolerance);
   /// Compares two clouds and adds the comparison; throws as compare() does.
   void add(const Scan& reference, const Scan& other);
+  /// Compares the clouds of two files; throws as compareFiles() does.
+  void add(const CloudFile& reference, const CloudFile& other);
   Comparison result() const;
 
  private:
   /// Whether the reference marks any return of the beam as a tie. Files keep no rows for missing returns.
   bool inTie(size_t beam, size_t returns) const;
+  void addBeams(const Scan& reference, const Scan& other);
   void addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k);
+  /// Compares the points of two entries, which may be apart by `allowed` metres and their rounding.
+  void addPoints(const Scan& reference, const Scan& other, size_t expected, size_t found, double allowed);
   void keep(double error);
 
   ColumnView<uint8_t> ties_;  // of the reference that is being added; empty where it states none
   ColumnView<float> tolerances_;
+  bool points_ = false;  // whether both clouds that are being added have them
   Comparison sum_;
   double tolerance_;
   uint64_t errors_ = 0;

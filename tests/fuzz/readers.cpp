@@ -142,7 +142,7 @@ void fuzzCloud(Bytes bytes) {
   const CloudFormat& format = cloudFormats()[bytes[0] % cloudFormats().size()];
   if (!format.read) return;
   mayRefuse([&] {
-    const Scan scan = readCloudBytes(format, {bytes.begin() + 1, bytes.end()}, "'fuzz'");
+    const Scan scan = readCloudBytes(format, {bytes.begin() + 1, bytes.end()}, "'fuzz'").scan;
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) scan.hit(static_cast<uint32_t>(entry));
   });
 }

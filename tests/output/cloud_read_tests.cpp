@@ -129,7 +129,7 @@ TEST_CASE("PLY is read with either spelling of types and normals") {
     for (size_t at = bytes.find(name); at != bytes.npos; at = bytes.find(name))
       bytes.replace(at, std::string(name).size(), other);
   }
-  const Scan back = readCloudBytes(cloudFormat("a.ply"), bytes, "a.ply");
+  const Scan back = readCloudBytes(cloudFormat("a.ply"), bytes, "a.ply").scan;
   CHECK(back.triangles == scan.triangles);
   CHECK(valuesOf<uint8_t>(back, Field::tie) == valuesOf<uint8_t>(scan, Field::tie));
   CHECK(valuesOf<float>(back, Field::normal) == valuesOf<float>(scan, Field::normal));

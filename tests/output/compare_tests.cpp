@@ -5,6 +5,7 @@
 
 #include "columns.hpp"
 #include "folder.hpp"
+#include "output/cloud_file.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -91,6 +92,96 @@ TEST_CASE("beams that the reference marks as ties are counted separately") {
   const Comparison swapped = compare(other, reference);
   CHECK(swapped.ties == 0);
   CHECK_FALSE(swapped.same());
+}
+
+TEST_CASE("points may be apart by the tolerance of ranges and the rounding of their coordinates") {
+  const Scan reference = street();
+  Scan other = reference;
+  const size_t beam = nthHit(reference, 7);
+  other.points[3 * beam + 1] += 0.25f;
+  const Comparison moved = compare(reference, other);
+  CHECK(moved.wrongPoint == 1);
+  CHECK(moved.wrongRange == 0);
+  CHECK(std::abs(moved.pointErrorMax - 0.25) < 1e-6);
+  CHECK_FALSE(moved.same());
+  CHECK(compare(reference, other, 0.3).same());
+  // The same cloud in another frame: every range is the same, and no point.
+  for (size_t i = 0; i < reference.points.size(); i += 3) other.points[i] = reference.points[i] + 2;
+  CHECK(compare(reference, other).wrongPoint == reference.counters.hits);
+  for (float& coordinate : other.points) coordinate = std::nanf("");
+  CHECK(compare(reference, other).wrongPoint == reference.counters.hits);
+  other.points.clear();
+  CHECK(compare(reference, other).same());
+  CHECK(fieldsNotCompared(reference, other) == std::vector{Field::x, Field::y, Field::z});
+}
+
+TEST_CASE("the tolerance 0 leaves points the rounding of their coordinates") {
+  Scan reference;
+  reference.columns = reference.channels = 1;
+  reference.ranges = {100};
+  reference.points = {100, 0, 0};
+  reference.triangles = reference.instances = {0};
+  Scan other = reference;
+  other.points[1] = 0.9e-4f;
+  CHECK(compare(reference, other, 0).wrongPoint == 0);
+  other.points[1] = 1.1e-4f;
+  CHECK(compare(reference, other, 0).wrongPoint == 1);
+}
+
+TEST_CASE("fields that a comparison ignores are told, but none that follows from the number of an entry") {
+  Scan reference = street();
+  ScanColumns(reference).fill(Field::intensity, 1.0f);
+  ScanColumns(reference).fill(Field::time, 0.0f);
+  ScanColumns(reference).fill(Field::normal, 0.0f);
+  ScanColumns(reference).fill(Field::tie, uint8_t{0});
+  CHECK(fieldsNotCompared(reference, street()) == std::vector{Field::intensity, Field::normal, Field::time});
+  CHECK(fieldsNotCompared(street(), street()).empty());
+}
+
+TEST_CASE("a compact file that does not state its grid is compared beam by beam with one that does") {
+  const test::Folder folder;
+  Scan reference = street();
+  for (size_t beam = reference.beamCount() - 50; beam < reference.beamCount(); ++beam) makeMiss(reference, beam);
+  CloudOptions compact;
+  compact.compact = true;
+  writeCloud(reference, folder / "a.pcd", compact);
+  CHECK(readCloudFile(folder / "a.pcd").statesGrid);
+  const CloudFile whole = readCloudFile(folder / "a.pcd");
+  for (const char* name : {"b.npy", "b.csv"}) {
+    INFO(name);
+    writeCloud(reference, folder / name, compact);
+    const CloudFile part = readCloudFile(folder / name);
+    REQUIRE(part.scan.beamCount() < whole.scan.beamCount());
+    CHECK_FALSE(part.statesGrid);
+    for (const Comparison& result : {compareFiles(whole, part, 1e-3), compareFiles(part, whole, 1e-3)}) {
+      CHECK(result.same());
+      CHECK(result.beams == 28800);
+      CHECK(result.hits == whole.scan.counters.hits);
+    }
+  }
+  Scan more = reference;
+  makeHit(more, more.beamCount() - 1, 5, 1);
+  writeCloud(more, folder / "more.pcd", compact);
+  const CloudFile part = readCloudFile(folder / "b.npy");
+  CHECK(compareFiles(readCloudFile(folder / "more.pcd"), part, 1e-3).missed == 1);
+  // A grid that is stated has no beams beyond it.
+  writeCloud(syntheticScan(builtinSensor("VLP-32")), folder / "larger.csv", compact);
+  CHECK_THROWS_WITH(compareFiles(whole, readCloudFile(folder / "larger.csv"), 1e-3),
+                    ContainsSubstring("not of the same beams"));
+}
+
+TEST_CASE("a tie counts once for each return that a cloud has, and once for a beam without any") {
+  Scan reference = street();
+  reference.columns /= 2;  // half the beams, with two returns each
+  reference.returns = 2;
+  ScanColumns(reference).fill(Field::tie, uint8_t{0});
+  const size_t hit = 2 * (nthHit(reference, 0) / 2), miss = hit + 2;
+  makeMiss(reference, hit + 1);
+  for (const size_t entry : {miss, miss + 1}) makeMiss(reference, entry);
+  for (const size_t entry : {hit, miss}) ScanColumns(reference).data<uint8_t>(Field::tie)[entry] = 1;
+  const Comparison result = compare(reference, reference);
+  CHECK(result.ties == 2);
+  CHECK(result.tieDifferences == 0);
 }
 
 TEST_CASE("a tie is one of the beam, so it covers returns that the reference does not have") {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_line.hpp"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <new>
 #include <utility>
 #include <vector>
@@ -15,27 +18,38 @@ namespace {
 struct Command {
   const CLI::App* app;
   Action action;
+  int failed;  ///< exit status if the work fails; a wrong call has 2
 };
 
-Command addCommand(CLI::App& app, const char* name, const char* description, Action (*add)(CLI::App&)) {
+Command addCommand(CLI::App& app, const char* name, const char* description, Action (*add)(CLI::App&), int failed = 1) {
   CLI::App* command = app.add_subcommand(name, description);
-  return {command, add(*command)};
+  return {command, add(*command), failed};
+}
+
+/// Returns the exit status of a call: `failed`, with a message, if the standard output has lost what was printed.
+int checkedOutput(int status, int failed) {
+  const bool flushed = std::fflush(stdout) == 0;
+  const int reason = errno;
+  if (flushed && std::ferror(stdout) == 0) return status;
+  complain("the standard output is not complete: it cannot be written" +
+           (flushed ? std::string() : std::string(": ") + std::strerror(reason)));
+  return failed;
 }
 
 int runChosen(const std::vector<Command>& commands) {
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
     try {
-      return command.action();
+      return checkedOutput(command.action(), command.failed);
     } catch (const Error& error) {
       complain(error.what());
-      return error.code() == ErrorCode::invalidArgument ? 2 : 1;
+      return error.code() == ErrorCode::invalidArgument ? 2 : command.failed;
     } catch (const std::bad_alloc&) {
       complain("out of memory on the host");
     } catch (const std::exception& error) {
       complain(error.what());
     }
-    return 1;
+    return command.failed;
   }
   complain(
       "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive "
@@ -56,7 +70,8 @@ int runCommandLine(int argc, char** argv) {
       addCommand(app, "scan", "Scan a scene and write point clouds", addScan),
       addCommand(app, "plan", "Show which steps a scan would have, and why", addPlan),
       addCommand(app, "accuracy", "Measure error and time of every accuracy setting", addAccuracy),
-      addCommand(app, "compare", "Compare two clouds of the same beams", addCompare),
+      addCommand(app, "compare", "Compare two clouds of the same beams", addCompare,
+                 2),  // 1 says that the clouds differ
       addCommand(app, "devices", "List every device, and why one is unusable", addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", addSensors),
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", addEffects),
@@ -67,10 +82,11 @@ int runCommandLine(int argc, char** argv) {
       addCommand(app, "view", "Make an HTML page that shows clouds", addView),
   };
   rememberCommand(argc, argv);
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that a file shows each line of a long run at once
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    if (error.get_exit_code() == 0) return checkedOutput(app.exit(error), 1);  // --help and --version
     const auto chosen = app.get_subcommands();
     complain(std::string(error.what()) + " (see gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") +
              "--help)");

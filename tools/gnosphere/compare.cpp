@@ -3,8 +3,8 @@
 
 #include "commands.hpp"
 #include "console.hpp"
-#include "gnosphere/output.hpp"
 #include "json.hpp"
+#include "output/cloud_file.hpp"
 #include "output/cloud_format.hpp"
 
 namespace gnosphere::cli {
@@ -16,28 +16,50 @@ struct CompareOptions {
   bool json = false;
 };
 
-void printComparison(const Comparison& c, double tolerance) {
+/// The names of the fields that a comparison ignores.
+std::vector<std::string> ignoredFields(const Scan& reference, const Scan& other) {
+  std::vector<std::string> names;
+  for (const Field field : fieldsNotCompared(reference, other)) names.emplace_back(fieldInfo(field).name);
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+void printJson(const Comparison& comparison, const std::vector<std::string>& ignored) {
+  Json json = toJson(comparison);
+  json["not_compared"] = ignored;
+  std::printf("%s", dump(json).c_str());
+}
+
+void printComparison(const Comparison& c, const std::vector<std::string>& ignored, double tolerance) {
   const auto row = [](const char* name, uint64_t count, const std::string& meaning) {
     std::printf("%-13s %12s  %s\n", name, grouped(count).c_str(), meaning.c_str());
   };
   row("beams", c.beams, "");
-  row("hits", c.hits, "of the reference");
-  row("missed", c.missed, "only the reference hits");
-  row("false", c.falseHits, "only the other hits");
-  row("wrong owner", c.wrongOwner, "both hit, another triangle");
+  row("returns", c.hits, "of the reference");
+  row("missed", c.missed, "returns of the reference alone");
+  row("false", c.falseHits, "returns of the other alone");
+  row("wrong owner", c.wrongOwner, "returns of both, another triangle");
   row("wrong range", c.wrongRange,
-      formatted("both hit, further apart than the reference's tolerance, or %g m where it has none", tolerance));
+      formatted("further apart than the reference's tolerance, or %g m where it has none", tolerance));
+  row("wrong point", c.wrongPoint, "x, y, z further apart than that and a millionth of the range");
   row("ties", c.ties, "set apart by the reference; " + grouped(c.tieDifferences) + " of them differ");
   std::printf("range error   max %.3g m, 99.99 %% %.3g m, RMS %.3g m\n", c.rangeErrorMax, c.rangeError9999,
               c.rangeErrorRms);
+  std::printf("point error   max %.3g m\n", c.pointErrorMax);
+  if (!ignored.empty()) std::printf("not compared  %s\n", joined(ignored).c_str());
   std::printf("%s\n", c.same() ? "the same" : "NOT the same");
 }
 
 int runCompare(const CompareOptions& options) {
-  const Scan reference = readCloud(options.reference);
-  const Comparison comparison = compare(reference, readCloud(options.other), options.tolerance);
-  options.json ? void(std::printf("%s", dump(toJson(comparison)).c_str()))
-               : printComparison(comparison, options.tolerance);
+  const CloudFile reference = readCloudFile(options.reference), other = readCloudFile(options.other);
+  const Comparison comparison = compareFiles(reference, other, options.tolerance);
+  const std::vector<std::string> ignored = ignoredFields(reference.scan, other.scan);
+  options.json ? printJson(comparison, ignored) : printComparison(comparison, ignored, options.tolerance);
   return comparison.same() ? 0 : 1;
 }
 
@@ -48,11 +70,11 @@ Action addCompare(CLI::App& app) {
   app.add_option("A", options->reference, "The cloud to compare with (" + cloudEndings("or", true) + ")")->required();
   app.add_option("B", options->other, "Another cloud of the same beams")->required();
   app.add_option("--tolerance", options->tolerance,
-                 "Largest accepted range difference in metres, for beams without a tolerance in A")
+                 "Largest accepted difference of ranges and points in metres, for beams without a tolerance in A")
       ->capture_default_str();
   app.add_flag("--json", options->json, "Print JSON");
   app.footer(
-      "Exit status 0 if no beam differs except A's ties, else 1.\n"
+      "Exit status 0 if no beam differs except A's ties, 1 if one does, 2 if the clouds cannot be compared.\n"
       "Example: gnosphere compare reference.pcd cloud.pcd");
   return [options] { return runCompare(*options); };
 }

@@ -58,6 +58,8 @@ Json toJson(const Comparison& c) {
       {"range_error_m",
        {{"max", number(c.rangeErrorMax)}, {"p99_99", number(c.rangeError9999)}, {"rms", number(c.rangeErrorRms)}}},
       {"any_owner_error_max_m", number(c.hitErrorMax)},
+      {"wrong_point", c.wrongPoint},
+      {"point_error_max_m", number(c.pointErrorMax)},
       {"same", c.same()},
   };
 }
