@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/file.hpp"
 #include "base/hash.hpp"
@@ -74,18 +73,18 @@ void removeAbandoned(const fs::path& folder) {
 
 namespace {
 
-/// Entry of a frame's manifest for one of its files.
+/// Entry of a manifest for one of its files.
 struct FileEntry {
   fs::path path;  // within the folder of the drive
   std::string into, hash;
   uint64_t bytes = 0;
 };
 
-/// The manifest of a frame. Data sets are exchanged, so nothing in it is trusted: every member throws Error(format)
-/// that names the file if it is not what Manifest::write() writes.
-class FrameManifest {
+/// The manifest of a frame or of a finished drive. Data sets are exchanged, so nothing in it is trusted: every member
+/// throws Error(format) that names the file if it is not what Manifest writes.
+class ManifestFile {
  public:
-  explicit FrameManifest(const fs::path& file) : file_(file), content_(parseJson<Json>(readWholeFile(file), false)) {
+  explicit ManifestFile(const fs::path& file) : file_(file), content_(parseJson<Json>(readWholeFile(file), false)) {
     if (!content_.is_object()) refuse("is not a manifest");
   }
 
@@ -99,6 +98,13 @@ class FrameManifest {
       entry.bytes = count(from, "bytes");
     }
     return entries;
+  }
+
+  /// Folders of files that others were made of.
+  std::vector<fs::path> partFolders() const {
+    std::vector<fs::path> folders;
+    for (const Json& from : list(content_, "parts")) folders.push_back(pathOf(from, "folder"));
+    return folders;
   }
 
   std::vector<ScanSummary> scans(const std::vector<PlannedScan>& planned, size_t actors) const {
@@ -152,6 +158,13 @@ class FrameManifest {
   fs::path file_;
   Json content_;
 };
+
+/// Whether a file has the size, and if `verify` the hash, of its entry.
+bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
+  std::error_code absent;
+  const uintmax_t bytes = fs::file_size(file, absent);
+  return !absent && bytes == entry.bytes && (!verify || hashOfFile(file) == entry.hash);
+}
 
 }  // namespace
 
@@ -210,7 +223,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
   if (!fs::exists(frameFile(frame), absent)) return false;
   std::vector<FileEntry> entries;
   try {
-    const FrameManifest manifest(frameFile(frame));
+    const ManifestFile manifest(frameFile(frame));
     entries = manifest.files();
     manifest.scans(scansOf(drive_, frame), drive_.actors.size());
   } catch (const Error& error) {
@@ -220,9 +233,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
   for (const FileEntry& entry : entries) {
     const fs::path file = out_ / entry.path;
     if (!entry.into.empty() && fs::exists(out_ / entry.into, absent)) continue;
-    const uintmax_t bytes = fs::file_size(file, absent);
-    if (absent || bytes != entry.bytes) return false;
-    if (verify && hashOf(readWholeFile(file)) != entry.hash) return false;
+    if (!isWhole(file, entry, verify)) return false;
   }
   return true;
 }
@@ -245,32 +256,75 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
 }
 
 FrameSummary Manifest::summaryOf(uint64_t frame) const {
-  return {FrameManifest(frameFile(frame)).scans(scansOf(drive_, frame), drive_.actors.size())};
+  return {ManifestFile(frameFile(frame)).scans(scansOf(drive_, frame), drive_.actors.size())};
 }
 
 void Manifest::reopen() const {
   std::error_code ignored;
-  fs::remove(folder_ / "finished", ignored);
+  fs::remove(finishedFile(), ignored);
+}
+
+std::vector<std::string> Manifest::removeBroken(bool verify) const {
+  const FileLock lock(folder_ / "lock");
+  std::error_code absent, failed;
+  if (!fs::exists(finishedFile(), absent)) return {};
+  std::vector<std::string> broken;
+  try {
+    for (const FileEntry& entry : ManifestFile(finishedFile()).files())
+      if (!isWhole(out_ / entry.path, entry, verify)) broken.push_back(entry.path.string());
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::format) throw;
+    reopen();  // the list of files is damaged, or of a version that had none
+    return {};
+  }
+  for (const std::string& path : broken) {
+    fs::remove(out_ / path, failed);
+    if (failed)
+      throw Error(ErrorCode::file, (out_ / path).string() + ": is not as it was written, and cannot be removed: " +
+                                       failed.message() + "; remove it, and the drive makes it again");
+  }
+  if (!broken.empty()) reopen();
+  return broken;
+}
+
+std::map<fs::path, std::vector<fs::path>> Manifest::usedFiles() const {
+  std::map<fs::path, std::vector<fs::path>> used;
+  for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame)
+    for (const FileEntry& entry : ManifestFile(frameFile(frame)).files())
+      if (!entry.into.empty()) used[entry.path.parent_path()].push_back(entry.path);
+  return used;
 }
 
 void Manifest::removeUsed() const {
-  std::set<fs::path> folders;
   std::error_code ignored;
-  for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame) {
-    for (const FileEntry& entry : FrameManifest(frameFile(frame)).files()) {
-      if (entry.into.empty()) continue;
-      const fs::path file = out_ / entry.path;
-      fs::remove(file, ignored);
-      folders.insert(file.parent_path());
-    }
+  for (const auto& [folder, files] : usedFiles()) {
+    for (const fs::path& file : files) fs::remove(out_ / file, ignored);
+    fs::remove(out_ / folder, ignored);  // if it is empty
   }
-  for (const fs::path& folder : folders) fs::remove(folder, ignored);  // if it is empty
 }
 
-bool Manifest::finish(const std::function<void(const std::vector<FrameSummary>&)>& finish) const {
+void Manifest::removeLate() const {
+  std::error_code absent;
+  for (const fs::path& folder : ManifestFile(finishedFile()).partFolders())
+    if (fs::exists(out_ / folder, absent)) return removeUsed();
+}
+
+void Manifest::putFinished(const std::vector<FinalFile>& files) const {
+  Json entries = Json::array(), folders = Json::array();
+  for (const FinalFile& file : files)
+    entries.push_back({{"path", file.path}, {"bytes", file.bytes}, {"hash", file.hash}});
+  for (const auto& [folder, used] : usedFiles())
+    if (!folder.empty()) folders.push_back({{"folder", folder.generic_string()}});
+  put(finishedFile(), jsonText(Json{{"files", entries}, {"parts", folders}}, 1) + "\n");
+}
+
+bool Manifest::finish(const Finish& finish) const {
   const FileLock lock(folder_ / "lock");
   std::error_code absent;
-  if (fs::exists(folder_ / "finished", absent)) return true;
+  if (fs::exists(finishedFile(), absent)) {
+    removeLate();
+    return true;
+  }
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame)
     if (!fs::exists(frameFile(frame), absent)) return false;
   std::vector<FrameSummary> frames;
@@ -278,8 +332,9 @@ bool Manifest::finish(const std::function<void(const std::vector<FrameSummary>&)
     if (!isComplete(frame, false)) return false;
     frames.push_back(summaryOf(frame));
   }
-  finish(frames);
-  put(folder_ / "finished", "");
+  FinalFiles files(out_);
+  finish(frames, files);
+  putFinished(files.noted());
   removeUsed();
   return true;
 }

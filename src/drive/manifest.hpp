@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,15 @@ class Manifest {
   /// Writes the files of a frame, then its manifest.
   void write(const FrameRecord& frame, const std::vector<OutputFile>& files) const;
 
-  /// If all frames are complete, runs finish(summaries) unless another process has done so, and removes the files that
-  /// others were made of. Returns whether the drive is finished.
-  bool finish(const std::function<void(const std::vector<FrameSummary>&)>& finish) const;
+  using Finish = std::function<void(const std::vector<FrameSummary>&, FinalFiles&)>;
+
+  /// Removes final files of a finished drive that do not have the size, or if `verify` the hash, with which they were
+  /// written, and returns their paths; the drive has to be finished again then. Throws Error(file) if one cannot be
+  /// read or removed.
+  std::vector<std::string> removeBroken(bool verify) const;
+  /// If all frames are complete, runs `finish` unless another process has done so, notes the files that it has written,
+  /// and removes those that others were made of. Returns whether the drive is finished.
+  bool finish(const Finish& finish) const;
   /// Says that frames will be made, so the drive has to be finished again.
   void reopen() const;
 
@@ -36,9 +43,16 @@ class Manifest {
   class Parts;
 
   std::filesystem::path frameFile(uint64_t frame) const;
+  std::filesystem::path finishedFile() const { return folder_ / "finished"; }
   void put(const std::filesystem::path& file, const std::string& bytes) const;
   FrameSummary summaryOf(uint64_t frame) const;
+  /// Notes that the drive is finished, and with which files.
+  void putFinished(const std::vector<FinalFile>& files) const;
+  /// The folders of files that others are made of, by the manifests of all frames, and these files.
+  std::map<std::filesystem::path, std::vector<std::filesystem::path>> usedFiles() const;
   void removeUsed() const;
+  /// Removes what a process that made the same frames has written after another one had finished the drive.
+  void removeLate() const;
 
   const Drive& drive_;
   std::filesystem::path out_, folder_;

@@ -51,7 +51,7 @@ std::vector<uint64_t> framesToMake(const Drive& drive, const RunOptions& options
 }
 
 /// Numbers of objects, for whoever reads labels.
-void writeObjects(const Drive& drive, const World& world, const std::filesystem::path& out) {
+void writeObjects(const Drive& drive, const World& world, FinalFiles& files) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   const std::vector<Instance>& instances = world.scene().instances;
   for (size_t i = 0; i < instances.size(); ++i)
@@ -62,10 +62,10 @@ void writeObjects(const Drive& drive, const World& world, const std::filesystem:
                          {"actor", world.actorOf(static_cast<uint32_t>(i)).has_value()}});
   std::string text = "[\n";
   for (size_t i = 0; i < objects.size(); ++i) text += jsonText(objects[i]) + (i + 1 < objects.size() ? ",\n" : "\n");
-  writeWhole(out / "objects.json", text + "]\n");
+  files.write("objects.json", text + "]\n");
   nlohmann::ordered_json classes = nlohmann::ordered_json::object();
   for (const Class& category : drive.classes) classes[category.name] = category.id;
-  writeWhole(out / "classes.json", jsonText(classes, 1) + "\n");
+  files.write("classes.json", jsonText(classes, 1) + "\n");
 }
 
 /// Makes frames: this thread scans, another one finds boxes and writes.
@@ -107,14 +107,15 @@ RunReport run(const Drive& drive, const RunOptions& options) {
   for (const Output& output : drive.outputs) formats.push_back(formatNamed(output.format).make(drive, world, output));
   const Manifest manifest(drive, options.out);
   RunReport report;
+  report.broken = manifest.removeBroken(options.verify);
   const std::vector<uint64_t> frames = framesToMake(drive, options, manifest, report);
   if (!frames.empty()) {
     manifest.reopen();
     makeFrames(drive, world, formats, frames, options, manifest, report);
   }
-  report.finished = manifest.finish([&](const std::vector<FrameSummary>& summaries) {
-    for (const auto& format : formats) format->finish(summaries, options.out);
-    writeObjects(drive, world, options.out);
+  report.finished = manifest.finish([&](const std::vector<FrameSummary>& summaries, FinalFiles& files) {
+    for (const auto& format : formats) format->finish(summaries, files);
+    writeObjects(drive, world, files);
   });
   return report;
 }

@@ -13,7 +13,7 @@ struct RunOptions {
   std::filesystem::path out;
   uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
   uint64_t shard = 0, shardCount = 1;              ///< frames whose number modulo shardCount is shard
-  bool verify = false;                             ///< whether complete frames are read and their hashes compared
+  bool verify = false;                             ///< whether complete files are read and their hashes compared
   SimulatorOptions simulator;                      ///< the drive's accuracy and other options replace its own
   /// Called when a frame is complete, with the number of frames made and that of frames to make.
   std::function<void(uint64_t done, uint64_t total)> progress;
@@ -23,11 +23,14 @@ struct RunReport {
   uint64_t chosen = 0;                                   ///< frames of the range and shard
   uint64_t kept = 0;                                     ///< those that were complete
   uint64_t scans = 0, points = 0, files = 0, bytes = 0;  ///< made now
+  std::vector<std::string> broken;  ///< files that needed every frame, had been written and are removed, see run()
   bool finished = false;  ///< whether all frames of the drive are complete, and the files that need all are written
   std::string device;     ///< its name; empty if nothing had to be made
 };
 
-/// Makes the frames that are not complete. A frame has the same bytes wherever and whenever it is made. If this throws,
+/// Makes the frames that are not complete. In a drive that was finished, files that need every frame and do not have
+/// their size, or with `verify` their hash, are removed first, so that they are made again, and with them the frames
+/// of which they are made. A frame has the same bytes wherever and whenever it is made. If this throws,
 /// complete frames stay, and a later call goes on from there. Throws Error(invalidArgument) for a shard that there is
 /// not, for an empty range of frames and for a folder of another drive, and Error(file).
 RunReport run(const Drive& drive, const RunOptions& options);

@@ -20,37 +20,6 @@ using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs;
 
-namespace {
-
-/// All files below a folder with their bytes, except those that only say how a run went.
-std::map<std::string, std::string> filesOf(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().filename() != "lock")
-      files[fs::relative(entry.path(), folder).generic_string()] = bytesOf(entry.path());
-  return files;
-}
-
-void checkSameFiles(const fs::path& a, const fs::path& b) {
-  const auto filesA = filesOf(a), filesB = filesOf(b);
-  CHECK(filesA.size() == filesB.size());
-  for (const auto& [name, bytes] : filesA) {
-    INFO(name);
-    const auto other = filesB.find(name);
-    REQUIRE(other != filesB.end());
-    CHECK(bytes == other->second);
-  }
-}
-
-drive::RunOptions optionsFor(const fs::path& out) {
-  drive::RunOptions options;
-  options.out = out;
-  options.simulator.device = DeviceChoice::Kind::reference;
-  return options;
-}
-
-}  // namespace
-
 TEST_CASE("points have the classes and objects of what they lie on, and objects keep their numbers") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -166,34 +135,6 @@ TEST_CASE("a shard that there is not and an empty range of frames are refused be
   refused(options, "the first frame is 5; it must be less than the end, 5");
 }
 
-TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
-  const DriveFolder folder;
-  Json json = smallDrive();
-  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
-  const drive::Drive drive = folder.read(json);
-  drive::run(drive, optionsFor(folder / "whole"));
-  drive::run(drive, optionsFor(folder / "out"));
-  const std::string points = "kitti/sequences/00/velodyne/00000";
-  fs::resize_file(folder / "out" / (points + "3.bin"), 100);
-  fs::remove(folder / "out" / (points + "5.bin"));
-  fs::remove(folder / "out/manifest/frames/000007.json");
-  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 7);
-  checkSameFiles(folder / "whole", folder / "out");
-
-  std::string bytes = folder.get("out/" + points + "4.bin");
-  bytes[17] = static_cast<char>(bytes[17] ^ 1);
-  put(folder / "out" / (points + "4.bin"), bytes);
-  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 10);
-  drive::RunOptions verify = optionsFor(folder / "out");
-  verify.verify = true;
-  CHECK(drive::run(drive, verify).kept == 9);
-  checkSameFiles(folder / "whole", folder / "out");
-
-  fs::remove(folder / "out/mcap/drive.mcap");  // its chunks are gone, so every frame has to be made again
-  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 0);
-  checkSameFiles(folder / "whole", folder / "out");
-}
-
 TEST_CASE("a run whose thread for writing cannot be started is refused, and can be repeated") {
   const DriveFolder folder;
   const Json json = smallDrive();
@@ -206,46 +147,6 @@ TEST_CASE("a run whose thread for writing cannot be started is refused, and can 
                        ContainsSubstring("raise the limits")));
   }
   CHECK(folder.run(json).finished);
-}
-
-TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {
-  const DriveFolder folder;
-  Json json = smallDrive();
-  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
-  const drive::Drive drive = folder.read(json);
-  drive::run(drive, optionsFor(folder / "whole"));
-  drive::run(drive, optionsFor(folder / "out"));
-  const fs::path manifest = folder / "out/manifest/frames/000003.json";
-  const std::string sound = bytesOf(manifest);
-  const fs::path victim = folder / "victim";
-  put(victim, "precious");
-  const auto damaged = [&](const std::function<void(Json&)>& change) {
-    Json content = Json::parse(sound);
-    change(content);
-    return content.dump();
-  };
-  for (const std::string& content :
-       {std::string("7"), std::string("{}"), damaged([](Json& j) { j["files"] = 3; }),
-        damaged([](Json& j) { j["files"][0] = "x"; }), damaged([](Json& j) { j["files"][0]["path"] = 5; }),
-        damaged([](Json& j) { j["files"][0]["bytes"] = -1; }), damaged([](Json& j) { j["files"][0].erase("hash"); }),
-        damaged([](Json& j) { j["scans"] = Json::array(); }), damaged([](Json& j) { j["scans"][0]["points"] = "x"; }),
-        damaged([](Json& j) {
-          j["scans"][0]["boxes"] = {{{"actor", 1000000}, {"points", 1}, {"visibility", 0.5}}};
-        }),
-        damaged([&](Json& j) {
-          j["files"][0] = {{"path", victim.string()}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
-        }),
-        damaged([&](Json& j) {
-          j["files"][0] = {{"path", "../victim"}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
-        })}) {
-    INFO(content);
-    put(manifest, content);
-    drive::RunOptions verify = optionsFor(folder / "out");
-    verify.verify = true;
-    CHECK_NOTHROW(drive::run(drive, verify));
-    CHECK(bytesOf(victim) == "precious");
-    CHECK(bytesOf(manifest) == sound);
-  }
 }
 
 TEST_CASE("a folder with frames of another drive is refused, and so is this drive after a change") {

@@ -2,6 +2,7 @@
 // A small drive for tests: a floor, a car that passes, a person who comes and goes, and two sensors.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "drive/run.hpp"
@@ -88,6 +89,33 @@ class DriveFolder {
  private:
   Folder folder_;
 };
+
+/// All files below a folder with their bytes, except those that only say how a run went.
+inline std::map<std::string, std::string> filesOf(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().filename() != "lock")
+      files[fs::relative(entry.path(), folder).generic_string()] = bytesOf(entry.path());
+  return files;
+}
+
+inline void checkSameFiles(const fs::path& a, const fs::path& b) {
+  const auto filesA = filesOf(a), filesB = filesOf(b);
+  CHECK(filesA.size() == filesB.size());
+  for (const auto& [name, bytes] : filesA) {
+    INFO(name);
+    const auto other = filesB.find(name);
+    REQUIRE(other != filesB.end());
+    CHECK(bytes == other->second);
+  }
+}
+
+inline drive::RunOptions optionsFor(const fs::path& out) {
+  drive::RunOptions options;
+  options.out = out;
+  options.simulator.device = DeviceChoice::Kind::reference;
+  return options;
+}
 
 inline const std::vector<std::string> kEveryFormat = {"kitti", "semantickitti", "kitti-raw", "nuscenes", "pcd",
                                                       "npy",   "las",           "mcap",      "osi",      "boxes"};

@@ -37,7 +37,7 @@ class Boxes : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>&, const std::filesystem::path&) const override {}
+  void finish(const std::vector<FrameSummary>&, FinalFiles&) const override {}
 
  private:
   Json lineOf(const RecordedScan& recorded, const Box& box) const {

@@ -26,7 +26,7 @@ class Clouds : public Format {
   }
 
   /// poses.txt: a line t x y z qx qy qz qw per scan, the pose of the sensor when it starts.
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     for (size_t sensor : output_.sensors) {
       std::string text = "# t x y z qx qy qz qw\n";
       for (const FrameSummary& frame : frames)
@@ -38,7 +38,7 @@ class Clouds : public Format {
                         p.y, p.z, q.x, q.y, q.z, q.w);
           text += line;
         }
-      writeWhole(out / path(drive_.sensors[sensor].name + "/poses.txt"), text);
+      files.write(path(drive_.sensors[sensor].name + "/poses.txt"), text);
     }
   }
 };

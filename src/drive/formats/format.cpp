@@ -8,7 +8,7 @@
 #include <iterator>
 #include <span>
 
-#include "base/file.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere::drive {
 
@@ -47,14 +47,6 @@ std::string formatNames(bool (*chosen)(const FormatInfo& format)) {
   std::string text = names.front();
   for (size_t i = 1; i < names.size(); ++i) text += (i + 1 < names.size() ? ", " : " and ") + names[i];
   return text;
-}
-
-void writeWhole(const std::filesystem::path& file, const std::string& bytes) {
-  std::error_code failed;
-  std::filesystem::create_directories(file.parent_path(), failed);
-  AtomicFile out(file);
-  out.write(bytes);
-  out.commit();
 }
 
 std::string numberText(const char* format, uint64_t number) {

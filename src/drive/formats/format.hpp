@@ -3,12 +3,12 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "drive/final_files.hpp"
 #include "drive/record.hpp"
 
 namespace gnosphere::drive {
@@ -34,7 +34,7 @@ class Format {
   /// Appends the files of a frame.
   virtual void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const = 0;
   /// Writes the files that need every frame, once all frames are complete. `frames` has the summaries of all frames.
-  virtual void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const = 0;
+  virtual void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const = 0;
 
   bool writes(size_t sensor) const {
     return std::find(output_.sensors.begin(), output_.sensors.end(), sensor) != output_.sensors.end();
@@ -71,8 +71,6 @@ MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeLas
 
 // Functions that several formats need.
 
-/// Writes a whole file of the output folder and its folders. The file appears when it is complete.
-void writeWhole(const std::filesystem::path& file, const std::string& bytes);
 std::string numberText(const char* format, uint64_t number);
 /// Nanoseconds since 1970 of a time of the trajectories' clock.
 int64_t unixNanoseconds(const Drive& drive, double time);

@@ -33,7 +33,7 @@ class Kitti : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     std::string times, poses;
     double firstTime = 0;
     Pose toFirst;
@@ -52,14 +52,14 @@ class Kitti : public Format {
         times += text;
         poses += cameraLine(toFirst * pose);
       }
-    const std::filesystem::path sequence = out / path("sequences/00");
-    writeWhole(sequence / "times.txt", times);
-    writeWhole(sequence / "poses.txt", poses);
-    writeWhole(out / path("poses/00.txt"), poses);
+    const std::string sequence = path("sequences/00/");
+    files.write(sequence + "times.txt", times);
+    files.write(sequence + "poses.txt", poses);
+    files.write(path("poses/00.txt"), poses);
     std::string calibration;
     for (const char* camera : {"P0", "P1", "P2", "P3"})
       calibration.append(camera).append(": 1 0 0 0 0 1 0 0 0 0 1 0\n");
-    writeWhole(sequence / "calib.txt", calibration + "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+    files.write(sequence + "calib.txt", calibration + "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
   }
 
  private:

@@ -68,7 +68,7 @@ class KittiRaw : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     std::string starts, middles, ends;
     for (const FrameSummary& frame : frames)
       for (const ScanSummary& scan : frame.scans) {
@@ -81,20 +81,20 @@ class KittiRaw : public Format {
         middles += line(0.5);
         ends += line(1);
       }
-    const std::filesystem::path drive = out / folder_, day = out / path(date_);
-    writeWhole(drive / "velodyne_points/timestamps_start.txt", starts);
-    writeWhole(drive / "velodyne_points/timestamps.txt", middles);
-    writeWhole(drive / "velodyne_points/timestamps_end.txt", ends);
-    writeWhole(drive / "oxts/timestamps.txt", starts);
-    writeWhole(drive / "oxts/dataformat.txt", kDataFormat);
-    writeWhole(day / "calib_imu_to_velo.txt", calibration(inverse(drive_.sensors[output_.sensors[0]].mount)));
+    const std::string day = path(date_) + "/";
+    files.write(folder_ + "velodyne_points/timestamps_start.txt", starts);
+    files.write(folder_ + "velodyne_points/timestamps.txt", middles);
+    files.write(folder_ + "velodyne_points/timestamps_end.txt", ends);
+    files.write(folder_ + "oxts/timestamps.txt", starts);
+    files.write(folder_ + "oxts/dataformat.txt", kDataFormat);
+    files.write(day + "calib_imu_to_velo.txt", calibration(inverse(drive_.sensors[output_.sensors[0]].mount)));
     const Pose axes = {{}, quaternionOf({Vec3{0, -1, 0}, Vec3{0, 0, -1}, Vec3{1, 0, 0}})};
-    writeWhole(day / "calib_velo_to_cam.txt", calibration(axes));
+    files.write(day + "calib_velo_to_cam.txt", calibration(axes));
     std::string cameras = "calib_time: 01-Jan-1970 00:00:00\n";
     for (const char* camera : {"00", "01", "02", "03"})
       cameras +=
           std::string("R_rect_") + camera + ": 1 0 0 0 1 0 0 0 1\nP_rect_" + camera + ": 1 0 0 0 0 1 0 0 0 0 1 0\n";
-    writeWhole(day / "calib_cam_to_cam.txt", cameras);
+    files.write(day + "calib_cam_to_cam.txt", cameras);
   }
 
  private:

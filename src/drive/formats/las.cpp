@@ -45,7 +45,7 @@ class Las : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>&, const std::filesystem::path&) const override {}
+  void finish(const std::vector<FrameSummary>&, FinalFiles&) const override {}
 
  private:
   Points pointsOf(const RecordedScan& recorded, const Vec3& offset) const {

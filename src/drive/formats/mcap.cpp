@@ -106,18 +106,23 @@ class Mcap : public Format {
     files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
   }
 
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
-    const std::filesystem::path file = out / path("drive.mcap");
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
+    const std::string bag = path("drive.mcap");
     std::error_code absent;
-    if (std::filesystem::exists(file, absent)) return;
-    std::vector<std::filesystem::path> chunks;
-    for (uint64_t frame = 0; frame < frames.size(); ++frame) chunks.push_back(out / chunkPath(frame));
-    std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
-    for (size_t sensor : output_.sensors) channels.push_back({2, "/" + drive_.sensors[sensor].name + "/points", false});
-    writeMcap(file, schemas(), channels, chunks);
+    if (!std::filesystem::exists(files / bag, absent)) writeBag(frames.size(), files);
+    files.add(bag);
   }
 
  private:
+  /// Makes the bag of the chunks of all frames.
+  void writeBag(uint64_t frameCount, const FinalFiles& files) const {
+    std::vector<std::filesystem::path> chunks;
+    for (uint64_t frame = 0; frame < frameCount; ++frame) chunks.push_back(files / chunkPath(frame));
+    std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
+    for (size_t sensor : output_.sensors) channels.push_back({2, "/" + drive_.sensors[sensor].name + "/points", false});
+    writeMcap(files / path("drive.mcap"), schemas(), channels, chunks);
+  }
+
   int64_t timeOf(double time) const { return unixNanoseconds(drive_, time); }
   std::string chunkPath(uint64_t frame) const { return path(numberText("chunks/%06llu", frame)); }
   uint16_t channelOf(size_t sensor) const {

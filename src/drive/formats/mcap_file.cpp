@@ -191,7 +191,7 @@ std::string mcapChunk(std::vector<McapMessage> messages) {
 
 void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>& schemas,
                const std::vector<McapChannel>& channels, const std::vector<std::filesystem::path>& chunks) {
-  AtomicFile out(file);
+  AtomicFile out(file, partOf(file));
   uint64_t offset = 0;
   const auto write = [&](const std::string& bytes) {
     out.write(bytes);

@@ -61,7 +61,7 @@ class NuScenes : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override;
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override;
 
  private:
   bool isKey(uint64_t frame) const { return frame % output_.keyframes == 0; }
@@ -87,13 +87,12 @@ class NuScenes : public Format {
   }
 
   std::vector<Entry> entriesOf(const std::vector<FrameSummary>& frames) const;
-  void write(const std::filesystem::path& out, const char* table, const Json& rows) const {
-    writeWhole(out / path(std::string(kVersion) + "/" + table + ".json"), jsonText(rows, 1) + "\n");
+  void write(FinalFiles& files, const char* table, const Json& rows) const {
+    files.write(path(std::string(kVersion) + "/" + table + ".json"), jsonText(rows, 1) + "\n");
   }
-  void writeConstants(const std::filesystem::path& out) const;
-  void writeData(const std::filesystem::path& out, const std::vector<Entry>& entries,
-                 const std::vector<uint64_t>& samples) const;
-  void writeAnnotations(const std::filesystem::path& out, const std::vector<Entry>& entries,
+  void writeConstants(FinalFiles& files) const;
+  void writeData(FinalFiles& files, const std::vector<Entry>& entries, const std::vector<uint64_t>& samples) const;
+  void writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries,
                         const std::vector<uint64_t>& samples) const;
   double sampleTime(uint64_t sample, const std::vector<Entry>& entries) const;
 };
@@ -118,7 +117,7 @@ double NuScenes::sampleTime(uint64_t sample, const std::vector<Entry>& entries) 
   return drive_.start + static_cast<double>(sample) / drive_.rate;
 }
 
-void NuScenes::writeConstants(const std::filesystem::path& out) const {
+void NuScenes::writeConstants(FinalFiles& files) const {
   Json categories = Json::array(), sensors = Json::array(), mounted = Json::array();
   for (const Class& category : drive_.classes)
     categories.push_back({{"token", token("category/" + category.name)}, {"name", category.name}, {"description", ""}});
@@ -131,9 +130,9 @@ void NuScenes::writeConstants(const std::filesystem::path& out) const {
                        {"rotation", turnOf(sensor.mount.orientation)},
                        {"camera_intrinsic", Json::array()}});
   }
-  write(out, "category", categories);
-  write(out, "sensor", sensors);
-  write(out, "calibrated_sensor", mounted);
+  write(files, "category", categories);
+  write(files, "sensor", sensors);
+  write(files, "calibrated_sensor", mounted);
   Json attributes = Json::array(), visibilities = Json::array();
   for (const char* name : {"moving", "standing"})
     attributes.push_back({{"token", token(name)}, {"name", name}, {"description", ""}});
@@ -144,24 +143,24 @@ void NuScenes::writeConstants(const std::filesystem::path& out) const {
          {"level", levels[i]},
          {"description",
           std::string("share of the beams through the box that nothing before it stops: ") + (levels[i] + 1) + " %"}});
-  write(out, "attribute", attributes);
-  write(out, "visibility", visibilities);
+  write(files, "attribute", attributes);
+  write(files, "visibility", visibilities);
   const std::string day = dateText(unixNanoseconds(drive_, drive_.start)).substr(0, 10);
-  write(out, "log",
+  write(files, "log",
         Json::array({{{"token", token("log")},
                       {"logfile", drive_.name},
                       {"vehicle", "simulated"},
                       {"date_captured", day},
                       {"location", drive_.name}}}));
-  write(out, "map",
+  write(files, "map",
         Json::array({{{"token", token("map")},
                       {"category", "semantic_prior"},
                       {"filename", "maps/empty.png"},
                       {"log_tokens", {token("log")}}}}));
-  writeWhole(out / path("maps/empty.png"), std::string(reinterpret_cast<const char*>(kEmptyMap), sizeof(kEmptyMap)));
+  files.write(path("maps/empty.png"), std::string(reinterpret_cast<const char*>(kEmptyMap), sizeof(kEmptyMap)));
 }
 
-void NuScenes::writeData(const std::filesystem::path& out, const std::vector<Entry>& entries,
+void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
                          const std::vector<uint64_t>& samples) const {
   Json sampleRows = Json::array(), rows = Json::array(), poses = Json::array();
   for (size_t i = 0; i < samples.size(); ++i)
@@ -198,10 +197,10 @@ void NuScenes::writeData(const std::filesystem::path& out, const std::vector<Ent
                        {"translation", listOf(ego.position)}});
     }
   }
-  write(out, "sample", sampleRows);
-  write(out, "sample_data", rows);
-  write(out, "ego_pose", poses);
-  write(out, "scene",
+  write(files, "sample", sampleRows);
+  write(files, "sample_data", rows);
+  write(files, "ego_pose", poses);
+  write(files, "scene",
         Json::array({{{"token", token("scene")},
                       {"log_token", token("log")},
                       {"nbr_samples", samples.size()},
@@ -211,7 +210,7 @@ void NuScenes::writeData(const std::filesystem::path& out, const std::vector<Ent
                       {"description", ""}}}));
 }
 
-void NuScenes::writeAnnotations(const std::filesystem::path& out, const std::vector<Entry>& entries,
+void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries,
                                 const std::vector<uint64_t>& samples) const {
   struct Sight {
     uint64_t points = 0;
@@ -257,19 +256,19 @@ void NuScenes::writeAnnotations(const std::filesystem::path& out, const std::vec
                          {"first_annotation_token", token("annotation", actor, seen.front())},
                          {"last_annotation_token", token("annotation", actor, seen.back())}});
   }
-  write(out, "sample_annotation", rows);
-  write(out, "instance", instances);
+  write(files, "sample_annotation", rows);
+  write(files, "instance", instances);
 }
 
-void NuScenes::finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const {
+void NuScenes::finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const {
   const std::vector<Entry> entries = entriesOf(frames);
   std::vector<uint64_t> samples;
   for (const Entry& entry : entries)
     if (entry.key && (samples.empty() || samples.back() != entry.frame)) samples.push_back(entry.frame);
   if (samples.empty()) return;
-  writeConstants(out);
-  writeData(out, entries, samples);
-  writeAnnotations(out, entries, samples);
+  writeConstants(files);
+  writeData(files, entries, samples);
+  writeAnnotations(files, entries, samples);
 }
 
 }  // namespace

@@ -111,22 +111,26 @@ class Osi : public Format {
     }
   }
 
-  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     for (size_t sensor : output_.sensors) {
-      const std::filesystem::path file = out / tracePath(sensor);
       std::error_code absent;
-      if (std::filesystem::exists(file, absent)) continue;
-      AtomicFile trace(file);
-      for (uint64_t frame = 0; frame < frames.size(); ++frame) {
-        const std::vector<ScanSummary>& scans = frames[frame].scans;
-        if (std::any_of(scans.begin(), scans.end(), [&](const ScanSummary& s) { return s.planned.sensor == sensor; }))
-          trace.write(readWholeFile(out / partPath(sensor, frame)));
-      }
-      trace.commit();
+      if (!std::filesystem::exists(files / tracePath(sensor), absent)) writeTrace(sensor, frames, files);
+      files.add(tracePath(sensor));
     }
   }
 
  private:
+  /// Makes the trace of a sensor of the parts of all frames.
+  void writeTrace(size_t sensor, const std::vector<FrameSummary>& frames, const FinalFiles& files) const {
+    AtomicFile trace(files / tracePath(sensor), partOf(files / tracePath(sensor)));
+    for (uint64_t frame = 0; frame < frames.size(); ++frame) {
+      const std::vector<ScanSummary>& scans = frames[frame].scans;
+      if (std::any_of(scans.begin(), scans.end(), [&](const ScanSummary& s) { return s.planned.sensor == sensor; }))
+        trace.write(readWholeFile(files / partPath(sensor, frame)));
+    }
+    trace.commit();
+  }
+
   std::string partPath(size_t sensor, uint64_t frame) const {
     return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
   }

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The folder of a drive: files that are complete, files that are made again, and two runs at once.
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstdlib>
+#include <functional>
+#include <set>
+
+#include "drive_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::run(drive, optionsFor(folder / "out"));
+  const std::string points = "kitti/sequences/00/velodyne/00000";
+  fs::resize_file(folder / "out" / (points + "3.bin"), 100);
+  fs::remove(folder / "out" / (points + "5.bin"));
+  fs::remove(folder / "out/manifest/frames/000007.json");
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 7);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  std::string bytes = folder.get("out/" + points + "4.bin");
+  bytes[17] = static_cast<char>(bytes[17] ^ 1);
+  put(folder / "out" / (points + "4.bin"), bytes);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 10);
+  drive::RunOptions verify = optionsFor(folder / "out");
+  verify.verify = true;
+  CHECK(drive::run(drive, verify).kept == 9);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  fs::remove(folder / "out/mcap/drive.mcap");  // its chunks are gone, so every frame has to be made again
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 0);
+  checkSameFiles(folder / "whole", folder / "out");
+}
+
+TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::run(drive, optionsFor(folder / "out"));
+  const fs::path manifest = folder / "out/manifest/frames/000003.json";
+  const std::string sound = bytesOf(manifest);
+  const fs::path victim = folder / "victim";
+  put(victim, "precious");
+  const auto damaged = [&](const std::function<void(Json&)>& change) {
+    Json content = Json::parse(sound);
+    change(content);
+    return content.dump();
+  };
+  for (const std::string& content :
+       {std::string("7"), std::string("{}"), damaged([](Json& j) { j["files"] = 3; }),
+        damaged([](Json& j) { j["files"][0] = "x"; }), damaged([](Json& j) { j["files"][0]["path"] = 5; }),
+        damaged([](Json& j) { j["files"][0]["bytes"] = -1; }), damaged([](Json& j) { j["files"][0].erase("hash"); }),
+        damaged([](Json& j) { j["scans"] = Json::array(); }), damaged([](Json& j) { j["scans"][0]["points"] = "x"; }),
+        damaged([](Json& j) {
+          j["scans"][0]["boxes"] = {{{"actor", 1000000}, {"points", 1}, {"visibility", 0.5}}};
+        }),
+        damaged([&](Json& j) {
+          j["files"][0] = {{"path", victim.string()}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
+        }),
+        damaged([&](Json& j) {
+          j["files"][0] = {{"path", "../victim"}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
+        })}) {
+    INFO(content);
+    put(manifest, content);
+    drive::RunOptions verify = optionsFor(folder / "out");
+    verify.verify = true;
+    CHECK_NOTHROW(drive::run(drive, verify));
+    CHECK(bytesOf(victim) == "precious");
+    CHECK(bytesOf(manifest) == sound);
+  }
+}
+
+TEST_CASE("files that need every frame are made again if their size, and with verify their bytes, have changed") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = everyOutput();
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::run(drive, optionsFor(folder / "out"));
+  drive::RunOptions verify = optionsFor(folder / "out");
+  verify.verify = true;
+  CHECK(drive::run(drive, verify).broken.empty());
+  const Json finished = Json::parse(folder.get("out/manifest/finished"));
+  std::set<std::string> tables = {"kitti/sequences/00/times.txt", "pcd/top/poses.txt", "nuscenes/v1.0-drive/scene.json",
+                                  "objects.json", "classes.json"};
+  const std::string bag = "mcap/drive.mcap";
+  for (const Json& file : finished["files"]) tables.erase(file["path"].get<std::string>());
+  CHECK(tables.empty());
+
+  put(folder / "out/kitti/sequences/00/times.txt", "");
+  fs::remove(folder / "out/objects.json");
+  const drive::RunReport emptied = drive::run(drive, optionsFor(folder / "out"));
+  CHECK(emptied.broken == std::vector<std::string>{"kitti/sequences/00/times.txt", "objects.json"});
+  CHECK(emptied.kept == 10);
+  CHECK(emptied.finished);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  std::string classes = folder.get("out/classes.json");
+  classes.replace(classes.find("car"), 3, "cat");
+  put(folder / "out/classes.json", classes);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).broken.empty());
+  CHECK(drive::run(drive, verify).broken == std::vector<std::string>{"classes.json"});
+  checkSameFiles(folder / "whole", folder / "out");
+
+  fs::resize_file(folder / "out" / bag, fs::file_size(folder / "out" / bag) / 2);  // its chunks are gone
+  const drive::RunReport cut = drive::run(drive, optionsFor(folder / "out"));
+  CHECK(cut.broken == std::vector<std::string>{bag});
+  CHECK(cut.kept == 0);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  for (const char* damaged : {"", "{}", R"({"files": [{"path": "../drive.json", "bytes": 0, "hash": ""}]})"}) {
+    put(folder / "out/manifest/finished", damaged);
+    CHECK(drive::run(drive, verify).finished);
+    checkSameFiles(folder / "whole", folder / "out");
+  }
+  CHECK(fs::exists(folder / "drive.json"));
+}
+
+TEST_CASE("a run that ends after another one has finished the same drive leaves no parts behind") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "mcap"}}, {{"format", "osi"}}};
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::RunOptions options = optionsFor(folder / "out");
+  const std::string other = "'" GNOSPHERE_BINARY "' drive '" + (folder / "drive.json").string() + "' -o '" +
+                            (folder / "out").string() + "' --device reference >'" + (folder / "log").string() + "'";
+  options.progress = [&](uint64_t done, uint64_t) {
+    if (done == 3) CHECK(std::system(other.c_str()) == 0);
+  };
+  CHECK(drive::run(drive, options).finished);
+  checkSameFiles(folder / "whole", folder / "out");
+  CHECK_FALSE(fs::exists(folder / "out/mcap/chunks"));
+  CHECK_FALSE(fs::exists(folder / "out/osi/parts"));
+}
