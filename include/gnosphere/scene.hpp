@@ -197,7 +197,8 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   SceneAnimation animation;  ///< empty in a scene that has neither clips nor deformable meshes
-  /// Motion that the file states and the scene leaves out: a line for each kind, with how often.
+  /// Lines about what the scene leaves out of its file: one for each kind of motion, with how often, and one for each
+  /// library of materials that cannot be read.
   std::vector<std::string> leftOut;
 
   GNOSPHERE_API size_t uniqueTriangleCount() const;  ///< summed over meshes

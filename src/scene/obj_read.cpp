@@ -74,7 +74,8 @@ Material toMaterial(const tinyobj::material_t& from) {
   return material;
 }
 
-/// Reads material libraries beside the OBJ file. A missing one is common; its materials then have only a name.
+/// Reads material libraries beside the OBJ file. A missing one is common; its materials then have only a name, and the
+/// scene tells of it.
 class Libraries : public tinyobj::MaterialReader {
  public:
   explicit Libraries(const Source& source) : source_(source) {}
@@ -85,6 +86,7 @@ class Libraries : public tinyobj::MaterialReader {
     try {
       bytes = source_.sibling(name);
     } catch (const Error&) {
+      missing_.push_back("the materials of " + inQuotes(name) + ", which cannot be read");
       return false;
     }
     MemoryBuffer buffer({reinterpret_cast<const char*>(bytes.data.get()), bytes.size});
@@ -108,10 +110,13 @@ class Libraries : public tinyobj::MaterialReader {
   }
 
   std::vector<Material> take() { return std::move(materials_); }
+  /// A line for each library that is not there.
+  std::vector<std::string> missing() { return std::move(missing_); }
 
  private:
   const Source& source_;
   std::vector<Material> materials_;
+  std::vector<std::string> missing_;
   std::map<std::string, uint32_t> index_;
 };
 
@@ -199,6 +204,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   for (const std::string& name : gathered.names) materialOfName.push_back(libraries.find(name));
   Scene scene;
   scene.materials = libraries.take();
+  scene.leftOut = libraries.missing();
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());
 
   Mesh mesh;
