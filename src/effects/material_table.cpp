@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "base/nearest_text.hpp"
+#include "base/text.hpp"
 #include "effects/openmaterial.hpp"
 #include "effects/parameter_text.hpp"
 
@@ -87,6 +88,10 @@ MaterialTable loadMaterialTable(const std::filesystem::path& file) {
   const json root = readMaterialJson(file);
   if (isOpenMaterial(root)) return {readOpenMaterial(root, file)};
   if (!root.is_object() || !root.contains("materials") || !root["materials"].is_array()) {
+    if (lower(file.extension().string()) == ".xoma")
+      refuseTable(file,
+                  "is an asset of ASAM OpenMATERIAL 3D without 'materialMappingUri', which names the mapping of its "
+                  "materials; add it, or give the mapping (.xomm) itself");
     refuseTable(
         file,
         "is neither {\"materials\": [{\"name\": ...}, ...]} nor an asset, mapping or material of ASAM OpenMATERIAL "

@@ -186,5 +186,6 @@ TEST_CASE("an OpenMATERIAL file without a reflectance for lasers is refused") {
   refused(folder, "m.xomp", xomp(R"("brdfUris": [3])"), "the name of a file is not a text but 3");
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["glass.xompt"])"), "glass.xompt: 'brdf' is missing");
   refused(folder, "m.xomm", R"({"materialMapping": [["a"]]})", "is not [name, file, ...] but [\"a\"]");
+  refused(folder, "a.xoma", R"({"metadata": {}})", "without 'materialMappingUri', which names the mapping");
   refused(folder, "a.xoma", R"({"materialMappingUri": "a.xoma"})", "is not a mapping");
 }

@@ -775,6 +775,9 @@ TEST_CASE("the content decides the family, and a name that belies it is refused"
   CHECK_THAT(problemOf("Channel,Elevation,Azimuth\n1,2,3\n", "a.dat"), ContainsSubstring("'Hesai angle correction'"));
   CHECK_THAT(problemOf(npy("<f8", false, {1, 3}, {1, 0, 0}), "a.mat3x4f"), ContainsSubstring("'NumPy array'"));
   CHECK_THAT(problemOf("{\"a\": 1}", "a.json"), ContainsSubstring("JSON, but of no known family"));
+  const std::string nan = "{\"name\": \"x\", \"azimuth\": 1, \"elevation_deg\": [NaN], \"columns\": 8}";
+  for (const char* name : {"a.json", "a"}) CHECK_THAT(problemOf(nan, name), ContainsSubstring("is not JSON"));
+  CHECK_THAT(problemOf("{lasers: [1]}", "a.yaml"), !ContainsSubstring("JSON"));  // YAML may begin so
   CHECK_THAT(problemOf("{\"a\": 1", "a.json"), ContainsSubstring("is not JSON") && ContainsSubstring("line 1"));
   CHECK_THAT(problemOf("nonsense", "file"), ContainsSubstring("known are GnoSphere sensor, Ouster metadata"));
   CHECK_THAT(problemOf("", "file"), ContainsSubstring("is empty"));

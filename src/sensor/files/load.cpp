@@ -80,9 +80,18 @@ bool isAnglePairs(std::string_view bytes) {
          std::all_of(cells.begin() + 2, cells.end(), [](std::string_view cell) { return cell.empty(); });
 }
 
-bool isXml(std::string_view bytes) {
+/// Whether the first character that is neither space nor a mark of UTF-8 is one of these.
+bool beginsWith(std::string_view bytes, std::string_view characters) {
   const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  return start != bytes.npos && bytes[start] == '<';
+  return start != bytes.npos && characters.find(bytes[start]) != characters.npos;
+}
+
+bool beginsAsJson(std::string_view bytes) {
+  return beginsWith(bytes, "{[");
+}
+
+bool isXml(std::string_view bytes) {
+  return beginsWith(bytes, "<");
 }
 
 bool isXmlWith(std::string_view bytes, const char* word) {
@@ -172,7 +181,8 @@ bool mayEndWith(const Family& family, const std::string& ending) {
   return !ending.empty() && std::string(family.endings).find(ending + " ") != std::string::npos;
 }
 
-/// Decides which family a file belongs to. Refuses one whose name says otherwise.
+/// Decides which family a file belongs to. Refuses one whose name says otherwise. `jsonProblem` is what is wrong with
+/// what should be JSON.
 const Family& familyOf(const SensorSource& source, const json& root, const std::string& jsonProblem) {
   const std::string ending = endingOf(source.name);
   const Family* named = nullptr;
@@ -181,6 +191,9 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
     if (!named && mayEndWith(family, ending)) named = &family;
     all.append(all.empty() ? "" : ", ").append(family.name);
   }
+  // JSON with a mistake could pass for a table. A name of another family counts, because YAML may begin so, too.
+  const bool namedOther = named && !named->isJson;
+  if (root.is_discarded() && beginsAsJson(source.bytes) && !namedOther) source.refuse("is not JSON: " + jsonProblem);
   for (const Family& family : families()) {
     if (family.isJson == root.is_discarded() || !family.recognise(source.bytes, root)) continue;
     if (named && !mayEndWith(family, ending))
@@ -196,7 +209,7 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
     refuseXml(xml);
   }
   if (named && named->isJson && root.is_discarded()) source.refuse("is not JSON: " + jsonProblem);
-  if (named && !named->isJson && root.is_discarded()) return *named;  // its reader says what is missing
+  if (namedOther && root.is_discarded()) return *named;  // its reader says what is missing
   if (!root.is_discarded())
     source.refuse(
         "is JSON, but of no known family: it has neither 'elevation_deg', 'channels' or 'patterns' (ours), "
@@ -263,8 +276,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   SensorSource source{bytes, name, settings, file};
   json root = json::value_t::discarded;
   std::string problem;
-  const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  if (start != bytes.npos && (bytes[start] == '{' || bytes[start] == '[' || endingOf(name) == ".json")) try {
+  if (beginsAsJson(bytes) || (!bytes.empty() && endingOf(name) == ".json")) try {
       root = parseJson(bytes);
     } catch (const json::exception& error) {
       problem = readable(error);
