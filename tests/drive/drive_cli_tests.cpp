@@ -39,12 +39,52 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
   const Result check = place.make("");
   CHECK(check.status == 0);
   CHECK(check.err.empty());
-  CHECK_THAT(check.out, ContainsSubstring("small, 10 frames at 10 Hz, 1 s") && ContainsSubstring("2 actors"));
+  CHECK_THAT(check.out, ContainsSubstring("small, 10 frames at 10 Hz, 1 s") && ContainsSubstring("2 actors") &&
+                            ContainsSubstring("\noutput     semantickitti in semantickitti/, sensor top\n") &&
+                            ContainsSubstring("\noutput     mcap in mcap/, sensors top, side\n"));
   const Result some = place.make("-o out_a --frames 2:5");
   CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") && ContainsSubstring("not complete"));
   const Result rest = place.make("-o out_a");
   CHECK(rest.err.empty());  // no progress in a pipe
   CHECK_THAT(rest.out, ContainsSubstring("10: 7 made, 3 complete before") && ContainsSubstring("drive      complete"));
+}
+
+TEST_CASE("a drive without any point is told, and so is a file that has been changed") {
+  const DrivePlace place;
+  Json json = Json::parse(place.get("drive.json"));
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 5000, 0, 0), waypoint(1, 5001, 0, 0)}}};
+  json["weather"] = Json::array();  // drops of rain give points
+  place.put("far.json", json.dump());
+  const Result far = place.run("drive far.json --device reference -o far");
+  CHECK(far.status == 0);
+  CHECK(far.err ==
+        "gnosphere: warning: no scan has a point; the scenes span x -20..20, y -20..20, z 0..0 m, and sensor 'top' "
+        "starts at 5000, 0, 1.8\n");
+  REQUIRE(place.make("-o out_c --frames :1").err.empty());
+  REQUIRE(place.make("-o out_c").status == 0);
+  place.put("out_c/classes.json", "{}");
+  CHECK_THAT(place.make("-o out_c").out,
+             ContainsSubstring("\nbroken     classes.json was not as it had been written, and is made again\n"));
+}
+
+TEST_CASE("a log of a drive has its first lines while the drive runs") {
+  const DrivePlace place;
+  Json json = Json::parse(place.get("drive.json"));
+  json["duration"] = 100;  // seconds of work
+  place.put("drive.json", json.dump());
+  const std::string file = place / "drive.json", out = place / "out_d", log = place / "log";
+  const pid_t child = fork();
+  if (child == 0) {
+    std::freopen(log.c_str(), "w", stdout);
+    execl(GNOSPHERE_BINARY, "gnosphere", "drive", file.c_str(), "-o", out.c_str(), "--device", "reference", nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  while (!fs::exists(place / "out_d/manifest/frames/000001.json") && waitpid(child, &status, WNOHANG) == 0) usleep(200);
+  kill(child, SIGKILL);
+  waitpid(child, &status, 0);
+  CHECK(WIFSIGNALED(status));
+  CHECK_THAT(place.get("log"), ContainsSubstring("small, 1,000 frames") && ContainsSubstring("output     mcap in"));
 }
 
 TEST_CASE("wrong calls of gnosphere drive are refused before anything is written") {

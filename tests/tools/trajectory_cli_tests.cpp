@@ -27,6 +27,7 @@ TEST_CASE("a trajectory gives the same files as its poses one by one") {
                              ContainsSubstring("a-000002.csv") && ContainsSubstring("scans a second"));
   CHECK(place.files() == std::vector<std::string>{"a-000000.csv", "a-000001.csv", "a-000002.csv", "floor.obj",
                                                   "i-000000.png", "i-000001.png", "i-000002.png", "s.json", "t.tum"});
+  CHECK_THAT(result.out, ContainsSubstring("\ntriangles  6 placed in all scans together"));
   const char* poses[] = {"0,0,1.8", "2,0,1.8,0,0,1,0", "-1,3,2"};
   const auto stats = place.json("s.json");
   CHECK(stats.at("frame").at("runs") == 3);
@@ -42,6 +43,20 @@ TEST_CASE("a trajectory gives the same files as its poses one by one") {
     CHECK(frame.at("counters") == alone.at("counters"));
     CHECK(frame.at("wall_ms") > 0);
   }
+}
+
+TEST_CASE("a trajectory whose scans meet nothing is told, and why beams are lost") {
+  const Workplace place;
+  place.put("t.tum", "0 0 0 5000 0 0 0 1\n1 2 0 5000 0 0 0 1\n");
+  const Result far = place.run("scan floor.obj --trajectory t.tum -o a.npy" + kQuick);
+  REQUIRE(far.status == 0);
+  CHECK_THAT(far.err, StartsWith("gnosphere: warning: no beam of any scan hits anything; floor.obj spans x -10..10") &&
+                          ContainsSubstring(
+                              "the sensor first at 0, 0, 5000 sees as far as 100 m; another --trajectory moves it"));
+  place.put("t.tum", kThree);
+  const Result near = place.run("scan floor.obj --trajectory t.tum -o b.npy --effect fog.visibility=20" + kQuick);
+  CHECK(near.err == "");
+  CHECK_THAT(near.out, ContainsSubstring("\nlost       ") && ContainsSubstring(" met nothing"));
 }
 
 TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each scan draws new random numbers") {

@@ -27,13 +27,32 @@ void complain(const std::string& message) {
   std::string line = message;
   std::replace(line.begin(), line.end(), '\n', ' ');
   std::fflush(stdout);  // keeps the order of the two streams on a terminal
-  std::fprintf(stderr, "gnosphere: %s\n", line.c_str());
+  std::fprintf(stderr, "gnosphere: %s\n", printable(line).c_str());
 }
 
 std::string grouped(uint64_t number) {
   std::string text = std::to_string(number);
   for (size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
   return text;
+}
+
+std::string counted(uint64_t count, const char* one, const char* many) {
+  return grouped(count) + " " + (count == 1 ? one : many);
+}
+
+std::string printable(const std::string& text) {
+  std::string shown;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    const bool isLead = byte == 0xc2 && next >= 0x80 && next < 0xa0;  // of a control character in UTF-8
+    if (byte < 0x20 || byte == 0x7f || isLead)
+      shown += formatted("\\x%02x", isLead ? next : byte);
+    else
+      shown += text[i];
+    i += isLead;
+  }
+  return shown;
 }
 
 std::string formatted(const char* format, ...) {
@@ -71,7 +90,7 @@ std::string fileSize(const std::filesystem::path& file) {
 }
 
 void say(const char* label, const std::string& text) {
-  std::printf("%-10s %s\n", label, text.c_str());
+  std::printf("%-10s %s\n", label, printable(text).c_str());
 }
 
 namespace {
@@ -92,8 +111,22 @@ double nowMs() {
   return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
 }
 
-Progress::Progress(const char* what, uint64_t total)
-    : what_(what), total_(total), terminal_(isatty(STDERR_FILENO) == 1), startMs_(nowMs()), lastMs_(startMs_) {}
+bool ProgressLines::isDue(uint64_t done, uint64_t total, double nowMs) {
+  constexpr double kPauseMs = 10'000;
+  if (done >= total || nowMs - lastMs_ < kPauseMs || 10 * done / total == tenths_) return false;
+  tenths_ = 10 * done / total;
+  lastMs_ = nowMs;
+  return true;
+}
+
+Progress::Progress(const char* what, uint64_t total, bool lines)
+    : what_(what),
+      total_(total),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      inLines_(lines && !terminal_),
+      startMs_(nowMs()),
+      lastMs_(startMs_),
+      lines_(startMs_) {}
 
 Progress::~Progress() {
   if (shown_) std::fprintf(stderr, "\r\x1b[K");
@@ -111,15 +144,17 @@ std::string timeText(double seconds) {
 
 void Progress::step(uint64_t done, uint64_t total) {
   const double now = nowMs();
-  if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100 || done == 0 || done > total) return;
+  if (done == 0 || done > total) return;
+  const double left = (now - startMs_) / 1000 * static_cast<double>(total - done) / static_cast<double>(done);
+  const std::string text = what_ + (" " + grouped(done)) + " of " + grouped(total) + ", " + timeText(left) + " left";
+  if (inLines_ && lines_.isDue(done, total, now)) std::fprintf(stderr, "gnosphere: %s\n", text.c_str());
+  if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100) return;
   lastMs_ = now;
   shown_ = true;
   constexpr uint64_t kCells = 24;
   const uint64_t full = kCells * done / total;
-  const double left = (now - startMs_) / 1000 * static_cast<double>(total - done) / static_cast<double>(done);
-  std::fprintf(stderr, "\r\x1b[K[%s%s] %s %s of %s, %s left", std::string(full, '#').c_str(),
-               std::string(kCells - full, ' ').c_str(), what_, grouped(done).c_str(), grouped(total).c_str(),
-               timeText(left).c_str());
+  std::fprintf(stderr, "\r\x1b[K[%s%s] %s", std::string(full, '#').c_str(), std::string(kCells - full, ' ').c_str(),
+               text.c_str());
 }
 
 std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {
@@ -150,7 +185,10 @@ std::vector<size_t> widthsOf(const std::vector<TableRow>& rows) {
 
 }  // namespace
 
-void printTable(const std::vector<TableRow>& rows, size_t leftColumns) {
+void printTable(const std::vector<TableRow>& given, size_t leftColumns) {
+  std::vector<TableRow> rows = given;
+  for (TableRow& row : rows)
+    for (std::string& cell : row) cell = printable(cell);
   const std::vector<size_t> widths = widthsOf(rows);
   for (const TableRow& row : rows) {
     std::string line;

@@ -24,14 +24,32 @@ std::string milliseconds(double ms);  ///< with three significant digits and the
 std::string bareMs(double ms);        ///< the same without the unit, for table columns in ms
 std::string fileSize(const std::filesystem::path& file);
 
+/// Returns "1 frame" or "1,000 frames"; `many` is the word for any other number than 1.
+std::string counted(uint64_t count, const char* one, const char* many);
+/// Returns text without characters that would control a terminal: each is written as \\x and two hexadecimal digits.
+std::string printable(const std::string& text);
+
 /// Prints a line of a summary, with the label in its own column.
 void say(const char* label, const std::string& text);
 
+/// Decides when a long run that has no terminal prints how far it is: when another tenth of the work is done, but not
+/// within ten seconds of the line before or of the start, and not at the end.
+class ProgressLines {
+ public:
+  explicit ProgressLines(double startMs) : lastMs_(startMs) {}
+  /// `nowMs` is a time in milliseconds of the clock of the start.
+  bool isDue(uint64_t done, uint64_t total, double nowMs);
+
+ private:
+  double lastMs_;
+  uint64_t tenths_ = 0;  // of the work, at the line before
+};
+
 /// Shows a bar, "step 12 of 400" and the time left on one line of the terminal once the work has taken more than a
-/// second; prints nothing to a pipe.
+/// second. Without a terminal it prints nothing, or if `lines` a line now and then, see ProgressLines.
 class Progress {
  public:
-  Progress(const char* what, uint64_t total);
+  Progress(const char* what, uint64_t total, bool lines = false);
   ~Progress();
   void step(uint64_t done) { step(done, total_); }
   void step(uint64_t done, uint64_t total);
@@ -39,8 +57,9 @@ class Progress {
  private:
   const char* what_;
   uint64_t total_;
-  bool terminal_, shown_ = false;
+  bool terminal_, inLines_, shown_ = false;
   double startMs_, lastMs_;
+  ProgressLines lines_;
 };
 
 /// Progress of work in several steps: called with the step's name, how much of it is done, and its total.

@@ -46,25 +46,48 @@ drive::RunOptions optionsOf(const DriveCall& call) {
   return options;
 }
 
+/// Returns text such as "kitti in kitti/, sensor top".
+std::string outputText(const drive::Drive& drive, const drive::Output& output) {
+  std::string names;
+  for (const size_t sensor : output.sensors) names += (names.empty() ? "" : ", ") + drive.sensors[sensor].name;
+  return output.format + " in " + output.folder + "/, " + (output.sensors.size() == 1 ? "sensor " : "sensors ") + names;
+}
+
+/// Warns of a run in which no scan has a point: the vehicle may be far from the scenes, or a scene may have another
+/// unit.
+void warnOfNoPoints(const drive::Drive& drive) {
+  std::string extents;
+  for (const Scene& scene : drive.scenes) {
+    const Bounds bounds = worldBounds(scene);
+    if (!bounds.empty()) extents += (extents.empty() ? "" : " and ") + extentText(bounds);
+  }
+  const Vec3 at = drive.sensorPose(0, drive.start).position;
+  complain("warning: no scan has a point; the scenes " + (extents.empty() ? "have no triangle" : "span " + extents) +
+           ", and sensor '" + drive.sensors[0].name + "' starts at " + formatted("%g, %g, %g", at.x, at.y, at.z));
+}
+
 void describe(const drive::Drive& drive) {
   size_t triangles = 0;
   for (const Scene& scene : drive.scenes) triangles += scene.placedTriangleCount();
-  say("drive", drive.name + ", " + grouped(drive.frameCount()) + " frames at " + formatted("%g", drive.rate) + " Hz, " +
-                   formatted("%g", drive.duration) + " s");
-  say("scene", grouped(triangles) + " triangles, " + grouped(drive.actors.size()) + " actors");
+  say("drive", drive.name + ", " + counted(drive.frameCount(), "frame", "frames") + " at " +
+                   formatted("%g", drive.rate) + " Hz, " + formatted("%g", drive.duration) + " s");
+  say("scene", counted(triangles, "triangle", "triangles") + ", " + counted(drive.actors.size(), "actor", "actors"));
   for (const drive::RigSensor& sensor : drive.sensors)
     say("sensor", sensor.name + ", " + sensor.sensor.name + ", " + grouped(sensor.sensor.beamCount()) + " beams at " +
                       formatted("%g", sensor.rate) + " Hz");
-  for (const drive::Output& output : drive.outputs) say("output", output.folder + ", " + output.format);
+  for (const drive::Output& output : drive.outputs) say("output", outputText(drive, output));
 }
 
 void summarise(const drive::RunReport& report, double seconds) {
   const uint64_t made = report.chosen - report.kept;
+  for (const std::string& path : report.broken)
+    say("broken", path + " was not as it had been written, and is made again");
   say("frames", grouped(report.chosen) + ": " + grouped(made) + " made, " + grouped(report.kept) + " complete before");
   if (made > 0) {
     say("device", report.device);
-    say("made", grouped(report.scans) + " scans with " + grouped(report.points) + " points, " + grouped(report.files) +
-                    " files of " + grouped((report.bytes + 500'000) / 1'000'000) + " MB");
+    say("made", counted(report.scans, "scan", "scans") + " with " + counted(report.points, "point", "points") + ", " +
+                    counted(report.files, "file", "files") + " of " + grouped((report.bytes + 500'000) / 1'000'000) +
+                    " MB");
     say("time", formatted("%.1f s, %.2f frames a second", seconds, static_cast<double>(made) / seconds));
   }
   say("drive", report.finished ? "complete" : "not complete; its tables are written with its last frame");
@@ -79,13 +102,14 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
   live.simulator = options.simulator;
   drive::LiveReport report;
   {
-    Progress progress("frame", 1);
+    Progress progress("frame", 1, true);
     live.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
     report = drive::publishLive(drive, live);
   }
   say("device", report.device);
-  say("published", grouped(report.scans) + " scans with " + grouped(report.points) + " points, " +
-                       grouped(report.messages) + " messages in " + formatted("%.1f s", report.seconds));
+  say("published", counted(report.scans, "scan", "scans") + " with " + counted(report.points, "point", "points") +
+                       ", " + counted(report.messages, "message", "messages") + " in " +
+                       formatted("%.1f s", report.seconds));
   if (report.dropped > 0) say("dropped", grouped(report.dropped) + " messages that newer ones replaced");
   if (report.late > 0) say("late", formatted("%.1f s; scanning takes longer than the drive", report.late));
   return 0;
@@ -105,10 +129,11 @@ int runDrive(const DriveCall& call) {
   const double begin = nowMs();
   drive::RunReport report;
   {
-    Progress progress("frame", 1);
+    Progress progress("frame", 1, true);
     options.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
     report = drive::run(drive, options);
   }
+  if (report.scans > 0 && report.points == 0) warnOfNoPoints(drive);
   summarise(report, (nowMs() - begin) / 1000);
   return 0;
 }
@@ -129,7 +154,8 @@ Action addDrive(CLI::App& app) {
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
   addSetOption(app, call->settings);
-  app.add_flag("--verify", call->verify, "Read complete frames, and make those again whose files have changed");
+  app.add_flag("--verify", call->verify,
+               "Read complete frames and finished files, and make those again that have changed");
   CLI::Option* const live =
       app.add_flag("--live", call->live,
                    "Publish clouds, transforms and the clock for ROS 2 in the time of the drive, and write no files; "

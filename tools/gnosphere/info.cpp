@@ -15,10 +15,6 @@ struct InfoOptions : ScanningOptions {
   bool json = false;
 };
 
-std::string counted(size_t count, const char* one, const char* many) {
-  return grouped(count) + " " + (count == 1 ? one : many);
-}
-
 std::string nameOf(const Mesh& mesh, size_t index) {
   return mesh.name.empty() ? "mesh " + std::to_string(index) : mesh.name;
 }

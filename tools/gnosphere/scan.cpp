@@ -18,7 +18,8 @@ namespace gnosphere::cli {
 namespace {
 
 struct ScanOptions : ScanningOptions, EffectOptions {
-  std::string trajectory, fields, frame = "sensor", image, stats;
+  std::string trajectory, frame = "sensor", image, stats;
+  std::optional<std::string> fields;
   std::vector<std::string> outputs;
   std::optional<double> maxError;
   bool trace = false;
@@ -31,12 +32,26 @@ std::string fileOf(const ScanOptions& options, const std::string& file, size_t n
   return options.trajectory.empty() ? file : numbered(file, number);
 }
 
+/// Refuses options of cloud files that change none of them.
+void checkWithoutEffect(const ScanOptions& options) {
+  const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, text); };
+  const auto hasColumns = [](const std::string& file) { return cloudFormat(file).layout == nullptr; };
+  const std::pair<const char*, bool> given[] = {{"--frame world", options.frame == "world"},
+                                                {"--compact", options.compact},
+                                                {"--fields", options.fields.has_value()}};
+  for (const auto& [name, isGiven] : given)
+    if (isGiven && options.outputs.empty())
+      refuse(std::string(name) + " changes cloud files, and there is no --output");
+  if (options.fields && std::ranges::none_of(options.outputs, hasColumns))
+    refuse("--fields: files of KITTI (.bin) always have x, y, z and the intensity, and no other --output is given");
+}
+
 /// Checks before the scene is loaded all that can be known to fail later.
 CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   CloudOptions cloud;
   cloud.compact = options.compact;
   cloud.ascii = options.ascii;
-  if (!options.fields.empty()) cloud.fields = parseFields(options.fields);
+  if (options.fields) cloud.fields = parseFields(*options.fields);
   for (Field field : cloud.fields) {
     const bool fromReference = field == Field::tie || field == Field::tolerance;
     if (fromReference && options.device != "reference") {
@@ -51,10 +66,9 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
     return cloudFormat(file).text == CloudFormat::Text::ifAsked;
   };
   for (const std::string& output : options.outputs) cloudFormat(output);
+  checkWithoutEffect(options);
   if (options.ascii && std::ranges::none_of(options.outputs, asciiChanges))
     throw Error(ErrorCode::invalidArgument, "--ascii changes .pcd and .ply files, and no --output is one");
-  if (options.frame == "world" && options.outputs.empty())
-    throw Error(ErrorCode::invalidArgument, "--frame world changes cloud files, and there is no --output");
   std::vector<std::string> files;
   for (size_t i = 0; i < scans; ++i) {
     for (const std::string& output : options.outputs) files.push_back(fileOf(options, output, i));
@@ -84,12 +98,12 @@ bool seesNothing(const Counters& counters) {
 
 /// Warns of a scan without hits: the sensor may be far from the scene, or the scene may have another unit than metres.
 void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& sensor, const Pose& pose) {
-  const Bounds bounds = worldBounds(scene);
-  const Vec3 &low = bounds.min, &high = bounds.max, &at = pose.position;
-  complain("warning: no beam hits anything; " + options.scene +
-           formatted(" spans x %g..%g, y %g..%g, z %g..%g m", low.x, high.x, low.y, high.y, low.z, high.z) +
-           formatted(", and the sensor at %g, %g, %g sees as far as %g m", at.x, at.y, at.z, sensor.rangeMax) +
-           "; --pose moves it, --scale changes the unit of the scene");
+  const Vec3& at = pose.position;
+  const bool many = !options.trajectory.empty();
+  complain("warning: no beam " + std::string(many ? "of any scan " : "") + "hits anything; " + options.scene +
+           " spans " + extentText(worldBounds(scene)) + ", and the sensor " + (many ? "first " : "") +
+           formatted("at %g, %g, %g sees as far as %g m; ", at.x, at.y, at.z, sensor.rangeMax) +
+           (many ? "another --trajectory" : "--pose") + " moves it, --scale changes the unit of the scene");
 }
 
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
@@ -135,6 +149,12 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
   if (!options.image.empty()) writePicture(scan, fileOf(options, options.image, number));
 }
 
+/// The name of a file and its size, which pipes and devices do not have.
+std::string withSize(const std::string& file) {
+  const std::string size = fileSize(file);
+  return size.empty() ? file : file + ", " + size;
+}
+
 void tell(const ScanOptions& options, const ScanReport& report) {
   if (options.stats == "-") {
     std::printf("%s", statsJson(report).c_str());
@@ -151,10 +171,9 @@ void tell(const ScanOptions& options, const ScanReport& report) {
   for (const std::string& file : written) {
     const std::string first = fileOf(options, file, 0);
     const bool many = report.trajectory.size() > 1;
-    say("wrote", first + ", " + fileSize(first) +
-                     (many ? ", to " + fileOf(options, file, report.trajectory.size() - 1) : std::string()));
+    say("wrote", withSize(first) + (many ? ", to " + fileOf(options, file, report.trajectory.size() - 1) : ""));
   }
-  if (!options.stats.empty()) say("wrote", options.stats + ", " + fileSize(options.stats));
+  if (!options.stats.empty()) say("wrote", withSize(options.stats));
 }
 
 /// Returns which built-in head a sensor is, because the ideal heads of the paper have names of real ones.
@@ -240,8 +259,8 @@ int runScan(const ScanOptions& options) {
   }
   result.totalMs = nowMs() - start;
   warnAbout(options, scene, result.scan.counters);
-  if (trajectory.empty() && seesNothing(result.scan.counters) && scene.placedTriangleCount() > 0)
-    warnOfNoHits(options, scene, sensor, pose);
+  if (seesNothing(result.scan.counters) && scene.placedTriangleCount() > 0)
+    warnOfNoHits(options, scene, sensor, result.scan.pose);
   tell(options, result);
   return 0;
 }
@@ -269,10 +288,11 @@ Action addScan(CLI::App& app) {
   app.add_option("-o,--output", options->outputs,
                  "Cloud file to write: " + cloudEndings("or") + "; may be given more than once")
       ->allow_extra_args(false);
-  app.add_option(
-      "--fields", options->fields,
+  app.add_option_function<std::string>(
+      "--fields", [options](const std::string& names) { options->fields = names; },
       "Fields to write, in this order: x,y,z,range,ring,beam,triangle,instance (default, plus "
-      "return,returns if beams have several), tie, tolerance, intensity, true_range, cause, label, width, normal, "
+      "return,returns if beams have several), tie, tolerance (both of --device reference only), intensity, "
+      "true_range, cause, label, width, normal, "
       "incidence, material, barycentrics (u, v), class, velocity, radial_speed, time, azimuth, elevation");
   app.add_option(
          "--frame", options->frame,
@@ -280,7 +300,9 @@ Action addScan(CLI::App& app) {
          "the clouds of a trajectory, deskewed, make up a map")
       ->check(CLI::IsMember({"sensor", "world"}))
       ->capture_default_str();
-  app.add_flag("--compact", options->compact, "Write only hits instead of every beam");
+  app.add_flag("--compact", options->compact,
+               "Write only returns instead of every beam; clouds of beams with several returns are always written so, "
+               "with a row per return");
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "Write a .png picture of the scan, as the sensor sees it and from above");
   app.add_option("--stats", options->stats, "Write times and counters to a JSON file, or - for stdout");

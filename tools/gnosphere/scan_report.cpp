@@ -95,12 +95,16 @@ Json frameJson(const TrajectoryScan& scan) {
           {"counters", countersJson(scan.counters)}};
 }
 
+/// Returns a share in per cent. One that is not the whole is not rounded to it.
 std::string shareOf(uint64_t part, uint64_t whole) {
-  return whole ? formatted("%.1f %%", 100.0 * static_cast<double>(part) / static_cast<double>(whole)) : "-";
+  if (whole == 0) return "-";
+  const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+  return part < whole && percent >= 99.95 ? "more than 99.9 %" : formatted("%.1f %%", percent);
 }
 
-void printTriangles(const Counters& c) {
-  std::string text = grouped(c.triangles) + " placed";
+/// `many`: the counters are those of several scans.
+void printTriangles(const Counters& c, bool many) {
+  std::string text = grouped(c.triangles) + (many ? " placed in all scans together" : " placed");
   const auto add = [&](uint64_t count, const char* why) {
     if (count > 0) text += ", " + grouped(count) + " " + why;
   };
@@ -126,6 +130,8 @@ void printTimes(const ScanReport& report) {
     text += " median of " + grouped(wall.size()) + " scans, " +
             milliseconds(*std::min_element(wall.begin(), wall.end())) + " at best";
   }
+  if (!report.trajectory.empty() && report.simulator.device().type != "reference")
+    text += "; scans that are submitted together share their time, and the first may include compilation";
   std::string separator = "; on the device ";
   for (const Stage& stage : stages(report)) {
     text += separator + stage.name + " " + milliseconds(stage.medianMs);
@@ -141,7 +147,7 @@ std::string lostText(const Counters& counters) {
   for (size_t i = 1; i < kCauseCount; ++i)
     if (counters.causes[i] > 0) text += (text.empty() ? "" : ", ") + grouped(counters.causes[i]) + " " + kWords[i];
   if (counters.lostEchoes > 0)
-    text += (text.empty() ? "" : "; ") + grouped(counters.lostEchoes) + " beams had more echoes";
+    text += (text.empty() ? "" : "; ") + counted(counters.lostEchoes, "echo", "echoes") + " more than a beam keeps";
   return text;
 }
 
@@ -161,9 +167,10 @@ void printSummary(const ScanReport& report) {
   const DeviceInfo& device = report.simulator.device();
   const Vec3& at = report.scan.pose.position;
   const Counters& counters = report.scan.counters;
-  say("scene", report.sceneFile + ": " + grouped(scene.placedTriangleCount()) + " triangles (" +
-                   grouped(scene.uniqueTriangleCount()) + " unique) in " + grouped(scene.instances.size()) +
-                   " instances, loaded in " + milliseconds(report.loadMs));
+  say("scene", report.sceneFile + ": " + counted(scene.placedTriangleCount(), "triangle", "triangles") + " (" +
+                   grouped(scene.uniqueTriangleCount()) + " unique) in " +
+                   counted(scene.instances.size(), "instance", "instances") + ", loaded in " +
+                   milliseconds(report.loadMs));
   std::string about = device.name;
   if (device.type != device.name) about += ", " + device.type;
   if (!device.driver.empty()) about += ", " + device.driver;
@@ -173,7 +180,7 @@ void printSummary(const ScanReport& report) {
   const std::string cloud =
       channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
   say("sensor", report.sensor.name + report.head +
-                    (moves ? " at " + grouped(report.trajectory.size()) + " poses: "
+                    (moves ? " at " + counted(report.trajectory.size(), "pose", "poses") + ": "
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   const Plan plan = report.simulator.plan();
@@ -182,7 +189,7 @@ void printSummary(const ScanReport& report) {
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   shareOf(counters.hits, counters.beams) + ")");
   if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
-  if (!moves) printTriangles(counters);
+  printTriangles(counters, report.trajectory.size() > 1);
   printTimes(report);
   if (moves)
     say("rate", formatted("%.1f scans a second", 1000 * static_cast<double>(report.runs.size()) / report.totalMs) +

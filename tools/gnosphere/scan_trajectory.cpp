@@ -66,11 +66,9 @@ Scan summaryOf(const std::vector<TrajectoryScan>& scans, const Sensor& sensor) {
   sum.pose = scans.front().pose;
   sum.timings = scans.front().timings;
   for (const TrajectoryScan& scan : scans) {
-    sum.counters.beams += scan.counters.beams;
-    sum.counters.hits += scan.counters.hits;
-    sum.counters.misses += scan.counters.misses;
-    sum.counters.retries += scan.counters.retries;
-    sum.counters.nonFinite = std::max(sum.counters.nonFinite, scan.counters.nonFinite);
+    const uint64_t nonFinite = std::max(sum.counters.nonFinite, scan.counters.nonFinite);
+    sum.counters += scan.counters;
+    sum.counters.nonFinite = nonFinite;
   }
   return sum;
 }

@@ -27,7 +27,8 @@ std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& s
                                            const std::vector<SensorMotion::Stamp>& trajectory,
                                            const std::function<void(size_t, const Scan&)>& write);
 
-/// Combines all scans into one Scan without arrays: beams, hits, misses and retries are sums, nonFinite is the largest.
+/// Combines all scans into one Scan without arrays: counters are sums, except that nonFinite is the largest, as it
+/// counts triangles of one scene.
 Scan summaryOf(const std::vector<TrajectoryScan>& scans, const Sensor& sensor);
 
 }  // namespace gnosphere::cli

@@ -62,6 +62,18 @@ void set(Owner& owner, const std::string& assignment) {
   }
 }
 
+/// Warns of options that the reference ignores: it is always exact, and has neither kernels nor lists.
+void warnOfIgnored(const Settings& settings) {
+  std::string names;
+  for (const std::string& assignment : settings) {
+    const std::string name = assignment.substr(0, assignment.find('='));
+    const bool ignored =
+        name == "accuracy" || name.starts_with("accuracy_parts") || name.starts_with("tuning.") || name == "validation";
+    if (ignored) names += (names.empty() ? "" : ", ") + name;
+  }
+  if (!names.empty()) complain("warning: --device reference ignores " + names + "; another --device heeds them");
+}
+
 }  // namespace
 
 void addSceneOptions(CLI::App& app, ScanningOptions& options) {
@@ -125,6 +137,7 @@ void addSetOption(CLI::App& app, Settings& settings) {
 void apply(const Settings& settings, SimulatorOptions& options) {
   for (const std::string& assignment : settings)
     if (!isOfRequest(assignment)) set(options, assignment);
+  if (options.device.kind == DeviceChoice::Kind::reference) warnOfIgnored(settings);
 }
 
 std::string accuracyText(const SimulatorOptions& settings) {
@@ -190,6 +203,11 @@ Pose poseOf(const ScanningOptions& options, const Scene& scene) {
   if (bounds.empty() || aroundOrigin) return pose;
   pose.position = {(bounds.min.x + bounds.max.x) / 2, (bounds.min.y + bounds.max.y) / 2, bounds.min.z + 1.8};
   return pose;
+}
+
+std::string extentText(const Bounds& bounds) {
+  const Vec3 &low = bounds.min, &high = bounds.max;
+  return formatted("x %g..%g, y %g..%g, z %g..%g m", low.x, high.x, low.y, high.y, low.z, high.z);
 }
 
 std::vector<Pose> posesAround(const Pose& around, size_t count) {

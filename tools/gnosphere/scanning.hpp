@@ -25,7 +25,8 @@ struct ScanningOptions {
 void addSetOption(CLI::App& app, Settings& settings);
 /// Adds a command-line option that sets one option of the table, with the words and the sentence of its row.
 CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::string& option, Settings& settings);
-/// Sets options in the order of the settings. Throws Error that names --set.
+/// Sets options in the order of the settings. Throws Error that names --set. Warns of those that the chosen device
+/// ignores.
 void apply(const Settings& settings, SimulatorOptions& options);
 
 /// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --animation, --time, --device, --validation,
@@ -82,6 +83,9 @@ Scene loadSceneAtRest(const ScanningOptions& options);
 /// Returns the pose that --pose states. The default is 1.8 m (as on a car's roof) above the ground at the world's
 /// origin if the scene is there, else in the middle of the scene.
 Pose poseOf(const ScanningOptions& options, const Scene& scene);
+
+/// Returns text such as "x -1..1, y 0..2, z 0..5 m".
+std::string extentText(const Bounds& bounds);
 
 /// Returns `count` poses: `around` itself, then random ones up to 10 m beside it, rotated about the vertical axis.
 std::vector<Pose> posesAround(const Pose& around, size_t count);

@@ -110,7 +110,11 @@ void describe(const SensorFile& file) {
         formatted("%.4g x %.4g mrad", 1000 * sensor.divergenceHorizontal, 1000 * sensor.divergenceVertical));
   else
     say("divergence", "not stated");
-  say("returns", std::to_string(sensor.maxReturns));
+  say("returns", sensor.maxReturns == 1
+                     ? "1"
+                     : formatted("up to %u a beam; a cloud of several has a row per return, and none "
+                                 "for beams without any",
+                                 sensor.maxReturns));
   if (sensor.nearHits == NearHits::hide) say("near hits", "hide what is behind");
   for (const std::string& text : file.assumed) say("assumed", text);
   for (const std::string& text : file.ignored) say("ignored", text);

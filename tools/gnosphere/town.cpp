@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "town/town.hpp"
 
+#include <charconv>
 #include <memory>
 
 #include "base/file.hpp"
@@ -16,6 +17,14 @@ struct TownCall {
   bool baked = false;
   std::string file, xodr, drive, example;
 };
+
+/// Refuses a number of triangles that is none. Returns the problem, or nothing, as CLI11 asks for.
+std::string triangleCount(std::string& text) {
+  uint64_t count = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (result.ec == std::errc() && result.ptr == text.data() + text.size() && count <= 0x7fffffff) return "";
+  return "'" + text + "' is not a whole number up to 2147483647, written in digits alone";
+}
 
 int runTown(const TownCall& call) {
   const std::filesystem::path file = call.file;
@@ -65,7 +74,7 @@ Action addTown(CLI::App& app) {
   app.add_option("--xodr", call->xodr,
                  "Build the town along the roads of an OpenDRIVE file instead of a grid of streets");
   app.add_option("--triangles", call->options.triangles, "Placed triangles to aim for, at least 1000")
-      ->check(CLI::Range(uint64_t{0}, uint64_t{0x7fffffff}))
+      ->check(CLI::Validator(triangleCount, "UINT up to 2147483647"))
       ->capture_default_str();
   app.add_option("--seed", call->options.seed, "Seed of the town")->capture_default_str();
   app.add_flag("--bake", call->baked, "Write unique geometry in tiles of 64 m instead of instances");

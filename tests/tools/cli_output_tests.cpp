@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// The output of the command line: places that it is written to, warnings, and the comparison of clouds.
+#include <algorithm>
+#include <filesystem>
+
+#include "gnosphere/output.hpp"
+#include "tools/cli_support.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+using namespace gnosphere::test;
+
+TEST_CASE("output that cannot be written to the standard output is a failure, also of help and of lists") {
+  const Workplace place;
+  for (const std::string call : {"sensors", "--help", "scan --help", "scan floor.obj --stats - --device reference"}) {
+    INFO(call);
+    const Result full = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >/dev/full\"", "", "/bin/sh");
+    CHECK(full.status == 1);
+    CHECK_THAT(full.err, StartsWith("gnosphere: the standard output is not complete"));
+    CHECK(std::count(full.err.begin(), full.err.end(), '\n') == 1);
+  }
+  REQUIRE(place.run("scan floor.obj -o a.pcd" + kQuick).status == 0);
+  CHECK(place.run("-c \"'" GNOSPHERE_BINARY "' compare a.pcd a.pcd >/dev/full\"", "", "/bin/sh").status == 2);
+}
+
+TEST_CASE("files are written to what a link leads to, into pipes, and into devices") {
+  namespace fs = std::filesystem;
+  const Workplace place;
+  place.put("target.pcd", "before");
+  fs::create_symlink("target.pcd", place / "link.pcd");
+  fs::create_symlink("none.csv", place / "dangling.csv");
+  fs::create_symlink("/dev/null", place / "null.npy");
+  const Result linked = place.run("scan floor.obj -o link.pcd -o dangling.csv -o null.npy" + kQuick);
+  CHECK(linked.err == "");
+  REQUIRE(linked.status == 0);
+  for (const char* link : {"link.pcd", "dangling.csv", "null.npy"}) CHECK(fs::is_symlink(place / link));
+  CHECK(fs::is_character_file("/dev/null"));
+  CHECK(gnosphere::readCloud(place / "target.pcd").beamCount() == 28800);
+  CHECK(gnosphere::readCloud(place / "none.csv").beamCount() == 28800);
+  const Result piped =
+      place.run("-c \"mkfifo pipe.csv; cat pipe.csv >read.csv & '" GNOSPHERE_BINARY "' scan floor.obj -o pipe.csv" +
+                    kQuick + "; status=$?; wait; exit $status\"",
+                "", "/bin/sh");
+  CHECK(piped.status == 0);
+  CHECK(fs::is_fifo(place / "pipe.csv"));
+  CHECK(place.get("read.csv") == place.get("none.csv"));
+  CHECK(place.files() == std::vector<std::string>{"dangling.csv", "floor.obj", "link.pcd", "none.csv", "null.npy",
+                                                  "pipe.csv", "read.csv", "target.pcd"});
+}
+
+TEST_CASE("the reference tells which options it ignores") {
+  const Workplace place;
+  const Result scan = place.run("scan floor.obj --binning lists --validation --accuracy exact --faces both" + kQuick);
+  CHECK(scan.status == 0);
+  CHECK_THAT(scan.err, StartsWith("gnosphere: warning: --device reference ignores ") && ContainsSubstring("accuracy") &&
+                           ContainsSubstring("tuning.binning") && ContainsSubstring("validation") &&
+                           !ContainsSubstring("faces"));
+  CHECK(place.run("scan floor.obj --set ignored_instances=[0] --pose 0,0,1 --effect fog.visibility=9" + kQuick).err ==
+        "");
+}
+
+TEST_CASE("a name of a file cannot control the terminal") {
+  const Workplace place;
+  const Result result = place.run("scan 'no\x1b[31m.glb'" + kQuick);
+  CHECK(result.status == 1);
+  CHECK_THAT(result.err, ContainsSubstring("no\\x1b[31m.glb") && !ContainsSubstring("\x1b"));
+}
+
+TEST_CASE("numbers of one have no plural, and a share that is not the whole is not rounded to it") {
+  const Workplace place;
+  place.put("one.obj", "v -500 -500 0\nv 500 -500 0\nv 0 500 0\nf 1 2 3\n");
+  const Result one = place.run("scan one.obj" + kQuick);
+  CHECK_THAT(one.out, ContainsSubstring("1 triangle (1 unique) in 1 instance, loaded"));
+  // Inside a box every beam hits but those that leave by a hole.
+  place.put("box.obj",
+            "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n"
+            "v 5 -0.02 0.2\nv 5 0.02 0.2\nv 5 0 -0.2\n"
+            "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"
+            "f 2 6 9\nf 6 7 9\nf 9 7 10\nf 7 3 10\nf 10 3 11\nf 3 2 11\nf 11 2 9\n");
+  const Result most = place.run("scan box.obj --up z --faces both --pose 0,0,0" + kQuick);
+  INFO(most.out);
+  CHECK_THAT(most.out, ContainsSubstring(" of 28,800 beams (more than 99.9 %)"));
+}
+
+TEST_CASE("an OBJ file tells of a library of materials that is not there") {
+  const Workplace place;
+  place.put("house.obj", "mtllib house.mtl\nusemtl brick\nv -9 -9 0\nv 9 -9 0\nv 0 9 0\nf 1 2 3\n");
+  const Result result = place.run("scan house.obj" + kQuick);
+  CHECK(result.status == 0);
+  CHECK(result.err ==
+        "gnosphere: warning: house.obj: left out are the materials of 'house.mtl', which cannot be read\n");
+  place.put("house.mtl", "newmtl brick\nKd 0.5 0.1 0.1\n");
+  CHECK(place.run("scan house.obj" + kQuick).err == "");
+}
+
+TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.pcd -o b.csv --fields beam,range,triangle,instance,tie,tolerance" + kQuick)
+              .status == 0);
+  const Result same = place.run("compare a.pcd b.csv");
+  CHECK(same.status == 0);
+  CHECK_THAT(same.out, ContainsSubstring("the same"));
+
+  gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+    if (!scan.hit(beam) || scan.column<uint8_t>(gnosphere::Field::tie)[beam]) continue;
+    scan.ranges[beam] += 1;
+    break;
+  }
+  gnosphere::CloudOptions options;
+  options.fields = gnosphere::parseFields("beam,range,triangle,instance");
+  gnosphere::writeCloud(scan, place / "c.ply", options);
+  const Result other = place.run("compare a.pcd c.ply --json");
+  CHECK(other.status == 1);
+  const auto json = nlohmann::json::parse(other.out);
+  CHECK(json.at("wrong_range") == 1);
+  CHECK(json.at("same") == false);
+  CHECK(json.at("not_compared").empty());
+
+  options.fields = gnosphere::parseFields("beam,range");
+  gnosphere::writeCloud(scan, place / "d.ply", options);
+  const Result poor = place.run("compare a.pcd d.ply");
+  CHECK(poor.status == 2);
+  CHECK_THAT(poor.err, ContainsSubstring("triangle, instance"));
+}
+
+TEST_CASE("compare looks at points, names the fields that it ignores, and counts returns") {
+  const Workplace place;
+  const std::string scan = "scan floor.obj --pose 1,0,1.8 --fields x,y,z,range,beam,triangle,instance,intensity,time" +
+                           kQuick + " --effects clean --effect intensity=auto ";
+  REQUIRE(place.run(scan + "-o a.pcd").status == 0);
+  REQUIRE(place.run(scan + "-o b.pcd --frame world").status == 0);
+  const Result same = place.run("compare a.pcd a.pcd");
+  CHECK(same.status == 0);
+  CHECK_THAT(same.out, ContainsSubstring("\nnot compared  intensity, time\nthe same\n") &&
+                           ContainsSubstring("\nreturns ") && !ContainsSubstring("hits"));
+  const Result moved = place.run("compare a.pcd b.pcd --json");
+  CHECK(moved.status == 1);
+  const auto json = nlohmann::json::parse(moved.out);
+  CHECK(json.at("wrong_point") == json.at("hits"));
+  CHECK(json.at("wrong_range") == 0);
+  CHECK(json.at("point_error_max_m").get<double>() > 2.05);
+  CHECK(json.at("not_compared") == nlohmann::json({"intensity", "time"}));
+  CHECK_THAT(place.run("compare a.pcd b.pcd").out, ContainsSubstring("point error   max 2.06 m\n"));
+}
+
+TEST_CASE("compare ends with status 2 if a file is cut short") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.pcd -o b.npy" + kQuick).status == 0);
+  std::filesystem::resize_file(place / "b.npy", 5000);
+  const Result cut = place.run("compare a.pcd b.npy");
+  CHECK(cut.status == 2);
+  CHECK_THAT(cut.err, ContainsSubstring("b.npy: is cut short"));
+}
