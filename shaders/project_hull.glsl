@@ -13,9 +13,16 @@ float bendWithin(float count, float farthest, mat3 velocities) {
   return 0.125 * count * count * bent;
 }
 
-// Returns the corners as the sensor sees them at a place in its table of poses.
-mat3 cornersAt(float place, mat3 corners, mat3 velocities) {
-  ColumnMotion at = columnMotionOfPlace(place);
+// Returns another such bound for a triangle at rest, from the sums of the bends up to both entries. A path that bends by D
+// from one step to the next is off its chord by at most n / 4 D, and the bends of a path add up. A path that bends at one
+// time alone, as that of a pose that is corrected, is straight before and after. The last term covers the rounding of sums.
+float bendBetween(float count, vec2 first, vec2 last, float farthest) {
+  vec2 bends = max(last - first, vec2(0.0)) + 2.4e-7 * last;
+  return 0.25 * count * (bends.x + bends.y * farthest);
+}
+
+// Returns the corners as the sensor sees them at an entry of its table of poses.
+mat3 cornersAt(ColumnMotion at, mat3 corners, mat3 velocities) {
   return mat3(inColumn(at, corners[0], velocities[0]), inColumn(at, corners[1], velocities[1]),
               inColumn(at, corners[2], velocities[2]));
 }
@@ -45,9 +52,13 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
   if (narrow) {
     vec3 low = vec3(uintBitsToFloat(0x7f800000u)), high = -low;
     vec2 beside = vec2(0.0);
+    vec2 bendsBefore, bends;
     float keyMin = 2.0, keyMax = -2.0, from = 0.0, to = 0.0, ownKeys, ownTangents;
     for (uint k = 0; k < 2; ++k) {
-      mat3 seen = cornersAt(k == 0 ? places.x : places.y, corners, velocities);
+      ColumnMotion at = columnMotionOfPlace(k == 0 ? places.x : places.y);
+      mat3 seen = cornersAt(at, corners, velocities);
+      bends = at.bends.xy;
+      if (k == 0) bendsBefore = bends;
       low = min(low, lowestOf(seen));
       high = max(high, highestOf(seen));
       if (k == 0) beside = seen[0].xy;
@@ -68,7 +79,9 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
     box.columnMax = box.columnMin + (to - from) * frame.columnsPerRadian + 2.0 * slack;
     area = (ownTangents * frame.columnsPerRadian + 2.0 * slack) * (ownKeys + 2.0 * keySlack());
     float farthest = length(max(abs(low), abs(high))) + motion.shift;
-    float bend = bendWithin(places.y - places.x, farthest, velocities) + course.rounding;
+    float count = places.y - places.x, bend = bendWithin(count, farthest, velocities);
+    if (velocities == mat3(0.0)) bend = min(bend, bendBetween(count, bendsBefore, bends, farthest));
+    bend += course.rounding;
     rangeMin = max(nearest - bend - motion.origins, course.nearest);
     seemInMotion(low, high, bend, 0.0);
     narrow = narrow && slack < 0.25 * float(frame.columns) && seeming < 0.25;

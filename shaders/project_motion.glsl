@@ -169,7 +169,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     Outline outline;
     float area;
     if (!HULLS || inOne || !anyBeams || !narrowHull(places, corners, velocities, course, outline, box, rangeMin, area)) {
-      mat3 seen = cornersAt(anyBeams ? 0.5 * (places.x + places.y) : 0.0, corners, velocities);
+      mat3 seen = cornersAt(columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0), corners, velocities);
       outline = outlineOf(seen[0], seen[1], seen[2]);
       coverColumns(seen[0], seen[1], seen[2], outline, box);
       if (inOne) {

@@ -28,13 +28,13 @@ Silhouette driftingSilhouette(Triangle triangle, mat3 corners, Projected project
   bool drifts = within && off < 0.5 * seemingMotion && seemingMotion < 0.02 &&
                 seemingMotion * frame.columnsPerRadian > kRepays;
   if (drifts) {
-    projected.seen = cornersAt(from, corners, velocities);
+    projected.seen = cornersAt(columnMotionOfPlace(from), corners, velocities);
     seemingAcross -= seemingMotion - off;
     seemingUp -= seemingMotion - off;
   }
   Silhouette result = silhouetteOf(triangle, projected.seen, box);
   if (!drifts) return result;
-  Silhouette end = silhouetteOf(triangle, cornersAt(to, corners, velocities), box);
+  Silhouette end = silhouetteOf(triangle, cornersAt(columnMotionOfPlace(to), corners, velocities), box);
   vec3 perMoment = (end.across - result.across) / moments, upPerMoment = (end.up - result.up) / moments;
   result.known = result.known && end.known && largestOf(perMoment) < 0.05;
   // A corner that moves by D columns per moment is seen in the column c in which it is when that column fires:

@@ -32,9 +32,9 @@ Instance instanceIn(Wide memory, uint i) {
 }
 
 ColumnMotion motionIn(Wide memory, uint i) {
-  return ColumnMotion(vectorIn(memory, 7 * i), vectorIn(memory, 7 * i + 1), vectorIn(memory, 7 * i + 2),
-                      vectorIn(memory, 7 * i + 3), vectorIn(memory, 7 * i + 4), vectorIn(memory, 7 * i + 5),
-                      vectorIn(memory, 7 * i + 6));
+  return ColumnMotion(vectorIn(memory, 8 * i), vectorIn(memory, 8 * i + 1), vectorIn(memory, 8 * i + 2),
+                      vectorIn(memory, 8 * i + 3), vectorIn(memory, 8 * i + 4), vectorIn(memory, 8 * i + 5),
+                      vectorIn(memory, 8 * i + 6), vectorIn(memory, 8 * i + 7));
 }
 
 BeamFrame beamFrameIn(Wide memory, uint i) {

@@ -61,7 +61,8 @@ double angleBetween(const Frame& a, const Frame& b) {
   return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(difference.x, difference.y, difference.z))));
 }
 
-/// The largest second differences of a series of maps, with the numbers of the first one and of the one after the last.
+/// The largest second differences of a series of maps and their sums, with the numbers of the first map and of the one
+/// after the last.
 class Bend {
  public:
   void add(uint32_t number, const Map& map) {
@@ -71,8 +72,12 @@ class Bend {
       const glm::dmat3 difference = map.turn - 2.0 * last_[1].turn + last_[0].turn;
       double squares = 0;
       for (int c = 0; c < 3; ++c) squares += glm::dot(difference[c], difference[c]);
-      turn = std::max(turn, std::sqrt(squares));
-      shift = std::max(shift, glm::length(map.shift - 2.0 * last_[1].shift + last_[0].shift));
+      const double turned = std::sqrt(squares),
+                   shifted = glm::length(map.shift - 2.0 * last_[1].shift + last_[0].shift);
+      turn = std::max(turn, turned);
+      shift = std::max(shift, shifted);
+      allTurns += turned;
+      allShifts += shifted;
     }
     last_[0] = last_[1];
     last_[1] = map;
@@ -80,6 +85,7 @@ class Bend {
   }
 
   double shift = 0, turn = 0;
+  double allShifts = 0, allTurns = 0;  // the sums
   uint32_t first = 0, end = 0;
 
  private:
@@ -139,6 +145,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
     const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
     column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
                        static_cast<float>(time)};
+    column.bends = {static_cast<float>(bend.allShifts), static_cast<float>(bend.allTurns), 0, 0};
     tables.columns.push_back(column);
     if (!moves) continue;
     shift = std::max(shift, glm::length(now.place - middle.place));

@@ -95,4 +95,27 @@ TEST_CASE("a list loses no hit while its sensor moves, however the way bends") {
   }
 }
 
+// Were the step to widen the bounds of the whole scan, each triangle would have a box in each of the 32 slices of time,
+// and each box would hold all beams.
+TEST_CASE("a sudden step in the path of a list's sensor widens the bounds of its own moment alone") {
+  needVulkan();
+  Sensor sensor = scattered();
+  for (double& time : sensor.patterns[0].times)  // no beam fires while the device cuts the step short
+    if (std::abs(time - kPeriod / 2) < 1e-4) time += 2e-4;
+  TestOptions options = vulkanOptions();
+  options.effects.sensorMotion.use = EffectUse::on;
+  const Scene scene = ahead();
+  Simulator device = makeSimulator(scene, sensor, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator truth = makeSimulator(scene, sensor, options);
+  const Pose before = {kStart, {}}, after = {{kStart.x, kStart.y + 0.5, kStart.z}, yaw(0.1)};
+  Shot shot;
+  shot.pose = before;
+  shot.motion.stamps = {{0, before}, {kPeriod / 2, before}, {kPeriod / 2 + 1e-6, after}, {kPeriod, after}};
+  checkBesideReference(device, truth, shot, {1e-3}, 4);
+  Scan scan;
+  device.scanInto(shot, scan);
+  CHECK(scan.counters.projected < 4 * scan.counters.triangles);
+}
+
 }  // namespace gnosphere::test
