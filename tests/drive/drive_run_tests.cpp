@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"

@@ -144,3 +144,24 @@ TEST_CASE("invalid requests of effects are refused in one line") {
   checkRefused("effects os1-fog", 2, "clean, auto, carla");
   checkRefused("plan none.obj", 1, "none.obj");
 }
+
+TEST_CASE("a scan on a device tells of echoes that a beam does not keep, and what the time of a trajectory is") {
+  const Workplace place;
+  std::string panes = "mtllib glass.mtl\nusemtl glass\n";
+  for (int pane = 0; pane < 12; ++pane) {
+    const std::string x = "v " + std::to_string(3 + pane);
+    panes += x + " -9 -9\n" + x + " 9 -9\n" + x + " 9 9\n" + x + " -9 9\nf -4 -3 -2 -1\n";
+  }
+  place.put("panes.obj", panes);
+  place.put("glass.mtl", "newmtl glass\nKd 0.5 0.5 0.5\nd 0.2\nillum 4\nTf 0.9 0.9 0.9\n");
+  place.put("poses.tum", "0 0 0 0 0 0 0 1\n1 0 1 0 0 0 0 1\n");
+  const std::string scan = "scan panes.obj --up z --faces both --sensor Puck --effect detection=off ";
+  const Result one = place.run(scan + "--pose 0,0,0");
+  INFO(one.err << one.out);
+  REQUIRE(one.status == 0);
+  CHECK_THAT(one.out, ContainsSubstring(" echoes more than a beam keeps\n"));
+  const Result both = place.run(scan + "--trajectory poses.tum");
+  CHECK_THAT(both.out, ContainsSubstring(" echoes more than a beam keeps\n") &&
+                           ContainsSubstring("; scans that are submitted together share their time, and the first may "
+                                             "include compilation\n"));
+}
