@@ -42,7 +42,7 @@ struct CloudOptions {
 /// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's extension
 /// decides. A temporary file is written and then renamed, so no half-written file is left. Throws
 /// Error(invalidArgument) for an unknown extension or a field that the scan does not have, and Error(file) if the file
-/// cannot be written.
+/// cannot be written. Links are followed, and pipes and devices are written directly.
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
 /// Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. If beams
