@@ -76,8 +76,8 @@ void bindDrive(nb::module_& parent) {
           "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "
           "of it ends the run.");
 
-  nb::class_<RunReport>(m, "RunReport", "What was made, and what was there.")
-      .def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
+  nb::class_<RunReport> report(m, "RunReport", "What was made, and what was there.");
+  report.def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
       .def_ro("kept", &RunReport::kept, "Those that were complete.")
       .def_ro("scans", &RunReport::scans, "Made now.")
       .def_ro("points", &RunReport::points, "Made now.")
@@ -86,6 +86,9 @@ void bindDrive(nb::module_& parent) {
       .def_ro("finished", &RunReport::finished,
               "Whether all frames of the drive are complete, and the files that need all are written.")
       .def_ro("device", &RunReport::device, "Its name; empty if nothing had to be made.");
+  readTuple(report, "broken", &RunReport::broken,
+            "Files that need every frame and were not as they had been written; they are removed, and made again with "
+            "the last frame.");
   m.def(
       "run",
       [](const Drive& of, const RunOptions& options) {
