@@ -204,10 +204,10 @@ TEST_CASE("a sensor keeps its dust, and its own fog, rain and snow where the wea
                                                {"entry of a time alone", fog, {{{"time", 0}}}}}) {
     INFO(name);
     const std::string own = cloud(effects, none, name + std::string(" alone"));
-    CHECK(own != empty);
-    CHECK(cloud(effects, weather, name + std::string(" and weather")) == own);
+    CHECK((own != empty));
+    CHECK((cloud(effects, weather, name + std::string(" and weather")) == own));
   }
-  CHECK(cloud(rain, dry, "replaced") == empty);
+  CHECK((cloud(rain, dry, "replaced") == empty));
 }
 
 TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
