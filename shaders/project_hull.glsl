@@ -8,7 +8,7 @@
 // bends its way by twice the product of both. `farthest` is the largest distance of a corner from the sensor in the middle
 // of the scan.
 float bendWithin(float count, float farthest, mat3 velocities) {
-  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
+  float speed = fastestOf(velocities);
   float bent = motion.bendShift + motion.bendTurn * farthest + 2.0 * motion.turnPerColumn * speed * motion.secondsPerColumn;
   return 0.125 * count * count * bent;
 }
@@ -80,7 +80,7 @@ bool narrowHull(vec2 places, mat3 corners, mat3 velocities, Course course, out O
     area = (ownTangents * frame.columnsPerRadian + 2.0 * slack) * (ownKeys + 2.0 * keySlack());
     float farthest = length(max(abs(low), abs(high))) + motion.shift;
     float count = places.y - places.x, bend = bendWithin(count, farthest, velocities);
-    if (velocities == mat3(0.0)) bend = min(bend, bendBetween(count, bendsBefore, bends, farthest));
+    if (fastestOf(velocities) == 0.0) bend = min(bend, bendBetween(count, bendsBefore, bends, farthest));
     bend += course.rounding;
     rangeMin = max(nearest - bend - motion.origins, course.nearest);
     seemInMotion(low, high, bend, 0.0);

@@ -12,6 +12,11 @@ uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
   return rangeMin > frame.rangeMax ? kRange : fate;
 }
 
+// Returns the speed of the fastest of three corners.
+float fastestOf(mat3 velocities) {
+  return max(max(length(velocities[0]), length(velocities[1])), length(velocities[2]));
+}
+
 // How a triangle moves relative to the sensor during the scan. Both may be fast and yet stay side by side.
 struct Course {
   float perColumn;  // metres: most that a point of it moves from one column to the next
@@ -21,7 +26,7 @@ struct Course {
 };
 
 Course courseOf(mat3 corners, mat3 velocities) {
-  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
+  float speed = fastestOf(velocities) * 1.00001;
   vec3 ofA = velocities[0] * motion.secondsPerColumn - motion.drift,
        ofB = velocities[1] * motion.secondsPerColumn - motion.drift,
        ofC = velocities[2] * motion.secondsPerColumn - motion.drift;
