@@ -77,9 +77,7 @@ struct Comparison {
   double hitErrorMax = 0;     ///< metres, over beams that both hit, whatever the owner, without ties
   uint64_t wrongPoint = 0;    ///< both hit, but their points are further apart than the tolerance, without ties
   double pointErrorMax = 0;   ///< metres between points, over beams that both hit, whatever the owner, without ties
-  bool same() const {
-    return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0 && wrongPoint == 0;
-  }
+  bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0 && wrongPoint == 0; }
 };
 
 /// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no

@@ -101,7 +101,8 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
   };
   room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
-  // An array that grows is made anew without the numbers. The count of instances has then grown, and with it numbering().
+  // An array that grows is made anew without the numbers. The count of instances has then grown, and with it
+  // numbering().
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
   const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
