@@ -48,6 +48,17 @@ TEST_CASE("files are written to what a link leads to, into pipes, and into devic
                                                   "pipe.csv", "read.csv", "target.pcd"});
 }
 
+TEST_CASE("a cloud in the world frame far from the origin comes with a warning of its precision") {
+  const Workplace place;
+  place.put("far.obj", "v 5429000 -50 0\nv 5429100 -50 0\nv 5429000 50 0\nf 1 2 3\n");
+  const std::string far = "scan far.obj --pose 5429030,0,1.8 -o far.csv" + kQuick;
+  const Result world = place.run(far + " --frame world");
+  CHECK(world.status == 0);
+  CHECK_THAT(world.err, StartsWith("gnosphere: warning: in the world frame points lie 5,429,0") &&
+                            ContainsSubstring("have steps of 0.5 m; --frame sensor keeps millimetres"));
+  CHECK(place.run(far).err == "");
+}
+
 TEST_CASE("the reference tells which options it ignores") {
   const Workplace place;
   const Result scan = place.run("scan floor.obj --binning lists --validation --accuracy exact --faces both" + kQuick);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -141,9 +143,26 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
   return scan;
 }
 
-void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan& scan, size_t number) {
+/// Warns if the points of a cloud in the world frame lie so far away that single precision has steps of more than a
+/// millimetre. Returns whether it did.
+bool warnOfSteps(const Scan& world) {
+  constexpr float kFar = 16384;  // metres; from here on neighbouring numbers are 2 mm apart, or more
+  float farthest = 0;
+  for (const float coordinate : world.points) farthest = std::max(farthest, std::abs(coordinate));
+  if (!(farthest >= kFar) || !std::isfinite(farthest)) return false;
+  const double step = std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
+  complain("warning: in the world frame points lie " + grouped(static_cast<uint64_t>(farthest)) +
+           " m from the scene's origin, where the numbers of a cloud have steps of " + formatted("%.3g", step) +
+           " m; --frame sensor keeps millimetres, and so do the LAS files of a drive");
+  return true;
+}
+
+void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan& scan, size_t number, bool& warned) {
   std::optional<Scan> mapped;
-  if (options.frame == "world" && !options.outputs.empty()) mapped = inWorld(scan);
+  if (options.frame == "world" && !options.outputs.empty()) {
+    mapped = inWorld(scan);
+    warned = warned || warnOfSteps(*mapped);
+  }
   for (const std::string& output : options.outputs)
     writeCloud(mapped ? *mapped : scan, fileOf(options, output, number), cloud);
   if (!options.image.empty()) writePicture(scan, fileOf(options, options.image, number));
@@ -248,12 +267,13 @@ int runScan(const ScanOptions& options) {
                        setUpMs,
                        choice ? &*choice : nullptr};
   start = nowMs();
+  bool warned = false;  // of the steps of single precision
   if (trajectory.empty()) {
     result.scan = runScans(simulator, pose, options.repeat, result.runs, result.setUpMs);
-    writeScan(options, cloud, result.scan, 0);
+    writeScan(options, cloud, result.scan, 0, warned);
   } else {
     result.trajectory = scanTrajectory(simulator, sensor, trajectory,
-                                       [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i); });
+                                       [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i, warned); });
     for (const TrajectoryScan& scan : result.trajectory) result.runs.push_back(scan.timings);
     result.scan = summaryOf(result.trajectory, sensor);
   }
