@@ -19,13 +19,13 @@ nb::object arrayOf(const SharedBatch& self, const T* data, size_t components) {
   return nb::cast(nb::ndarray<nb::numpy, T>(const_cast<T*>(data), shape.size(), shape.data(), keeperOf(self)));
 }
 
-bool hasField(const SharedBatch& self, Field field) {
+bool batchHasField(const SharedBatch& self, Field field) {
   return self.value->has(field);
 }
 
 /// Throws Error(invalidArgument) with the way to a batch that has the field.
 void requireField(const SharedBatch& self, Field field) {
-  if (hasField(self, field)) return;
+  if (batchHasField(self, field)) return;
   const std::string name = nb::cast<std::string>(nb::cast(field).attr("name"));
   refuse("the batch does not have the field '" + name + "'; scan_batch(..., fields=[Field." + name +
          "]) asks for it, if the sensor reports it");
@@ -36,7 +36,7 @@ nb::object columnOf(const SharedBatch& self, Field field, size_t components) {
   return arrayOf(self, self.value->column<T>(field).data(), components);
 }
 
-nb::object column(const SharedBatch& self, Field field) {
+nb::object columnOfBatch(const SharedBatch& self, Field field) {
   requireField(self, field);
   const FieldInfo info = fieldInfo(field);
   if (field == Field::x || field == Field::y || field == Field::z) {
@@ -77,7 +77,7 @@ void bindBatch(nb::module_& m) {
         name,
         [field, components](const SharedBatch& self) {
           requireField(self, field);
-          return components == 3 ? columnOf<float>(self, field, 3) : column(self, field);
+          return components == 3 ? columnOf<float>(self, field, 3) : columnOfBatch(self, field);
         },
         nb::for_getter(nb::sig(signature)), doc);
   };
@@ -90,12 +90,13 @@ void bindBatch(nb::module_& m) {
   array("instances", "def instances(self, /) -> numpy.typing.NDArray[numpy.uint32]", Field::instance, 1,
         "uint32: index of the instance.");
   batch
-      .def("column", &column, "field"_a, nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
+      .def("column", &columnOfBatch, "field"_a,
+           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
            "Returns the values of a field in the type of field_info(), in an array that can be written. Raises "
            "Error(invalid_argument) if the batch does "
            "not have the field.")
-      .def("has", &hasField, "field"_a, "Whether column() has the field.");
-  bindNames<&hasField, &column>(batch, "the batch", "`fields` of scan_batch() asks for more");
+      .def("has", &batchHasField, "field"_a, "Whether column() has the field.");
+  bindNames<&batchHasField, &columnOfBatch>(batch, "the batch", "`fields` of scan_batch() asks for more");
 }
 
 }  // namespace gnosphere::python

@@ -100,11 +100,11 @@ nb::object column(const Streamed& self, Field field, Where where) {
   return arrayOfType(info.type, [&]<typename T>() { return arrayOf<T>(self, first, info.components, where); });
 }
 
-bool hasField(const Streamed& self, Field field) {
+bool streamedHasField(const Streamed& self, Field field) {
   return std::ranges::count(self.layout.values, field, &RecordLayout::Value::field) > 0;
 }
 
-nb::object columnOf(const Streamed& self, Field field) {
+nb::object columnOfStreamed(const Streamed& self, Field field) {
   return column(self, field, Where::host);
 }
 
@@ -146,7 +146,7 @@ void bindStreamed(nb::module_& m) {
       nb::for_getter(nb::sig("def points(self, /) -> numpy.typing.NDArray[numpy.float32]")),
       "float32, three components: x, y, z in metres in the frame of each view's sensor; if x, y or z is a field.");
   batch
-      .def("column", &columnOf, "field"_a,
+      .def("column", &columnOfStreamed, "field"_a,
            nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
            "Returns the values of a field as a NumPy array. Raises Error(invalid_argument) if the batch does not have "
            "the field, or if the results are on the device only.")
@@ -158,9 +158,9 @@ void bindStreamed(nb::module_& m) {
           "submitted that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have "
           "them.")
       .def(
-          "has", [](const Streamed& self, Field field) { return hasField(self, field); }, "field"_a,
+          "has", [](const Streamed& self, Field field) { return streamedHasField(self, field); }, "field"_a,
           "Whether column() has the field.");
-  bindNames<&hasField, &columnOf>(batch, "the batch", "SensorRequest.fields asks for more");
+  bindNames<&streamedHasField, &columnOfStreamed>(batch, "the batch", "SensorRequest.fields asks for more");
 }
 
 }  // namespace

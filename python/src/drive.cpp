@@ -22,13 +22,13 @@ std::vector<nb::handle> visitedOf(const RunOptions& options) {
   return functions;
 }
 
-void dropFunctions(RunOptions& options) {
+void dropFunctionsOfRun(RunOptions& options) {
   options.progress = nullptr;
   options.simulator.warn = nullptr;
   options.simulator.trace = nullptr;
 }
 
-using CollectedRun = Collected<RunOptions, &visitedOf, &dropFunctions>;
+using CollectedRun = Collected<RunOptions, &visitedOf, &dropFunctionsOfRun>;
 
 }  // namespace
 

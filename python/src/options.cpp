@@ -135,13 +135,14 @@ void setFunction(SimulatorOptions& options, Function function) {
   if (function) options.*kMember = Warn(std::move(*function));
 }
 
-void dropFunctions(SimulatorOptions& options) {
+void dropFunctionsOfOptions(SimulatorOptions& options) {
   options.warn = nullptr;
   options.trace = nullptr;
 }
 
 using CollectedOptions =
-    Collected<SimulatorOptions, [](const SimulatorOptions& of) { return handlesOf(functionsOf(of)); }, &dropFunctions>;
+    Collected<SimulatorOptions, [](const SimulatorOptions& of) { return handlesOf(functionsOf(of)); },
+              &dropFunctionsOfOptions>;
 
 void bindSimulatorOptions(nb::module_& m) {
   nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.",

@@ -25,12 +25,12 @@ nb::object columnOf(const SharedScan& self, Field field, size_t components) {
       nb::ndarray<nb::numpy, const T>(view.data(), components == 1 ? 1 : 2, shape, keeperOf(self), strides));
 }
 
-nb::object column(const SharedScan& self, Field field) {
+nb::object columnOfScan(const SharedScan& self, Field field) {
   const FieldInfo info = fieldInfo(field);
   return arrayOfType(info.type, [&]<typename T>() { return columnOf<T>(self, field, info.components); });
 }
 
-bool hasField(const SharedScan& self, Field field) {
+bool scanHasField(const SharedScan& self, Field field) {
   return self.value->has(field);
 }
 
@@ -260,7 +260,8 @@ void bindScan(nb::module_& m) {
             "Shape (entries,), uint32: index within the instance's mesh. A view that keeps its memory alive.");
   readArray(scan, "instances", &Scan::instances,
             "Shape (entries,), uint32: index into Scene.instances. A view that keeps its memory alive.");
-  scan.def("column", &column, "field"_a, nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
+  scan.def("column", &columnOfScan, "field"_a,
+           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
            "Returns the values of a field, shape (entries,), or (entries, components) of a vector, in the type of "
            "field_info(): a read-only view that keeps its memory alive. An entry without a value has NaN in floats "
            "other "
@@ -297,7 +298,7 @@ void bindScan(nb::module_& m) {
           "is "
           "the identity. If the sensor moves during the scan, the scan must be deskewed (Effects.SensorMotion.deskew). "
           "Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
-      .def("has", &hasField, "field"_a,
+      .def("has", &scanHasField, "field"_a,
            "Whether column() has the field. A scan may have more fields than were requested.")
       .def(
           "beam_count", [](const SharedScan& self) { return self.value->beamCount(); },
@@ -318,7 +319,7 @@ void bindScan(nb::module_& m) {
           "entry"_a,
           "Whether the entry is a return, from a surface or from the medium; of all entries: "
           "~numpy.isnan(scan.ranges).");
-  bindNames<&hasField, &column>(scan, "the scan", "SensorRequest.fields asks for more");
+  bindNames<&scanHasField, &columnOfScan>(scan, "the scan", "SensorRequest.fields asks for more");
 }
 
 }  // namespace gnosphere::python

@@ -165,11 +165,12 @@ std::vector<Pose> posesOf(const nb::object& given, const std::string& name) {
   return poses;
 }
 
-void dropFunctions(Self& self) {
+void dropFunctionsOfSimulator(Self& self) {
   for (const Warn& function : self.functions()) function.clear();
 }
 
-using CollectedSimulator = Collected<Self, [](const Self& of) { return handlesOf(of.functions()); }, &dropFunctions>;
+using CollectedSimulator =
+    Collected<Self, [](const Self& of) { return handlesOf(of.functions()); }, &dropFunctionsOfSimulator>;
 
 constexpr const char* kScanBatch =
     "Makes the scans of many shots of one sensor, each with the same result as scan_into(), and collects them in "
