@@ -15,8 +15,8 @@ struct RunOptions {
   uint64_t shard = 0, shardCount = 1;              ///< frames whose number modulo shardCount is shard
   bool verify = false;                             ///< whether complete files are read and their hashes compared
   SimulatorOptions simulator;                      ///< the drive's accuracy and other options replace its own
-  /// Called when a frame is complete, with the number of frames made and that of frames to make. The calls come one after
-  /// another from a thread of the run, and not from that of the caller.
+  /// Called when a frame is complete, with the number of frames made and that of frames to make. The calls come one
+  /// after another from a thread of the run, and not from that of the caller.
   std::function<void(uint64_t done, uint64_t total)> progress;
 };
 
