@@ -144,7 +144,7 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
 }
 
 /// Warns if the points of a cloud in the world frame lie so far away that single precision has steps of more than a
-/// millimetre. Returns whether it did.
+/// millimetre, and returns whether they do.
 bool warnOfSteps(const Scan& world) {
   constexpr float kFar = 16384;  // metres; from here on neighbouring numbers are 2 mm apart, or more
   float farthest = 0;
