@@ -215,8 +215,7 @@ void bindStates(nb::module_& m) {
       "scene"_a, "clip"_a, "seconds"_a, "end"_a = ClipEnd::loop, WithoutGil(),
       "The state of the scene `seconds` after the start of a clip. What the clip does not move is at rest: instances "
       "that follow no node keep their transform, and meshes that none of them places their deformation. An empty "
-      "Clip() "
-      "gives the state at rest. Raises Error(invalid_argument) for a clip or an animation that does not fit the "
+      "Clip() gives the state at rest. Raises Error(invalid_argument) for a clip or an animation that does not fit the "
       "scene.");
   m.def(
       "clip_named", [](const Scene& scene, const std::string& name) { return clipNamed(scene, name); }, "scene"_a,

@@ -53,9 +53,10 @@ size_t dimensionsOf(const nb::object& array) {
   return nb::cast<size_t>(array.attr("ndim"));
 }
 
-/// Makes an array of maps, shape (n, 3, 4) or (n, 4, 4), one of shape (n, 12). Returns none for another shape. Throws
-/// Error(invalidArgument) as withoutLastRows() does.
+/// Makes an array of maps, shape (n, 3, 4) or (n, 4, 4), one of shape (n, 12); an empty list has no maps. Returns none
+/// for another shape. Throws Error(invalidArgument) as withoutLastRows() does.
 nb::object rowsOfMaps(nb::object array, const std::string& name) {
+  if (dimensionsOf(array) == 1 && lengthAlong(array, 0) == 0) return array.attr("reshape")(0, 12);
   if (dimensionsOf(array) != 3 || lengthAlong(array, 2) != 4) return nb::none();
   if (lengthAlong(array, 1) == 4) array = withoutLastRows(array, name);
   if (lengthAlong(array, 1) != 3) return nb::none();
@@ -110,8 +111,7 @@ nb::object contiguous(nb::handle array, const char* type) {
 std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name) {
   if (firstIs<Transform>(argument.object)) return entriesOf<Transform>(argument.object, name);
   const nb::object array = arrayOrRefuse(argument.object, name, "");
-  const bool empty = dimensionsOf(array) == 1 && lengthAlong(array, 0) == 0;
-  const nb::object maps = empty ? nb::object(array.attr("reshape")(0, 12)) : rowsOfMaps(array, name);
+  const nb::object maps = rowsOfMaps(array, name);
   if (maps.is_none())
     refuse(name + " has the shape " + text(array.attr("shape")) +
            "; it must be (n, 3, 4) or (n, 4, 4), or a sequence of Transform");
@@ -143,7 +143,6 @@ nb::object transformRows(const TransformsLike& argument, const std::string& name
   }
   const nb::object array = arrayOrRefuse(argument.object, name, "");
   if (dimensionsOf(array) == 2 && lengthAlong(array, 1) == 7) return array;
-  if (dimensionsOf(array) == 1 && lengthAlong(array, 0) == 0) return array.attr("reshape")(0, 12);
   const nb::object maps = rowsOfMaps(array, name);
   if (maps.is_none())
     refuse(name + " has the shape " + text(array.attr("shape")) +

@@ -71,8 +71,6 @@ struct SequenceOrArray {
   nb::object object;
 };
 
-/// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises.
-nb::object asArray(nb::handle object);
 /// Whether an argument is a sequence, and neither a text nor an array of numbers.
 bool isSequenceOfObjects(nb::handle object);
 

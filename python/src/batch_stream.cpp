@@ -212,11 +212,10 @@ void bindBatchStream(nb::module_& m) {
           },
           "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
           "Starts the scans of shots of one sensor, given as for Simulator.scan_batch() with its frame numbers, and "
-          "returns the number of the "
-          "batch. Changes of the simulator before the call count, those after it do not. The call waits for the batch "
-          "that has used the same result buffer; and for this one, so that lists can grow, if the sensor's batches so "
-          "far had fewer views, or none was in motion. Raises Error(invalid_argument) that names the first shot which "
-          "is not valid, before anything runs, Error(out_of_memory) and Error(device).")
+          "returns the number of the batch. Changes of the simulator before the call count, those after it do not. The "
+          "call waits for the batch that has used the same result buffer; and for this one, so that lists can grow, if "
+          "the sensor's batches so far had fewer views, or none was in motion. Raises Error(invalid_argument) that "
+          "names the first shot which is not valid, before anything runs, Error(out_of_memory) and Error(device).")
       .def("wait", &wait, "number"_a, nb::sig("def wait(self, number: int) -> StreamedBatch"),
            "Waits until a batch is done, and returns its results. Raises Error(invalid_argument) if there is none of "
            "this number, or if its buffer has been used again.")
@@ -251,8 +250,7 @@ void bindBatchStream(nb::module_& m) {
           },
           "buffer"_a,
           "Imports a result buffer in CUDA, once; it is valid as long as the stream. Raises Error(device) that gives "
-          "the "
-          "reason if CUDA cannot have it.");
+          "the reason if CUDA cannot have it.");
 }
 
 }  // namespace gnosphere::python

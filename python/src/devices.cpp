@@ -130,10 +130,8 @@ void bindDevices(nb::module_& m) {
       },
       "vulkan_problem"_a = nb::none(),
       "Lists every Vulkan device of this machine, then every CUDA device if CUDA is built in, and the reference last. "
-      "A "
-      "machine without Vulkan is no error: why no Vulkan device is listed is then appended to the list "
-      "`vulkan_problem`, "
-      "if given.");
+      "A machine without Vulkan is no error: why no Vulkan device is listed is then appended to the list "
+      "`vulkan_problem`, if given.");
 
   nb::class_<DeviceChoice> choice(
       m, "DeviceChoice",

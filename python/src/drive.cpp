@@ -24,8 +24,7 @@ std::vector<nb::handle> visitedOf(const RunOptions& options) {
 
 void dropFunctionsOfRun(RunOptions& options) {
   options.progress = nullptr;
-  options.simulator.warn = nullptr;
-  options.simulator.trace = nullptr;
+  dropFunctions(options.simulator);
 }
 
 using CollectedRun = Collected<RunOptions, &visitedOf, &dropFunctionsOfRun>;

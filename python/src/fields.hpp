@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results as mappings from the names of their fields to columns.
+// Binds the access to a result by the names of its fields, as to a mapping: result["range"].
 #pragma once
 
 #include <optional>

@@ -47,8 +47,7 @@ void bindShot(nb::module_& m) {
       m, "SensorMotion",
       "How the sensor moves during a scan: poses at times after its start. Between stamps the position is interpolated "
       "linearly and the orientation by slerp; before the first and after the last stamp the pose is constant. It is "
-      "never "
-      "changed after it is made.");
+      "never changed after it is made.");
   nb::class_<SensorMotion::Stamp>(motion, "Stamp", "It is never changed after it is made.")
       .def(
           "__init__",
@@ -135,14 +134,8 @@ void setFunction(SimulatorOptions& options, Function function) {
   if (function) options.*kMember = Warn(std::move(*function));
 }
 
-void dropFunctionsOfOptions(SimulatorOptions& options) {
-  options.warn = nullptr;
-  options.trace = nullptr;
-}
-
 using CollectedOptions =
-    Collected<SimulatorOptions, [](const SimulatorOptions& of) { return handlesOf(functionsOf(of)); },
-              &dropFunctionsOfOptions>;
+    Collected<SimulatorOptions, [](const SimulatorOptions& of) { return handlesOf(functionsOf(of)); }, &dropFunctions>;
 
 void bindSimulatorOptions(nb::module_& m) {
   nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.",
@@ -177,8 +170,8 @@ void bindSimulatorOptions(nb::module_& m) {
       .def_prop_rw("warn", &functionOf<&SimulatorOptions::warn>, &setFunction<&SimulatorOptions::warn>,
                    nb::for_setter(nb::arg("function").none()),
                    "Receives a sentence about a problem that is no error, for example that compiled pipelines cannot "
-                   "be kept. The "
-                   "library itself prints nothing. An exception that it raises is printed, and the call goes on.")
+                   "be kept. The library itself prints nothing. An exception that it raises is printed, and the call "
+                   "goes on.")
       .def_prop_rw("trace", &functionOf<&SimulatorOptions::trace>, &setFunction<&SimulatorOptions::trace>,
                    nb::for_setter(nb::arg("function").none()),
                    "Receives a line per step of each scan on a Vulkan device, with its size and time.")
@@ -201,6 +194,11 @@ std::vector<Warn> functionsOf(const SimulatorOptions& options) {
   for (const auto& function : {std::cref(options.warn), std::cref(options.trace)})
     if (const Warn* const warn = function.get().template target<Warn>()) functions.push_back(*warn);
   return functions;
+}
+
+void dropFunctions(SimulatorOptions& options) {
+  options.warn = nullptr;
+  options.trace = nullptr;
 }
 
 void ownFunctions(SimulatorOptions& options) {

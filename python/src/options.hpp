@@ -45,6 +45,8 @@ class Warn {
 
 /// Returns the Python functions of options.
 std::vector<Warn> functionsOf(const SimulatorOptions& options);
+/// Takes the functions away from options.
+void dropFunctions(SimulatorOptions& options);
 /// Gives options that will be an object of Python, or part of one, references of their own to their functions.
 void ownFunctions(SimulatorOptions& options);
 

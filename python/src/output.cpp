@@ -68,11 +68,10 @@ void bindLayout(nb::module_& m) {
       },
       "scan"_a, "layout"_a, "out"_a, nb::sig("def pack(scan: Scan, layout: RecordLayout, out: typing.Any) -> int"),
       "Writes the rows of the scan to the start of `out` and returns their number. `out` is a C-contiguous array that "
-      "can "
-      "be written, of any type; len(scan.ranges) * layout.stride bytes always suffice. Raises Error(invalid_argument), "
-      "before anything is written, for a field that the scan does not have, a type that does not hold the field, "
-      "values "
-      "that overlap or reach beyond the stride, and an array that is too small (the message states the bytes needed).");
+      "can be written, of any type; len(scan.ranges) * layout.stride bytes always suffice. Raises "
+      "Error(invalid_argument), before anything is written, for a field that the scan does not have, a type that does "
+      "not hold the field, values that overlap or reach beyond the stride, and an array that is too small (the message "
+      "states the bytes needed).");
 }
 
 void bindComparison(nb::module_& m) {
@@ -116,8 +115,7 @@ void bindComparison(nb::module_& m) {
       "Compares two clouds; `reference` is taken as the truth. `tolerance`, in metres, applies to beams for which the "
       "reference states no tolerance of its own. If both clouds have points, these may be apart by the tolerance and a "
       "millionth of the range, which is the rounding of coordinates. Raises Error(invalid_argument) if the clouds do "
-      "not have the same "
-      "beams.");
+      "not have the same beams.");
 }
 
 }  // namespace
@@ -156,8 +154,7 @@ void bindOutput(nb::module_& m) {
       "scan"_a, "file"_a, "options"_a = CloudOptions(),
       ("Writes " + cloudEndings("or") +
        "; the file's ending decides. No half-written file is left. Raises Error(invalid_argument) for an unknown "
-       "ending "
-       "or a field that the scan does not have, and Error(file) if the file cannot be written.")
+       "ending or a field that the scan does not have, and Error(file) if the file cannot be written.")
           .c_str());
   m.def(
       "write_picture",
@@ -168,8 +165,7 @@ void bindOutput(nb::module_& m) {
       },
       "scan"_a, "file"_a,
       "Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. "
-      "Raises "
-      "Error(file) if the file cannot be written.");
+      "Raises Error(file) if the file cannot be written.");
   m.def(
       "read_cloud",
       [](const std::filesystem::path& file) {
@@ -179,8 +175,7 @@ void bindOutput(nb::module_& m) {
       "file"_a,
       "Reads a PCD, PLY, NPY or CSV cloud that write_cloud() wrote. The scan gets the fields of the file except ring, "
       "beam, return_number and return_count, which follow from the index of an entry. Raises Error(file), "
-      "Error(format), "
-      "or Error(invalid_argument) for an extension that cannot be read.");
+      "Error(format), or Error(invalid_argument) for an extension that cannot be read.");
   bindComparison(m);
 }
 

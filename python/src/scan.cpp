@@ -93,8 +93,7 @@ void bindFields(nb::module_& m) {
       .value("material", Field::material, "uint32, index into Scene.materials")
       .value("barycentrics", Field::barycentrics,
              "2 float32, weights of the triangle's second and third corner; on a device NaN with a footprint, and for "
-             "beams "
-             "that meet a pane")
+             "beams that meet a pane")
       .value("class_id", Field::classId,
              "uint16, the surface's Material.class_id, else Instance.class_id, when the scan was made; 0 for none")
       .value("velocity", Field::velocity, "3 float32, m/s: the surface relative to the world, in sensor axes")
@@ -264,8 +263,7 @@ void bindScan(nb::module_& m) {
            nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
            "Returns the values of a field, shape (entries,), or (entries, components) of a vector, in the type of "
            "field_info(): a read-only view that keeps its memory alive. An entry without a value has NaN in floats "
-           "other "
-           "than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
+           "other than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
            "Error(invalid_argument) if the scan does not have the field.")
       .def_prop_ro(
           "shape",
@@ -290,14 +288,12 @@ void bindScan(nb::module_& m) {
           },
           "field"_a = "range",
           "Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a "
-          "field. "
-          "Needs Matplotlib.")
+          "field. Needs Matplotlib.")
       .def(
           "in_world", [](const SharedScan& self) { return SharedScan{std::make_shared<Scan>(inWorld(*self.value))}; },
           "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
-          "is "
-          "the identity. If the sensor moves during the scan, the scan must be deskewed (Effects.SensorMotion.deskew). "
-          "Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
+          "is the identity. If the sensor moves during the scan, the scan must be deskewed "
+          "(Effects.SensorMotion.deskew). Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
       .def("has", &scanHasField, "field"_a,
            "Whether column() has the field. A scan may have more fields than were requested.")
       .def(

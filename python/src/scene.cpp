@@ -183,11 +183,10 @@ void bindScene(nb::module_& m) {
       .def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
   m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
         "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "
-        "cut-out "
-        "(AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Skins, "
-        "morph targets and animations of glTF are in Scene.animation; the instances and the deformations of the meshes "
-        "are at rest, as the nodes of the file are. Raises Error(file) if the file cannot be read, Error(format) if "
-        "its content is invalid.");
+        "cut-out (AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). "
+        "Skins, morph targets and animations of glTF are in Scene.animation; the instances and the deformations of the "
+        "meshes are at rest, as the nodes of the file are. Raises Error(file) if the file cannot be read, "
+        "Error(format) if its content is invalid.");
   m.def("write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
         "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
         "that no animated instance places is written as it is deformed. Raises Error(file).");

@@ -185,8 +185,7 @@ void bindSensorItself(nb::module_& m) {
   m.def(
       "validate", [](const Sensor& of) { validate(of); }, "sensor"_a,
       "Raises Error(invalid_argument) that names the field if a sensor cannot be scanned with: angles, ranges, times "
-      "and "
-      "origins out of bounds, or lists of unequal lengths.");
+      "and origins out of bounds, or lists of unequal lengths.");
 }
 
 void bindCatalogue(nb::module_& m) {

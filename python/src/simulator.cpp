@@ -151,8 +151,7 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsL
 /// The poses of a batch: a sequence of Pose, or an array of shape (n, 7).
 std::vector<Pose> posesOf(const nb::object& given, const std::string& name) {
   if (firstIs<Pose>(given)) return entriesOf<Pose>(given, name + ": shots");
-  if (!isSequenceOfObjects(given) && !nb::hasattr(given, "shape") && !nb::hasattr(given, "__array__") &&
-      !nb::hasattr(given, "__dlpack__") && !PyObject_CheckBuffer(given.ptr()))
+  if (!isSequenceOfObjects(given) && !nb::hasattr(given, "shape") && !isArray(given.ptr()))
     throw nb::type_error((name + ": shots is a " + nb::cast<std::string>(given.type().attr("__name__")) +
                           "; it must be a sequence, such as a list, of Shot or of Pose, or an array of shape (n, 7)")
                              .c_str());
@@ -180,11 +179,9 @@ constexpr const char* kScanBatch =
     "the frame number of the first view, which those of the others follow. Random numbers depend on the frame number. "
     "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
     "of views from call to call to have other noise. `fields` are those that the batch has beside the ranges; without "
-    "any it has "
-    "all that a Scan of the sensor has. Ctrl-C is seen when the batch is done. Raises Error(invalid_argument) that "
-    "names "
-    "the first shot which is not valid, before anything runs, Error(out_of_memory) if the results do not fit into the "
-    "memory, and TypeError for shots of several types.";
+    "any it has all that a Scan of the sensor has. Ctrl-C is seen when the batch is done. Raises "
+    "Error(invalid_argument) that names the first shot which is not valid, before anything runs, Error(out_of_memory) "
+    "if the results do not fit into the memory, and TypeError for shots of several types.";
 
 void bindScans(nb::class_<Self>& simulator) {
   simulator
@@ -196,12 +193,9 @@ void bindScans(nb::class_<Self>& simulator) {
   simulator
       .def("scan", &scan, "pose"_a, "sensor"_a = 0,
            "Makes one scan from the fixed pose `pose`, without holding the GIL. Its frame number is 0, and random "
-           "numbers "
-           "depend on it, so a second scan from the pose has the same noise: scan(Shot(pose, frame=n)) has that of "
-           "frame "
-           "n. Raises Error(invalid_argument) for a "
-           "pose "
-           "that is not finite or an unknown sensor, Error(device) or Error(out_of_memory) if the device fails.")
+           "numbers depend on it, so a second scan from the pose has the same noise: scan(Shot(pose, frame=n)) has "
+           "that of frame n. Raises Error(invalid_argument) for a pose that is not finite or an unknown sensor, "
+           "Error(device) or Error(out_of_memory) if the device fails.")
       .def("scan", &scanShot, "shot"_a,
            "Makes one scan of a shot, with motion, weather and frame number. Raises as scan() of a pose does, and "
            "Error(invalid_argument) for weather that is not planned (see SensorRequest.variable_weather).")
@@ -269,8 +263,7 @@ void bindChanges(nb::class_<Self>& simulator) {
       },
       "mesh"_a, "positions"_a,
       "Moves the vertices of a mesh. positions: shape (vertices, 3), float32, metres relative to Mesh.origin, for as "
-      "many "
-      "vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable.");
+      "many vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable.");
   simulator.def(
       "set_deformation",
       [](Self& self, size_t mesh, const Deformation& deformation) {

@@ -16,13 +16,14 @@ inline bool isArray(PyObject* source) {
          PyObject_CheckBuffer(source);
 }
 
+/// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises.
+nanobind::object asArray(nanobind::handle object);
+
 /// The numbers of an array as a list, or null, without a Python exception, if it does not have one dimension.
 inline PyObject* listOf(PyObject* source) noexcept {
   try {
     namespace nb = nanobind;
-    const nb::module_ numpy = nb::module_::import_("numpy");
-    const bool onlyDlpack = !PyObject_HasAttrString(source, "__array__") && !PyObject_CheckBuffer(source);
-    const nb::object array = numpy.attr(onlyDlpack ? "from_dlpack" : "asarray")(nb::handle(source));
+    const nb::object array = asArray(source);
     if (nb::cast<size_t>(array.attr("ndim")) != 1) return nullptr;
     return array.attr("tolist")().release().ptr();
   } catch (const std::exception&) {
