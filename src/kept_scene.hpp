@@ -27,7 +27,6 @@ class KeptScene {
   /// Meshes have only their parts, and instances only their mesh and world.
   const Scene& scene() const { return scene_; }
   const ClassTable& classes() const { return classes_; }
-  ClassTable& classes() { return classes_; }
   /// Whether the visible materials may have changed since the last setPlanned().
   bool isStale() const { return stale_; }
   void setPlanned() { stale_ = false; }

@@ -62,8 +62,8 @@ struct Material {
   AlphaMode alphaMode = AlphaMode::opaque;
   float alphaCutoff = 0.5f;
   uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha channel of the base colour texture
-  /// Retro-reflection: gain over a Lambertian surface of reflectance 1, at most kMostRetro; 0 for none. No scene file
-  /// format that we read states it.
+  /// Gain of the retro-reflection over a Lambertian surface of reflectance 1, at most kMostRetro. A surface without
+  /// retro-reflection has 0. No scene file format that we read states it.
   float retro = 0;
   /// If true, both faces reflect. glTF states this per material; scenes from other formats are double-sided.
   bool doubleSided = true;

@@ -2,6 +2,9 @@
 // Makes and inverts affine maps in double precision.
 #pragma once
 
+#include <cstring>
+
+#include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
@@ -16,6 +19,11 @@ inline Transform composed(const Vec3& t, const Quaternion& q, const Vec3& s) {
            k * (q.y * q.z - q.x * q.w) * s.z, t.y,  //
            k * (q.x * q.z - q.y * q.w) * s.x, k * (q.y * q.z + q.x * q.w) * s.y,
            (1 - k * (q.x * q.x + q.y * q.y)) * s.z, t.z}};
+}
+
+/// Returns whether two poses have the same bits.
+inline bool samePose(const Pose& a, const Pose& b) {
+  return std::memcmp(&a, &b, sizeof(Pose)) == 0;
 }
 
 /// The inverse of a map whose determinant is not 0.

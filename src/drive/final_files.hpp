@@ -21,7 +21,7 @@ class FinalFiles {
  public:
   explicit FinalFiles(std::filesystem::path out) : out_(std::move(out)) {}
 
-  /// The place of a file of the output folder.
+  /// Returns the path of a file in the output folder.
   std::filesystem::path operator/(const std::string& path) const { return out_ / path; }
   /// Writes a whole file and its folders. The file appears when it is complete. Throws Error(file) with the
   /// system's reason.

@@ -73,7 +73,7 @@ void removeAbandoned(const fs::path& folder) {
 
 namespace {
 
-/// Entry of a manifest for one of its files.
+/// An entry of a manifest, which describes one file.
 struct FileEntry {
   fs::path path;  // within the folder of the drive
   std::string into, hash;
@@ -100,7 +100,7 @@ class ManifestFile {
     return entries;
   }
 
-  /// Folders of files that others were made of.
+  /// Returns the folders of the files of which final files were made.
   std::vector<fs::path> partFolders() const {
     std::vector<fs::path> folders;
     for (const Json& from : list(content_, "parts")) folders.push_back(pathOf(from, "folder"));

@@ -48,7 +48,7 @@ class Manifest {
   FrameSummary summaryOf(uint64_t frame) const;
   /// Notes that the drive is finished, and with which files.
   void putFinished(const std::vector<FinalFile>& files) const;
-  /// The folders of files that others are made of, by the manifests of all frames, and these files.
+  /// Returns the files of which final files are made, by their folders, as the manifests of all frames name them.
   std::map<std::filesystem::path, std::vector<std::filesystem::path>> usedFiles() const;
   void removeUsed() const;
   /// Removes what a process that made the same frames has written after another one had finished the drive.

@@ -2,8 +2,8 @@
 #include "effects/shot_motion.hpp"
 
 #include <algorithm>
-#include <cstring>
 
+#include "base/transform.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -25,9 +25,7 @@ bool moves(const SensorPlan& plan, const Shot& shot) {
 }
 
 bool isSkewed(const SensorPlan& plan, const Shot& shot) {
-  const auto isElsewhere = [&](const SensorMotion::Stamp& stamp) {
-    return std::memcmp(&stamp.pose, &shot.pose, sizeof(Pose)) != 0;
-  };
+  const auto isElsewhere = [&](const SensorMotion::Stamp& stamp) { return !samePose(stamp.pose, shot.pose); };
   return plan.has(gpu::kSensorMotion) && !plan.effects.sensorMotion.deskew &&
          std::any_of(shot.motion.stamps.begin(), shot.motion.stamps.end(), isElsewhere);
 }

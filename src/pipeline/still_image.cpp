@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/still_image.hpp"
 
-#include <cstring>
+#include "base/transform.hpp"
 
 namespace gnosphere {
 
 StillImage::Use StillImage::next(const Shot& shot, const InstanceTable& instances) {
   if (!on_) return Use::none;
-  if (!pose_ || std::memcmp(&shot.pose, &*pose_, sizeof(Pose)) != 0 || shot.world != world_) {
+  if (!pose_ || !samePose(shot.pose, *pose_) || shot.world != world_) {
     pose_ = shot.pose;
     world_ = shot.world;
     moving_.clear();

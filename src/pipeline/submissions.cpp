@@ -2,9 +2,9 @@
 #include "pipeline/submissions.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "base/threads.hpp"
+#include "base/transform.hpp"
 
 namespace gnosphere {
 namespace {
@@ -41,8 +41,7 @@ size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const 
   const bool moving = moves(plan, shots[0]);
   const auto bytesOf = [&](const Shot& shot) { return scene.bytesOfView(shot.world, moving); };
   const auto standsStill = [&](const Shot& shot, const Shot& before) {
-    return sensor.keepsStill() && !moving && shot.world == before.world &&
-           std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
+    return sensor.keepsStill() && !moving && shot.world == before.world && samePose(shot.pose, before.pose);
   };
   const auto deforms = [&](const Shot& shot) { return !shot.meshMotions.empty() && plan.has(gpu::kObjectMotion); };
   // A subgroup may work on several views, so the sensor must move in all views of a submission or in none.

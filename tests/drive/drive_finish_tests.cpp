@@ -10,13 +10,29 @@
 using namespace gnosphere;
 using namespace gnosphere::test;
 
-TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
-  const DriveFolder folder;
+namespace {
+
+Json driveWith(const Json& outputs) {
   Json json = smallDrive();
-  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
-  const drive::Drive drive = folder.read(json);
-  drive::run(drive, optionsFor(folder / "whole"));
-  drive::run(drive, optionsFor(folder / "out"));
+  json["outputs"] = outputs;
+  return json;
+}
+
+/// The small drive with these outputs, made in the folder `whole`, which stays as it is, and in the folder `out`.
+struct MadeTwice {
+  explicit MadeTwice(const Json& outputs) : read(folder.read(driveWith(outputs))) {
+    for (const char* name : {"whole", "out"}) drive::run(read, optionsFor(folder / name));
+  }
+
+  DriveFolder folder;
+  drive::Drive read;
+};
+
+}  // namespace
+
+TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
+  const MadeTwice made({{{"format", "kitti"}}, {{"format", "mcap"}}});
+  const auto& [folder, drive] = made;
   const std::string points = "kitti/sequences/00/velodyne/00000";
   fs::resize_file(folder / "out" / (points + "3.bin"), 100);
   fs::remove(folder / "out" / (points + "5.bin"));
@@ -39,12 +55,8 @@ TEST_CASE("a frame that is half there is made again, and with verify one whose b
 }
 
 TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {
-  const DriveFolder folder;
-  Json json = smallDrive();
-  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
-  const drive::Drive drive = folder.read(json);
-  drive::run(drive, optionsFor(folder / "whole"));
-  drive::run(drive, optionsFor(folder / "out"));
+  const MadeTwice made({{{"format", "kitti"}}, {{"format", "mcap"}}});
+  const auto& [folder, drive] = made;
   const fs::path manifest = folder / "out/manifest/frames/000003.json";
   const std::string sound = bytesOf(manifest);
   const fs::path victim = folder / "victim";
@@ -79,12 +91,8 @@ TEST_CASE("a manifest that is damaged, or that names files outside of the folder
 }
 
 TEST_CASE("files that need every frame are made again if their size, and with verify their bytes, have changed") {
-  const DriveFolder folder;
-  Json json = smallDrive();
-  json["outputs"] = everyOutput();
-  const drive::Drive drive = folder.read(json);
-  drive::run(drive, optionsFor(folder / "whole"));
-  drive::run(drive, optionsFor(folder / "out"));
+  const MadeTwice made(everyOutput());
+  const auto& [folder, drive] = made;
   drive::RunOptions verify = optionsFor(folder / "out");
   verify.verify = true;
   CHECK(drive::run(drive, verify).broken.empty());
@@ -126,9 +134,7 @@ TEST_CASE("files that need every frame are made again if their size, and with ve
 
 TEST_CASE("a run that ends after another one has finished the same drive leaves no parts behind") {
   const DriveFolder folder;
-  Json json = smallDrive();
-  json["outputs"] = {{{"format", "mcap"}}, {{"format", "osi"}}};
-  const drive::Drive drive = folder.read(json);
+  const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}, {{"format", "osi"}}}));
   drive::run(drive, optionsFor(folder / "whole"));
   drive::RunOptions options = optionsFor(folder / "out");
   const std::string other = "'" GNOSPHERE_BINARY "' drive '" + (folder / "drive.json").string() + "' -o '" +
