@@ -95,11 +95,13 @@ class Simulator::Impl {
   void warnOfMotion(const Shot& shot) {
     if (!options_.warn || !(shot.sensor < plans_.size()) || warnedOfMotion_.contains(shot.sensor)) return;
     const SensorPlan& plan = *plans_[shot.sensor];
-    const bool instances = !shot.instanceMotions.empty() || !shot.meshMotions.empty();
+    const bool sensor = !shot.motion.stamps.empty() && !plan.speeds() && !plan.has(gpu::kSensorMotion);
+    const bool objects = (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && !plan.has(gpu::kObjectMotion);
+    if (!sensor && !objects) return;
     for (const Plan::Decision& decision : plan.decisions) {
-      const bool brought = decision.effect == "sensor-motion" ? !shot.motion.stamps.empty() && !plan.speeds()
-                                                              : decision.effect == "object-motion" && instances;
-      if (!brought || decision.in || decision.leftOut || decision.request == EffectUse::off) continue;
+      const bool brought =
+          (decision.effect == "sensor-motion" && sensor) || (decision.effect == "object-motion" && objects);
+      if (!brought || decision.leftOut || decision.request == EffectUse::off) continue;
       warnedOfMotion_.insert(shot.sensor);
       options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
                     " is left out, although a shot brings it: " + decision.reason);
@@ -300,7 +302,7 @@ class Simulator::Impl {
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
-  std::set<size_t> warnedOfMotion_;        // sensors
+  std::set<size_t> warnedOfMotion_;        // sensors, see warnOfMotion()
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };

@@ -250,8 +250,7 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::dropOut>(
           "drop-out", gpu::kDropOut, appliesDropOut, dropsByIntensity,
           "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams. Automatic: on if a "
-          "rate "
-          "or a dead beam is given.",
+          "rate or a dead beam is given.",
           {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
                                                          "Probability that a beam is lost with all its returns, 0..1."),
            number<&E::dropOut, &E::DropOut::intensityLimit>(

@@ -154,7 +154,7 @@ Sensor builtinSensor(const std::string& name) {
     if (sameWord(sensor.name, name)) return sensor;
     if (sameWord(sensor.name, bare))
       throw Error(ErrorCode::invalidArgument, "the sensor " + sensor.name +
-                                                  " is an ideal head of the paper and has no " + "modes, so '" + name +
+                                                  " is an ideal head of the paper and has no modes, so '" + name +
                                                   "' is none; leave out ':" + mode + "'");
     names += (names.empty() ? "" : ", ") + sensor.name;
   }
