@@ -126,7 +126,8 @@ class Simulator::Impl {
     unfinished.result = nullptr;
   }
 
-  void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result) {
+  void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result,
+                const std::function<void(size_t)>& progress) {
     const Clock::time_point start = Clock::now();
     const size_t index = shots.empty() ? 0 : shots[0].sensor;
     std::vector<Field> fields;
@@ -152,7 +153,10 @@ class Simulator::Impl {
     scan.counters = {};
     scan.timings = {};
     const bool hitsAlone = std::all_of(fields.begin(), fields.end(), &isOfEveryScan);
-    if (hitsAlone && backend_->scanInto(shots, arrays.places(), scan)) {
+    const auto advance = [&](size_t view) {
+      if (progress) progress(view + 1);
+    };
+    if (hitsAlone && backend_->scanInto(shots, arrays.places(), scan, advance)) {
       result.counters = scan.counters;
       result.timings = scan.timings;
     } else {
@@ -161,6 +165,7 @@ class Simulator::Impl {
         result.counters += scan.counters;
         result.timings.gpuMs += scan.timings.gpuMs;
         for (const StageTime& stage : scan.timings.stages) result.timings.add(stage.name, stage.ms);
+        advance(view);
       });
     }
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -333,8 +338,9 @@ void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(si
   impl_->run(shots, result, [&](size_t i) { receive(i, result); });
 }
 
-void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields) {
-  impl_->runBatch(shots, fields, result);
+void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields,
+                              const std::function<void(size_t)>& progress) {
+  impl_->runBatch(shots, fields, result, progress);
 }
 
 Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields) {

@@ -318,9 +318,11 @@ class GNOSPHERE_API Simulator {
   /// with the view (the index into `shots`) as their first dimension. `fields` are those that the batch has beside the
   /// ranges; without any it has all that a Scan of the sensor has. The arrays of `result` are reused. The shots are
   /// submitted together as those of scanAll() are, in as many submissions as keep the work arrays and the lists of one
-  /// within Tuning::maxBatchBytes. Throws as scanAll() does, and Error(invalidArgument) that names the first shot of
-  /// another sensor, or a field that the sensor does not report.
-  void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {});
+  /// within Tuning::maxBatchBytes. `progress`, if given, gets the number of views that are done after each of them, on
+  /// the calling thread; an exception of `progress` ends the batch and is passed on. Throws as scanAll() does, and
+  /// Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor does not report.
+  void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {},
+                     const std::function<void(size_t views)>& progress = {});
   Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {});
 
   /// Each of the following changes takes effect with the next scan. Each throws Error(invalidArgument) that names an

@@ -2,6 +2,7 @@
 // Binds the simulator of gnosphere/simulator.hpp.
 #include "simulator.hpp"
 
+#include <chrono>
 #include <new>
 #include <stdexcept>
 
@@ -103,11 +104,28 @@ void withMemory(const std::vector<Shot>& shots, const Work& work) {
   }
 }
 
+/// The progress of a batch, in which the functions of signals are called, such as that of Ctrl-C. Other threads may
+/// hold the GIL for a while, so it is asked for ten times a second and not for each view.
+class SeesSignals {
+ public:
+  void operator()(size_t) {
+    const Clock::time_point now = Clock::now();
+    if (now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    const nb::gil_scoped_acquire acquired;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(100);
+};
+
 SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                       const std::vector<Field>& fields) {
   SharedBatch result;
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields); });
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields, SeesSignals()); });
   });
   return result;
 }
@@ -116,7 +134,7 @@ void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size
                    uint64_t frame, const std::vector<Field>& fields) {
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
     Taken taken(result);
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields); });
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields, SeesSignals()); });
   });
 }
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Batches: the bytes of single scans, shapes, memory that is used again, worlds."""
 
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -64,6 +66,35 @@ def test_the_plan_of_a_batch(simulator):
     assert many.views == 5
     assert many.dispatches() == simulator.plan(1).dispatches()
     assert many.bytes() > simulator.plan(1).bytes()
+
+
+def test_signals_are_handled_while_a_batch_runs(simulator):
+    """A batch that takes long enough for a signal after 0.15 s to come in its first half."""
+    count, took = 256, 0.0
+    while took < 0.6:
+        count *= 2
+        poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (count, 1))
+        poses[:, 0] = np.arange(count) / count
+        start = time.perf_counter()
+        simulator.scan_batch(poses, fields=[Field.range])
+        took = time.perf_counter() - start
+    handled = []
+
+    def stop(*_):
+        handled.append(time.perf_counter())
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, stop)
+    try:
+        start = time.perf_counter()
+        signal.setitimer(signal.ITIMER_REAL, 0.15)
+        with pytest.raises(KeyboardInterrupt):
+            simulator.scan_batch(np.tile(poses, (4, 1)), fields=[Field.range])
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(handled) == 1 and time.perf_counter() - start < 2 * took
+    assert simulator.scan_batch(poses[:3]).views == 3
 
 
 def test_memory_is_used_again(simulator):

@@ -20,9 +20,13 @@ class Backend {
   /// the timings; the caller fills name, grid size and pose.
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
   /// Makes the scans of shots of one sensor in order, into arrays in which the entries of one scan follow those of the
-  /// other. Returns false, and does nothing, if scans of the sensor have more than nearest hits, or if the device has
-  /// no better way than scanAll(). `sum` gets the counters and times of all scans together.
-  virtual bool scanInto(std::span<const Shot> /*shots*/, const Places& /*places*/, Scan& /*sum*/) { return false; }
+  /// other, and calls `receive` after each. Returns false, and does nothing, if scans of the sensor have more than
+  /// nearest hits, or if the device has no better way than scanAll(). `sum` gets the counters and times of all scans
+  /// together.
+  virtual bool scanInto(std::span<const Shot> /*shots*/, const Places& /*places*/, Scan& /*sum*/,
+                        const std::function<void(size_t)>& /*receive*/) {
+    return false;
+  }
   /// Records scans into a command buffer; see vulkan::Recorder and BatchStream. Only called if results stay on the
   /// device.
   virtual void record(Recording& /*recording*/) {}

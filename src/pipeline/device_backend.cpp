@@ -57,9 +57,10 @@ class DeviceBackend final : public Backend {
     scanTo(shots, {result, {}, receive, false});
   }
 
-  bool scanInto(std::span<const Shot> shots, const Places& places, Scan& sum) override {
+  bool scanInto(std::span<const Shot> shots, const Places& places, Scan& sum,
+                const std::function<void(size_t)>& receive) override {
     if (shots.empty() || !sensors_[shots[0].sensor]->arrays.leavesHitsAlone()) return false;
-    scanTo(shots, {sum, places, [](size_t) {}, true});
+    scanTo(shots, {sum, places, receive, true});
     return true;
   }
 

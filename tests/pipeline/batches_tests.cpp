@@ -294,6 +294,38 @@ TEST_CASE("a batch has only the fields that were asked for, in memory that it ke
   CHECK(batch.ranges().empty());
 }
 
+TEST_CASE("a batch tells how many views are done, and an exception of the listener ends it") {
+  const auto device = GENERATE(DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan);
+  if (device == DeviceChoice::Kind::vulkan) needVulkan();
+  const Scene scene = worlds(2, 1);
+  SensorRequest request(gridSensor(90, 16, -30, 30), Effects::none(), {Field::normal});
+  TestOptions options = vulkanOptions();
+  options.device = device;
+  options.tuning.maxBatchBytes = 1;  // a view per submission
+  Simulator simulator(scene, request, options);
+  const std::vector<Shot> shots = shotsOf(2, 6);
+  const Field ranges[] = {Field::range};
+  for (const std::span<const Field> fields : {std::span<const Field>(), std::span<const Field>(ranges)}) {
+    const Batch expected = simulator.scanBatch(shots, fields);
+    Batch batch;
+    std::vector<size_t> done;
+    const auto noted = [&](size_t views) { done.push_back(views); };
+    simulator.scanBatchInto(shots, batch, fields, noted);
+    CHECK(done == std::vector<size_t>{1, 2, 3, 4, 5, 6});
+    done.clear();
+    const auto stopped = [&](size_t views) {
+      done.push_back(views);
+      if (views == 3) throw std::runtime_error("enough");
+    };
+    CHECK_THROWS_WITH(simulator.scanBatchInto(shots, batch, fields, stopped), "enough");
+    CHECK(done == std::vector<size_t>{1, 2, 3});
+    CHECK(batch.views == 0);
+    CHECK(batch.ranges().empty());
+    simulator.scanBatchInto(shots, batch, fields);
+    CHECK(std::ranges::equal(std::as_bytes(batch.ranges()), std::as_bytes(expected.ranges())));
+  }
+}
+
 TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
   needVulkan();
   const Scene scene = worlds(6, 4);
