@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the beams of a list into the places or the cells of a grid.
+// Makes the tables of a list of beams, whose beams are sorted into cells unless they lie in places of a grid.
 #pragma once
 
 #include <span>
@@ -7,12 +7,8 @@
 
 #include "pipeline/beam_tables.hpp"
 #include "pipeline/origin_groups.hpp"
-#include "sensor/row_grid.hpp"
 
 namespace gnosphere {
-
-/// Computes the tables of a spinning head whose beams lie in places of a grid.
-BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const OriginGroup& group);
 
 /// FiredGroup names a group of beams, and the number of a scan that fires them, which tells the pattern of the list.
 struct FiredGroup {

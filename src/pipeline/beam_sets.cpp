@@ -10,6 +10,7 @@
 
 #include "base/limits.hpp"
 #include "pipeline/beam_cells.hpp"
+#include "pipeline/beam_places.hpp"
 #include "pipeline/resolve_words.hpp"
 
 namespace gnosphere {

@@ -6,6 +6,7 @@
 #include "effects/showroom.hpp"
 #include "list_sensors.hpp"
 #include "pipeline/beam_cells.hpp"
+#include "pipeline/beam_places.hpp"
 #include "pipeline/origin_groups.hpp"
 #include "town/town.hpp"
 
