@@ -254,16 +254,11 @@ uint64_t InstanceTable::mostTriangles() const {
 
 void InstanceTable::number() {
   if (numbered_) return;
-  uint32_t first = 0;
-  firstTriangles_.clear();
-  for (const Placement& placement : placements_) {
-    firstTriangles_.push_back(first);
-    first += meshOf(placement).triangles;
-  }
-  numberCount_ = first;
-  findOwnerRanges();
+  std::vector<uint32_t> triangles;
+  triangles.reserve(placements_.size());
+  for (const Placement& placement : placements_) triangles.push_back(meshOf(placement).triangles);
+  numbers_.set(triangles);
   numbered_ = true;
-  ++numbering_;
 }
 
 // The margin exceeds the rounding errors on the device. Spheres that are not finite stay: comparisons with NaN are
@@ -302,32 +297,6 @@ PlacedGroups::Run InstanceTable::runOf(const std::vector<uint32_t>& visible, uin
 
 void InstanceTable::writeNumbers(gpu::Instance* instances) const {
   for (size_t i = 0; i < placements_.size(); ++i) instances[i].firstTriangle = numberOf(i);
-}
-
-void InstanceTable::findOwnerRanges() {
-  uint32_t owner = 0;
-  const auto ownerOf = [&](uint32_t triangle) {
-    while (owner + 1 < placements_.size() && firstTriangles_[owner + 1] <= triangle) ++owner;
-    return owner;
-  };
-  ownerRanges_.clear();
-  for (uint32_t first = 0; first < numberCount_; first += gpu::kOwnerBlock) {
-    const uint32_t from = ownerOf(first);
-    ownerRanges_.push_back({from, ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1)});
-  }
-}
-
-void InstanceTable::writeOwnerRanges(uint32_t* ranges) const {
-  for (const auto& range : ownerRanges_) ranges = std::copy(range.begin(), range.end(), ranges);
-}
-
-// Finds the last instance whose first triangle number is at most `number`.
-InstanceTable::Owner InstanceTable::ownerOf(uint32_t number) const {
-  const auto [from, to] = ownerRanges_[number / gpu::kOwnerBlock];
-  const auto firsts = firstTriangles_.begin();
-  const auto owner = std::upper_bound(firsts + from, firsts + to + 1, number) - 1;
-  const uint32_t end = owner + 1 < firstTriangles_.end() ? owner[1] : numberCount_;
-  return {*owner, end - *owner, static_cast<uint32_t>(owner - firsts)};
 }
 
 void InstanceTable::writeMeshes(uint32_t* meshes) const {
@@ -428,10 +397,6 @@ void InstanceTable::writeViews(std::span<const ViewPlace> places, const InViews&
 
 void InstanceTable::writeMeshes(const InViews& inViews, uint32_t* meshes) const {
   for (const InView& each : inViews.entries) *meshes++ = placements_[each.instance].mesh;
-}
-
-void InstanceTable::writeOwnerRanges(const InViews& inViews, uint32_t* ranges) const {
-  for (const auto& run : inViews.runs) ranges = std::copy(run.begin(), run.end(), ranges);
 }
 
 void InstanceTable::setTransforms(const CallerTransforms& buffer) {

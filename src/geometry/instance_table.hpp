@@ -11,6 +11,7 @@
 
 #include "common/shared.h"
 #include "geometry/transform_sources.hpp"
+#include "geometry/triangle_numbers.hpp"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere {
@@ -62,8 +63,7 @@ struct PlacedGroups {
 /// How instances move during a scan, by instance; others stand still.
 using MovingInstances = std::map<uint32_t, gpu::InstanceMotion>;
 
-/// Triangles are numbered instance by instance, so that a triangle's number leads to its instance. A removed instance
-/// stays in the table with an empty mesh.
+/// A removed instance stays in the table with an empty mesh.
 class InstanceTable {
  public:
   /// Makes room for so many more meshes, which addMesh() can then add without throwing.
@@ -131,20 +131,11 @@ class InstanceTable {
   void writeViews(std::span<const ViewPlace> places, const InViews& inViews, gpu::Instance* instances, uint32_t* views,
                   uint32_t* pairs) const;
   void writeMeshes(const InViews& inViews, uint32_t* meshes) const;
-  void writeOwnerRanges(const InViews& inViews, uint32_t* ranges) const;
 
-  /// Version of the triangle numbers: scans with the same numbering() have the same triangle numbers.
-  uint64_t numbering() const { return numbering_; }
+  /// The numbers of the triangles of all instances, as of the last choose().
+  const TriangleNumbers& numbers() const { return numbers_; }
   /// Writes the first triangle number of every instance, chosen or not.
   void writeNumbers(gpu::Instance* instances) const;
-  /// For each block of kOwnerBlock placed triangles: the first and the last instance in it.
-  size_t ownerRangeCount() const { return size_t{numberCount_} / gpu::kOwnerBlock + 1; }
-  void writeOwnerRanges(uint32_t* ranges) const;
-  /// The instance to which a placed triangle belongs. Its triangles are numbered first..first + triangles - 1.
-  struct Owner {
-    uint32_t first = 0, triangles = 0, instance = 0;
-  };
-  Owner ownerOf(uint32_t number) const;
   /// Finds how instances move in the sensor's frame during `period` seconds, to the transforms that `motions` gives. An
   /// instance that `motions` does not name stands still, unless its mesh is deformed during that time. For each
   /// deformed mesh, `changes` has the largest distance that the deformation moves a vertex in the mesh frame. Returns
@@ -174,7 +165,7 @@ class InstanceTable {
 
   /// First triangle number of an instance in the form of gpu::Instance: bit 31 tells that it is mirrored.
   uint32_t numberOf(size_t instance) const {
-    return firstTriangles_[instance] | (placements_[instance].mirrored ? 1u << 31 : 0u);
+    return numbers_.firstOf(instance) | (placements_[instance].mirrored ? 1u << 31 : 0u);
   }
   const MeshSummary& meshOf(const Placement& placement) const;
   bool put(size_t index, const Transform& transform, bool known, uint64_t change);
@@ -186,7 +177,6 @@ class InstanceTable {
   const WorldContent& sumOf(const World& world) const;
   bool isSeen(uint32_t instance, const glm::dvec3& sensor, double reach) const;
   void number();
-  void findOwnerRanges();
   void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
   PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
 
@@ -197,12 +187,9 @@ class InstanceTable {
   std::vector<Placement> placements_;
   std::vector<Sphere> spheres_;                         // bounding sphere of each instance, in the world
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan
-  std::vector<uint32_t> firstTriangles_;                // by instance
-  std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
+  TriangleNumbers numbers_;
   TransformSources transformSources_;
   uint64_t changes_ = 0, renumberedAt_ = 0;
-  uint32_t numberCount_ = 0;
-  uint64_t numbering_ = 0;  // increases when numbers change
   bool numbered_ = false, anyReshaped_ = false;
 };
 

@@ -77,7 +77,7 @@ class Resolver {
     }
     const bool solid = word.triangle != gpu::kNone;
     if (solid && (to_.triangles || to_.instances)) {
-      if (word.triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(word.triangle);
+      if (word.triangle - owner_.first >= owner_.triangles) owner_ = instances_.numbers().ownerOf(word.triangle);
       write(entry, point, range, word.triangle - owner_.first, owner_.instance);
     } else {
       write(entry, point, range, gpu::kNone, gpu::kNone);
@@ -98,7 +98,7 @@ class Resolver {
   const InstanceTable& instances_;
   const ShotMotion* motion_;
   const Places to_;
-  InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
+  TriangleNumbers::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
   uint64_t hits_ = 0;
 };
 

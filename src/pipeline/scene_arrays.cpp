@@ -2,6 +2,7 @@
 #include "pipeline/scene_arrays.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace gnosphere {
 namespace {
@@ -102,21 +103,22 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   };
   room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
   // An array that grows is made anew without the numbers. The count of instances has then grown, and with it
-  // numbering().
+  // the version of the numbers.
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
   const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
-  if (to.numbering_ != instances_.numbering() || (meshes && !to.meshes_)) {
+  if (to.numbering_ != instances_.numbers().version() || (meshes && !to.meshes_)) {
     instances_.writeNumbers(instances);
-    room(Array::ownerRanges, instances_.ownerRangeCount() * 2 * sizeof(uint32_t), to.ownerRanges_);
-    instances_.writeOwnerRanges(static_cast<uint32_t*>(to.ownerRanges_->host()));
+    const auto& ranges = instances_.numbers().ownerRanges();
+    room(Array::ownerRanges, std::max<size_t>(ranges.size(), 1) * sizeof(ranges[0]), to.ownerRanges_);
+    std::ranges::copy(ranges, static_cast<std::array<uint32_t, 2>*>(to.ownerRanges_->host()));
     to.ownerRanges_->flush();
     if (meshes) {
       room(Array::instanceMeshes, instances_.count() * sizeof(uint32_t), to.meshes_);
       instances_.writeMeshes(static_cast<uint32_t*>(to.meshes_->host()));
       to.meshes_->flush();
     }
-    to.numbering_ = instances_.numbering();
+    to.numbering_ = instances_.numbers().version();
   }
   instances_.writeTransforms(pose, instances);
   instances_.writePairs(static_cast<uint32_t*>(to.placed_->host()));
@@ -142,7 +144,7 @@ void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::spa
   to.views_->flush();
   to.placed_->flush();
   room(Array::ownerRanges, to.inViews_.runs.size() * 2 * sizeof(uint32_t), to.ownerRanges_);
-  instances_.writeOwnerRanges(to.inViews_, static_cast<uint32_t*>(to.ownerRanges_->host()));
+  std::ranges::copy(to.inViews_.runs, static_cast<std::array<uint32_t, 2>*>(to.ownerRanges_->host()));
   to.ownerRanges_->flush();
   if (numbered) {
     room(Array::instanceNumbers, count * sizeof(uint32_t), to.numbers_);

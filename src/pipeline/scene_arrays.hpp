@@ -40,11 +40,11 @@ class PlacedArrays {
   std::unique_ptr<DeviceMemory> views_;      // view of each instance, if there are several views
   std::unique_ptr<DeviceMemory> numbers_;    // with several views: number of each instance in the scene, if kernels ask
   InstanceTable::InViews inViews_;
-  std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
+  std::unique_ptr<DeviceMemory> ownerRanges_;  // see TriangleNumbers::ownerRanges()
   // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
   std::unique_ptr<DeviceMemory> deformers_, jointRows_, morphWeights_;
   uint64_t deformation_ = 0;  // Deformables::version() when these three were written
-  uint64_t numbering_ = 0;    // InstanceTable::numbering() when the numbers were written
+  uint64_t numbering_ = 0;    // version of the TriangleNumbers that were written
 };
 
 class SceneArrays final : public SceneMemory {
