@@ -30,6 +30,7 @@ GNO_INLINE ColumnMotion motionBetween(ColumnMotion a, ColumnMotion b, float shar
   at.report1 = between(a.report1, b.report1, share);
   at.report2 = between(a.report2, b.report2, share);
   at.velocity = between(a.velocity, b.velocity, share);
+  at.spin = between(a.spin, b.spin, share);
   at.bends = a.bends;
   return at;
 }

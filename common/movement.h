@@ -24,6 +24,7 @@ struct ColumnMotion {
   vec4 row0, row1, row2;
   vec4 report0, report1, report2;  // the frame that points are reported in = report * (point of the column's frame, 1)
   vec4 velocity;                   // of the sensor, m/s in the column's frame; w: seconds since the scan's start
+  vec4 spin;                       // angular velocity of the sensor, rad/s in the column's frame; w is not used
   // Sums, over the entries before this one, of how much the motion bends there: the lengths of the second differences
   // of the shifts in metres and of the rotations (Frobenius norm). The other two are not used.
   vec4 bends;
@@ -52,7 +53,7 @@ struct MotionBounds {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 128 && sizeof(MotionBounds) == 92);
+static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 144 && sizeof(MotionBounds) == 92);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -93,6 +93,13 @@ vec3 deformedVelocityAt(uvec2 owner, vec3 point) {
   return rotated(beamMotion.row0, beamMotion.row1, beamMotion.row2, velocity);
 }
 
+// Returns the velocity of the beam's laser in the column's frame.
+vec3 laserVelocity() {
+  if (!ORIGINS) return beamMotion.velocity.xyz;
+  precise vec3 velocity = beamMotion.velocity.xyz + crossOf(beamMotion.spin.xyz, beamOrigin);
+  return velocity;
+}
+
 // Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0.
 void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
@@ -106,7 +113,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
       else
         velocity = velocityAt(moving, beamMotion, point);
     }
-    radial = radialSpeed(beamDirection, velocity, beamMotion.velocity.xyz);
+    radial = radialSpeed(lightDirection, velocity, laserVelocity());
     velocity = reportedDirection(beamMotion, velocity);
   }
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());

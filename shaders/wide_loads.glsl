@@ -32,9 +32,10 @@ Instance instanceIn(Wide memory, uint i) {
 }
 
 ColumnMotion motionIn(Wide memory, uint i) {
-  return ColumnMotion(vectorIn(memory, 8 * i), vectorIn(memory, 8 * i + 1), vectorIn(memory, 8 * i + 2),
-                      vectorIn(memory, 8 * i + 3), vectorIn(memory, 8 * i + 4), vectorIn(memory, 8 * i + 5),
-                      vectorIn(memory, 8 * i + 6), vectorIn(memory, 8 * i + 7));
+  return ColumnMotion(vectorIn(memory, 9 * i), vectorIn(memory, 9 * i + 1), vectorIn(memory, 9 * i + 2),
+                      vectorIn(memory, 9 * i + 3), vectorIn(memory, 9 * i + 4), vectorIn(memory, 9 * i + 5),
+                      vectorIn(memory, 9 * i + 6), vectorIn(memory, 9 * i + 7),
+                      vectorIn(memory, 9 * i + 8));
 }
 
 BeamFrame beamFrameIn(Wide memory, uint i) {

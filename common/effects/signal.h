@@ -154,7 +154,8 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     cause = kCauseDead;
   }
 
-  // The medium's echo counts if it is nearer than the last surface by more than the separation. Its place is by range.
+  // The medium's echo counts if it is nearer than the last surface and separate from all surfaces; a closer one is part
+  // of the surface's echo, to which it adds next to nothing. Its place is by range.
   uint count = works ? echoCount : 0u;
   uint scatterAt = kNone;
   Echo scatter = noEcho();
@@ -163,10 +164,20 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
     scatter = mediumEcho(p, beam, direction, far);
     if (scatter.range < kNever) {
+      bool separate = true;
       scatterAt = 0u;
       for (uint k = 0u; k < MOST_ECHOES; ++k)
-        if (k < count && loadEcho(k).range <= scatter.range) ++scatterAt;
-      ++count;
+        if (k < count) {
+          GNO_PRECISE float beyond = scatter.range - loadEcho(k).range;
+          if (max(beyond, -beyond) <= p.separation) separate = false;
+          if (beyond >= 0.0f) ++scatterAt;
+        }
+      if (separate) {
+        ++count;
+      } else {
+        scatter = noEcho();
+        scatterAt = kNone;
+      }
     }
   }
 

@@ -71,6 +71,19 @@ GNO_INLINE float countAt(Particles particles, uint i) {
   return i == 0u ? 0.0f : j == 0u ? counts.x : j == 1u ? counts.y : j == 2u ? counts.z : counts.w;
 }
 
+// Returns the expected number of particles up to a range, by linear interpolation.
+GNO_INLINE float countUpTo(Particles particles, float range) {
+  GNO_PRECISE float count = 0.0f;
+  for (uint k = 1u; k <= kParticleRanges; ++k) {
+    GNO_PRECISE float start = rangeOf(particles, k - 1u);
+    GNO_PRECISE float before = countAt(particles, k - 1u);
+    GNO_PRECISE float after = countAt(particles, k);
+    GNO_PRECISE float share = quotient(range - start, max(rangeOf(particles, k) - start, 1e-30f));
+    if (range > start) count = before + (after - before) * min(share, 1.0f);
+  }
+  return count;
+}
+
 // Geometric mean of the horizontal and vertical diameter of the beam at a range, in metres.
 GNO_INLINE float beamDiameter(EffectParameters p, float range) {
   GNO_PRECISE float horizontal = kApertureDiameter + p.spreadHorizontal * range;
@@ -79,13 +92,14 @@ GNO_INLINE float beamDiameter(EffectParameters p, float range) {
   return squareRoot(area);
 }
 
-// The echo of the nearest drop or flake that is strong enough to be detected in uniform air of `p.extinction`. Such
-// particles are a Poisson process along the beam, so the expected number up to the first one is exponentially
-// distributed. Their diameter beyond the least detectable one is exponentially distributed as well (Marshall and
-// Palmer 1948); it determines the energy.
+// The echo of the nearest drop or flake from `p.rangeMin` on that is strong enough to be detected in uniform air of
+// `p.extinction`. Such particles are a Poisson process along the beam, so the expected number up to the first one is
+// exponentially distributed. Their diameter beyond the least detectable one is exponentially distributed as well
+// (Marshall and Palmer 1948); it determines the energy.
 GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far, uvec4 words) {
   Echo echo = noEcho();
   GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
+  if (p.rangeMin > particles.firstRange) count += countUpTo(particles, p.rangeMin);
   if (!(count < particles.countsFar.w)) return echo;
   // The particle lies between entries i - 1 and i. Every entry is compared, because lanes that search end together
   // anyway.
@@ -100,7 +114,7 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
     }
   GNO_PRECISE float share = quotient(count - before, max(after - before, 1e-30f));
   GNO_PRECISE float start = rangeOf(particles, i - 1u);
-  GNO_PRECISE float range = start + (rangeOf(particles, i) - start) * min(share, 1.0f);
+  GNO_PRECISE float range = max(start + (rangeOf(particles, i) - start) * min(share, 1.0f), p.rangeMin);
   if (!(range < far)) return echo;
 
   // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth).

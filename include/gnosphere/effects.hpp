@@ -217,7 +217,8 @@ struct Optics {
 /// transmission and alpha.
 GNOSPHERE_API Optics opticsOf(const Material& material);
 
-/// Optical properties by material name, which override those of the scene's materials.
+/// Optical properties by material name, which override those of the scene's materials. A stated reflectance is that of
+/// a Lambertian surface; if the row states a roughness, too, the gloss of the scene's material is added.
 struct MaterialTable {
   struct Row {
     std::string name;           ///< name of the scene's material; case does not matter

@@ -44,7 +44,7 @@ enum class Field {
   returnCount,   ///< u8, number of returns of the beam
   width,         ///< f32 m, width of the echo: full width at half maximum (s) times c / 2
   normal,        ///< 3 f32 normal_x normal_y normal_z, unit vector in the sensor frame, pointing towards the sensor
-  incidence,     ///< f32 rad, angle between beam and normal; 0 for a surface square to the beam
+  incidence,     ///< f32 rad, angle between the nominal beam and the normal; 0 for a surface square to the beam
   material,      ///< u32, index into Scene::materials
   barycentrics,  ///< 2 f32 u v, weights of the triangle's second and third corner; on a device NaN with a footprint,
                  ///< and for beams that meet a pane: their echoes are sums over several places

@@ -244,7 +244,8 @@ struct MemoryUse {
 };
 
 /// How the sensor moves during a scan: poses at times after its start. Between stamps the position is interpolated
-/// linearly and the orientation by slerp; before the first and after the last stamp the pose is constant.
+/// linearly and the orientation by slerp; before the first and after the last stamp the pose is constant, and speeds
+/// are those of the nearest interval.
 struct SensorMotion {
   struct Stamp {
     double time = 0;  ///< seconds after the start of the scan, ascending

@@ -93,7 +93,7 @@ std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Sho
       gpu::EffectParameters parameters = plan.parameters;
       if (shot.weather) parameters = effectParameters(effectsOf(plan, shot), plan.sensor, plan.bits);
       parameters.sensor = plan.parameters.sensor;
-      parameters.frame = static_cast<uint32_t>(shot.frame);
+      parameters.frame = keyOfFrame(shot.frame);
       all.push_back(parameters);
     }
     arrays.push_back(arrayOf(gpu::Array::parameters, all));

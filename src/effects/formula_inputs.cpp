@@ -43,7 +43,7 @@ uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
   return returns.mode >= Mode::firstSecond ? 2 : 1;
 }
 
-void fillMedium(const Effects& effects, uint32_t planned, gpu::EffectParameters& p) {
+void fillMedium(const Effects& effects, const Sensor& sensor, uint32_t planned, gpu::EffectParameters& p) {
   const double fog = planned & gpu::kFog ? fogExtinction(effects.fog.visibility) : 0;
   const double rain = planned & gpu::kRain ? rainExtinction(effects.rain.rate) : 0;
   const double snow = planned & gpu::kSnow ? snowExtinction(effects.snow.rate, effects.intensity.wavelength) : 0;
@@ -51,8 +51,10 @@ void fillMedium(const Effects& effects, uint32_t planned, gpu::EffectParameters&
   p.fogExtinction = float(fog);
   p.fogScatter = float(scatterOf(fog, kFogLidarRatio, p.pulseWidth));
   p.volumeCount = planned & gpu::kVolumes ? uint32_t(effects.volumes.boxes.size()) : 0;
-  if (planned & gpu::kRain) p.rain = particlesOf(p, rainDrops(effects.rain.rate));
-  if (planned & gpu::kSnow) p.snow = particlesOf(p, snowFlakes(effects.snow.rate));
+  if ((planned & (gpu::kRain | gpu::kSnow)) == 0) return;
+  const RangeWindow window = widestWindow(sensor);
+  if (planned & gpu::kRain) p.rain = particlesOf(p, rainDrops(effects.rain.rate), window);
+  if (planned & gpu::kSnow) p.snow = particlesOf(p, snowFlakes(effects.snow.rate), window);
 }
 
 }  // namespace
@@ -101,8 +103,13 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   }
   p.spreadHorizontal = float(horizontal > 0 || vertical > 0 ? horizontal : kUsualSpread);
   p.spreadVertical = float(horizontal > 0 || vertical > 0 ? vertical : kUsualSpread);
-  fillMedium(effects, planned, p);
+  fillMedium(effects, sensor, planned, p);
   return p;
+}
+
+uint32_t keyOfFrame(uint64_t frame) {
+  constexpr uint32_t kGolden = 0x9e3779b9;  // 2^32 divided by the golden ratio, which spreads numbers that follow
+  return uint32_t(frame) ^ uint32_t(frame >> 32) * kGolden;
 }
 
 std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32_t planned) {

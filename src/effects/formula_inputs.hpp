@@ -16,6 +16,10 @@ namespace gnosphere {
 /// The members `sensor` and `frame` stay 0; the backend sets them.
 gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sensor, uint32_t planned);
 
+/// Returns the part of the key of the random numbers that the number of a scan gives: the number itself up to 32
+/// bits.
+uint32_t keyOfFrame(uint64_t frame);
+
 /// One sub-ray of a footprint: the tangents of its angles to the beam's axis, `u` to the left and `v` up.
 struct SubRay {
   float u = 0, v = 0;

@@ -17,8 +17,8 @@ void take(float& value, float stated) {
 
 }  // namespace
 
-// glTF's metallic-roughness model (specification 2.0, appendix B): a dielectric reflects 4 % at its surface and the
-// rest of the base colour diffusely, a metal has no diffuse part. Alpha is coverage: light passes
+// glTF's metallic-roughness model (specification 2.0, appendix B): a dielectric reflects 4 % at its surface and its
+// base colour diffusely, a metal has no diffuse part. Alpha is coverage: light passes
 // through the uncovered share, and of the covered share `transmission` passes, which is then not reflected diffusely.
 Optics opticsOf(const Material& material) {
   constexpr float kDielectric = 0.04f;
@@ -45,7 +45,10 @@ std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, dou
     if (first == last && unused) unused->push_back(row.name);
     for (auto at = first; at != last; ++at) {
       Optics& one = optics[at->second];
-      take(one.reflectance, wavelength == 1550 ? row.reflectance1550 : row.reflectance905);
+      const float reflectance = wavelength == 1550 ? row.reflectance1550 : row.reflectance905;
+      take(one.reflectance, reflectance);
+      // A measured reflectance has the light of the glossy lobe in it, unless the row says how rough the surface is.
+      if (reflectance >= 0 && row.roughness < 0) one.gloss = 0;
       take(one.roughness, row.roughness);
       take(one.retro, row.retro);
       take(one.transmission, row.transmission);

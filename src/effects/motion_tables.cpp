@@ -141,10 +141,12 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
       write(seen, column.row0, column.row1, column.row2);
       write({now, deskew ? standing : Frame(pose)}, column.report0, column.report1, column.report2);
     }
-    const Vec3 v = velocityAt(shot.motion, time);
-    const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
+    const Vec3 v = velocityAt(shot.motion, time), w = angularVelocityAt(shot.motion, time);
+    const glm::dvec3 spin(w.x, w.y, w.z), centre(lasers.centre.x, lasers.centre.y, lasers.centre.z);
+    const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z) + glm::cross(spin, centre);
     column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
                        static_cast<float>(time)};
+    column.spin = {static_cast<float>(spin.x), static_cast<float>(spin.y), static_cast<float>(spin.z), 0};
     column.bends = {static_cast<float>(bend.allShifts), static_cast<float>(bend.allTurns), 0, 0};
     tables.columns.push_back(column);
     if (!moves) continue;

@@ -73,10 +73,10 @@ double particleDensity(const gpu::EffectParameters& p, const DropSizes& sizes, d
   return perVolume * std::numbers::pi / 4 * horizontal * vertical;
 }
 
-gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& sizes) {
+gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& sizes, const RangeWindow& window) {
   gpu::Particles particles = {};
-  particles.firstRange = std::max(p.rangeMin, 0.01f);
-  particles.lastRange = std::max(p.rangeMax, particles.firstRange);
+  particles.firstRange = std::max(float(window.least), 0.01f);
+  particles.lastRange = std::max(float(window.most), particles.firstRange);
   particles.slope = float(std::max(sizes.slope, 1.0));
   particles.reflectance = float(std::max(sizes.reflectance, 1e-6));
 

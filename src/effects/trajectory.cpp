@@ -40,6 +40,12 @@ size_t after(const std::vector<Stamp>& stamps, double time) {
   return static_cast<size_t>(std::upper_bound(stamps.begin(), stamps.end(), time, later) - stamps.begin());
 }
 
+/// Returns the index of the stamp at the end of the interval that contains `time`, or that is nearest to it, of at
+/// least two stamps.
+size_t endOfInterval(const std::vector<Stamp>& stamps, double time) {
+  return std::clamp(after(stamps, time), size_t{1}, stamps.size() - 1);
+}
+
 }  // namespace
 
 Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
@@ -57,12 +63,28 @@ Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
 
 Vec3 velocityAt(const SensorMotion& motion, double time) {
   const auto& stamps = motion.stamps;
-  const size_t next = after(stamps, time);
-  if (next == 0 || next == stamps.size()) return {};
+  if (stamps.size() < 2) return {};
+  const size_t next = endOfInterval(stamps, time);
   const Stamp &a = stamps[next - 1], &b = stamps[next];
   const double inverse = 1 / (b.time - a.time);
   const Vec3 &p = a.pose.position, &q = b.pose.position;
   return {inverse * (q.x - p.x), inverse * (q.y - p.y), inverse * (q.z - p.z)};
+}
+
+Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
+  const auto& stamps = motion.stamps;
+  if (stamps.size() < 2) return {};
+  const size_t next = endOfInterval(stamps, time);
+  const Stamp &a = stamps[next - 1], &b = stamps[next];
+  const Quaternion p = unit(a.pose.orientation), q = unit(b.pose.orientation);
+  // The rotation conj(p) q leads from the one pose to the other along the shorter arc.
+  const Vec3 axis = {p.w * q.x - p.x * q.w - p.y * q.z + p.z * q.y, p.w * q.y + p.x * q.z - p.y * q.w - p.z * q.x,
+                     p.w * q.z - p.x * q.y + p.y * q.x - p.z * q.w};
+  const double sine = std::sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z), cosine = dot(p, q);
+  if (sine == 0) return {};
+  const double angle = 2 * std::atan2(sine, std::abs(cosine));
+  const double scale = std::copysign(angle / sine / (b.time - a.time), cosine);
+  return {scale * axis.x, scale * axis.y, scale * axis.z};
 }
 
 Transform transformAt(const Transform& start, const Transform& end, double period, double time) {

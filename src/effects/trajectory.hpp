@@ -10,8 +10,12 @@ namespace gnosphere {
 /// both are constant before the first and after the last stamp. Without stamps the result is `standing`. Between stamps
 /// the quaternion has length 1.
 Pose poseAt(const SensorMotion& motion, const Pose& standing, double time);
-/// Returns the velocity in m/s in the world: at a stamp that of the following interval, 0 where the pose is constant.
+/// Returns the velocity in m/s in the world, which is constant between two stamps; at a stamp it is that of the
+/// following interval. Before the first and after the last stamp it is that of the nearest interval, although the pose
+/// is constant: stamps at the start and the end of a scan do not stop the sensor there. Without an interval it is 0.
 Vec3 velocityAt(const SensorMotion& motion, double time);
+/// Returns the angular velocity in rad/s in the frame of the sensor, of the same interval.
+Vec3 angularVelocityAt(const SensorMotion& motion, double time);
 
 /// Returns the transform at `time` of an instance that moves from `start` to `end` within `period` seconds.
 Transform transformAt(const Transform& start, const Transform& end, double period, double time);

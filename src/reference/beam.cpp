@@ -197,6 +197,17 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
   return beam;
 }
 
+Light lightOf(const Beam& beam, const SensorPlan& plan, const Receiver& receiver, size_t index) {
+  Light light = {0, 0, 0, beam.axis.direction};
+  if (!plan.has(gpu::kStrays)) return light;
+  const auto [azimuth, elevation] = receiver.angleError(index);
+  light.left = azimuth.value * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
+  light.up = elevation.value;
+  light.astray = azimuth.error + elevation.error;
+  light.direction = lineOf(beam, light.left, light.up).direction;
+  return light;
+}
+
 std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
                            size_t index, BeamDoubt& doubt) {
   const SensorPlan& plan = effects.plan;
@@ -208,18 +219,12 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects
     const Bounded energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : Bounded(1);
     return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
-  double left = 0, up = 0, astray = 0;  // tangents of the angular error of the beam, and their bound
-  if (plan.has(gpu::kStrays)) {
-    const auto [azimuth, elevation] = receiver.angleError(index);
-    left = azimuth.value * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
-    up = elevation.value;
-    astray = azimuth.error + elevation.error;
-  }
+  const Light light = lightOf(beam, plan, receiver, index);
   std::vector<Piece> pieces;
   for (size_t i = 0; i < effects.footprint.size(); ++i) {
     const FootprintRay& ray = effects.footprint[i];
-    Line line = lineOf(beam, ray.left + left, ray.up + up);
-    line.astray = astray;
+    Line line = lineOf(beam, ray.left + light.left, ray.up + light.up);
+    line.astray = light.astray;
     trace(view, line, effects, i, pieces, doubt);
   }
   return gather(pieces, plan.effects, doubt);

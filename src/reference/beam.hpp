@@ -31,6 +31,15 @@ struct Beam {
 
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index);
 
+/// The direction in the sensor's frame in which the light of a beam leaves, and by how much an error of rounding may
+/// turn it, in radians.
+struct Light {
+  double left = 0, up = 0;  ///< tangents of its angles to the beam's axis
+  double astray = 0;        ///< bound of the error of these
+  Vec3 direction;           ///< unit vector
+};
+Light lightOf(const Beam& beam, const SensorPlan& plan, const Receiver& receiver, size_t index);
+
 /// How a single-precision simulator may deviate on this beam.
 struct BeamDoubt {
   bool tie = false;

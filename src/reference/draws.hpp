@@ -18,7 +18,7 @@ class Draws {
     key_.seedLow = static_cast<uint32_t>(plan.effects.seed);
     key_.seedHigh = static_cast<uint32_t>(plan.effects.seed >> 32);
     key_.sensor = static_cast<uint32_t>(shot.sensor);
-    key_.frame = static_cast<uint32_t>(shot.frame);
+    key_.frame = keyOfFrame(shot.frame);
   }
 
   /// `effect` is a bit of effects/bits.h; `number` counts the random numbers that the effect draws for one beam.

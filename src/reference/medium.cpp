@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/medium.hpp"
 
+#include "sensor/beams.hpp"
+
 namespace gnosphere::reference {
 
 namespace {
@@ -87,7 +89,8 @@ Bounded Medium::density(const Particles& particles, double range) const {
 /// Integrates in 4096 steps of equal ratio. The table ends where only a ten thousandth of the sum remains.
 void Medium::tabulate(Particles& particles) const {
   constexpr size_t kSteps = 4096;
-  const double first = std::max(plan_.sensor.rangeMin, 0.01), ratio = std::max(plan_.sensor.rangeMax / first, 1.0);
+  const RangeWindow window = widestWindow(plan_.sensor);
+  const double first = std::max(window.least, 0.01), ratio = std::max(window.most / first, 1.0);
   const auto rangeAt = [&](double step) { return first * std::pow(ratio, step / kSteps); };
   std::vector<double> sums(kSteps + 1), errors(kSteps + 1);
   for (size_t i = 0; i < kSteps; ++i) {
@@ -130,6 +133,14 @@ double Medium::Counts::rangeWith(double count) const {
   while (entry < kSize && upTo[entry] <= count) ++entry;
   const double before = upTo[entry - 1], share = (count - before) / std::max(upTo[entry] - before, 1e-30);
   return rangeOf(entry - 1) + (rangeOf(entry) - rangeOf(entry - 1)) * std::clamp(share, 0.0, 1.0);
+}
+
+double Medium::Counts::countUpTo(double range) const {
+  if (range <= first) return 0;
+  size_t entry = 1;
+  while (entry < kSize && rangeOf(entry) < range) ++entry;
+  const double before = rangeOf(entry - 1), share = (range - before) / std::max(rangeOf(entry) - before, 1e-30);
+  return upTo[entry - 1] + (upTo[entry] - upTo[entry - 1]) * std::min(share, 1.0);
 }
 
 /// Returns the part of a line inside a box, up to `far`.
@@ -192,13 +203,17 @@ std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const 
 
 /// Particles are a Poisson process along the beam, so the expected number up to the first one is exponentially
 /// distributed, and so is the excess of their diameters over the least detectable one.
-std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& far,
+std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& nearest, const Bounded& far,
                                      const std::array<uint32_t, 4>& words, bool& doubt) const {
-  Bounded count = -log(Draws::aboveZero(words[0]));
-  count.error += particles.countError;
-  if (!less(count, particles.counts.upTo.back(), doubt)) return {};
+  Bounded beyond = -log(Draws::aboveZero(words[0]));
+  beyond.error += particles.countError;
+  const auto countOf = [&](const Counts& counts) {
+    const Bounded before = increasing([&](double range) { return counts.countUpTo(range); }, nearest);
+    return beyond + rounded(before.value, before.error, 4 * kFunctionError);
+  };
+  if (!less(countOf(particles.counts), particles.counts.upTo.back(), doubt)) return {};
   const auto rangeOf = [&](const Counts& counts) {
-    return increasing([&](double c) { return counts.rangeWith(c); }, count);
+    return max(increasing([&](double c) { return counts.rangeWith(c); }, countOf(counts)), nearest);
   };
   Echo echo;
   echo.range = rangeOf(particles.counts);
@@ -231,8 +246,8 @@ std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Lin
   if (plan_.has(gpu::kFog))
     consider(scatter(fog_, kFogLidarRatio, nearest, far, draws.words(beam, 0, gpu::kFog),
                      draws.words(beam, 1, gpu::kFog), doubt));
-  if (plan_.has(gpu::kRain)) consider(particle(rain_, far, draws.words(beam, 0, gpu::kRain), doubt));
-  if (plan_.has(gpu::kSnow)) consider(particle(snow_, far, draws.words(beam, 0, gpu::kSnow), doubt));
+  if (plan_.has(gpu::kRain)) consider(particle(rain_, nearest, far, draws.words(beam, 0, gpu::kRain), doubt));
+  if (plan_.has(gpu::kSnow)) consider(particle(snow_, nearest, far, draws.words(beam, 0, gpu::kSnow), doubt));
   if (plan_.has(gpu::kVolumes))
     for (uint32_t i = 0; i < plan_.effects.volumes.boxes.size(); ++i) {
       const Effects::Volume& box = plan_.effects.volumes.boxes[i];

@@ -46,6 +46,7 @@ class Medium {
 
     double rangeOf(size_t entry) const;
     double rangeWith(double count) const;
+    double countUpTo(double range) const;
   };
   struct Particles {
     double intercept = 0;    ///< 1/m^4: intercept * exp(-slope D) per m^3 and metre of diameter D
@@ -64,8 +65,8 @@ class Medium {
   std::optional<Echo> scatter(double extinction, double lidarRatio, const Bounded& near, const Bounded& far,
                               const std::array<uint32_t, 4>& words, const std::array<uint32_t, 4>& more,
                               bool& doubt) const;
-  std::optional<Echo> particle(const Particles& particles, const Bounded& far, const std::array<uint32_t, 4>& words,
-                               bool& doubt) const;
+  std::optional<Echo> particle(const Particles& particles, const Bounded& nearest, const Bounded& far,
+                               const std::array<uint32_t, 4>& words, bool& doubt) const;
   Span within(const Effects::Volume& box, const Line& line, const Bounded& far, bool& doubt) const;
 
   const SensorPlan& plan_;

@@ -131,10 +131,15 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
   for (const Echo& echo : surfaces) echoes.push_back({echo, static_cast<uint32_t>(echoes.size())});
   const bool inMedium = plan_.has(gpu::kMediumEffects);
   if (inMedium) {
-    // Light from the medium just in front of the last surface merges with the surface's echo.
+    // Light from the medium close to a surface merges with the surface's echo.
+    const Bounded separation = given(plan_.effects.returns.separation);
     Bounded far = given(axis.window.most);
-    if (!surfaces.empty()) far = surfaces.back().range - given(plan_.effects.returns.separation);
-    if (const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, doubt)) {
+    if (!surfaces.empty()) far = surfaces.back().range - separation;
+    const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, doubt);
+    const auto merges = [&](const Echo& surface) {
+      return !less(separation, max(scatter->range - surface.range, surface.range - scatter->range), doubt);
+    };
+    if (scatter && std::none_of(surfaces.begin(), surfaces.end(), merges)) {
       size_t at = 0;
       while (at < surfaces.size() && !less(scatter->range, surfaces[at].range, doubt)) ++at;
       echoes.insert(echoes.begin() + static_cast<ptrdiff_t>(at), {*scatter, gpu::kScatterDraw});

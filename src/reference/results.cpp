@@ -26,6 +26,7 @@ Vec3 turnedBy(const Vec3& direction, double azimuth, double elevation) {
 struct Judge::Reported {
   Beam beam;
   Vec3 direction;      ///< in which points are reported, in the beam's frame
+  Vec3 light;          ///< in which the light leaves, in the beam's frame
   SensorFrame frame;   ///< in which everything is reported
   SensorFrame column;  ///< of the sensor when the beam is fired
 
@@ -61,7 +62,8 @@ Cause Judge::judge(size_t index, Scan& scan) const {
   } else if (!met.empty()) {
     judged = {{{met[0].range, met[0].range.value, 0, 0, met[0].hit}}, Cause::returned};
   }
-  Reported reported = {beam, beam.axis.direction, SensorFrame(shot_.pose), SensorFrame(beam.pose)};
+  Reported reported = {beam, beam.axis.direction, lightOf(beam, plan, receiver_, index).direction,
+                       SensorFrame(shot_.pose), SensorFrame(beam.pose)};
   if (plan.has(gpu::kAngleNoise) && !plan.has(gpu::kStrays)) {
     const auto [azimuth, elevation] = receiver_.angleError(index);
     reported.direction = turnedBy(reported.direction, azimuth.value, elevation.value);
@@ -134,8 +136,10 @@ void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Sca
     for (size_t k = 0; k < 3; ++k) velocity = velocity + hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
   // The sensor's velocity counts even without sensor-motion: a sensor that fires all beams at once measures its own
   // speed.
-  const Vec3 sensor = velocityAt(shot_.motion, axis.time);
-  columns.data<float>(Field::radialSpeed)[at] = static_cast<float>(dot(axis.direction, inColumn(velocity - sensor)));
+  const Vec3 sensor = inColumn(velocityAt(shot_.motion, axis.time)),
+             arm = cross(angularVelocityAt(shot_.motion, axis.time), reported.beam.origin);
+  columns.data<float>(Field::radialSpeed)[at] =
+      static_cast<float>(dot(reported.light, inColumn(velocity) - (sensor + arm)));
   put(reported.turned(inColumn(velocity), deskew_), columns.data<float>(Field::velocity) + 3 * at);
 }
 

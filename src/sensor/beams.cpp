@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/units.hpp"
@@ -192,6 +193,21 @@ RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   const Channel& channel = sensor.channels[beam / sensor.columns];
   return {channel.rangeMin > 0 ? channel.rangeMin : sensor.rangeMin,
           channel.rangeMax > 0 ? channel.rangeMax : sensor.rangeMax};
+}
+
+RangeWindow widestWindow(const Sensor& sensor) {
+  RangeWindow widest = {std::numeric_limits<double>::infinity(), 0};
+  const auto include = [&](const RangeWindow& window) {
+    widest = {std::min(widest.least, window.least), std::max(widest.most, window.most)};
+  };
+  if (sensor.isGrid()) {
+    for (size_t channel = 0; channel < sensor.channels.size() && sensor.columns > 0; ++channel)
+      include(rangeWindowOf(sensor, channel * sensor.columns));
+  } else {
+    for (uint64_t scan = 0; scan < sensor.patterns.size(); ++scan)
+      for (size_t beam = 0; beam < sensor.beamCount(); ++beam) include(rangeWindowOf(sensor, beam, scan));
+  }
+  return widest.most > 0 ? widest : RangeWindow{sensor.rangeMin, sensor.rangeMax};
 }
 
 uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame) {

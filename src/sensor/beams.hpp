@@ -28,6 +28,8 @@ struct RangeWindow {
   double least = 0, most = 0;
 };
 RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+/// The least and the largest range of any beam in any scan; those of the sensor if it has no beams.
+RangeWindow widestWindow(const Sensor& sensor);
 /// The value of Field::ring of a beam.
 uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 

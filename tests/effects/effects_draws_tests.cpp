@@ -67,11 +67,12 @@ std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) 
 TEST_CASE("the same seed and frame give the same bytes, and different ones different bytes") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Simulator simulator = makeSimulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
-  const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1)});
+  const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1), shotOf(uint64_t{1} << 32)});
   CHECK(scans[0].counters.hits > 500);
   CHECK(sameFields(scans[0], scans[2]));
   CHECK(!sameFields(scans[0], scans[1]));
   CHECK(!sameFields(scans[0], scans[3]));
+  CHECK(!sameFields(scans[0], scans[4]));
   CHECK(sameFields(scans[0], simulator.scan(kPose)));
   Effects other = noisy();
   other.seed = 2;

@@ -4,6 +4,7 @@
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/scan_support.hpp"
+#include "lists/list_sensors.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
@@ -299,6 +300,53 @@ TEST_CASE("channels that fire later see the world later, from the origin of thei
   CHECK(scan.ranges[late] == Approx(range).epsilon(1e-5));
   CHECK(scan.points[3 * late] == Approx(range + 0.1).epsilon(1e-5));
   CHECK(scan.points[3 * late + 2] == Approx(0.05).epsilon(1e-4));
+}
+
+// The distance from the laser to the point that the beam meets is differentiated by differences.
+TEST_CASE("the speed of a laser beside the sensor's origin has the turning of the sensor in it") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool listed = GENERATE(true, false);
+  Sensor sensor = gridSensor(16, 2, 5, 5, 100);
+  const Vec3 lasers[] = {{0.3, -0.2, 0.1}, {-0.1, 0.4, 0.05}};
+  for (size_t i = 0; i < 2; ++i) sensor.channels[i].origin = lasers[i];
+  sensor.rotationPeriod = kPeriod;
+  if (listed) {
+    Sensor list = listSensor("list", beamsOf(sensor));
+    list.rangeMax = 100;
+    list.rotationPeriod = kPeriod;
+    for (Vec3& origin : list.patterns[0].origins) origin.x += 2;  // far from all others and from the origin
+    sensor = list;
+  }
+  const Scan scan = scanned(device, room(), sensor, driving());
+  const auto laserAt = [&](size_t beam, double time) {
+    const Vec3 at = turned(kTurn * time, originOf(sensor, beam));
+    return Vec3{kSpeed * time + at.x, at.y, at.z};
+  };
+  for (size_t i = 0; i < sensor.beamCount(); ++i) {
+    const double time = timeOf(sensor, i), step = 1e-6;
+    const Vec3 d = turned(kTurn * time, directionOf(sensor, i)), from = laserAt(i, time);
+    const double range = toWalls(from, d);
+    REQUIRE(scan.ranges[i] == Approx(range).epsilon(1e-5));
+    const auto distanceAt = [&](double at) {
+      const Vec3 p = laserAt(i, at);
+      return std::hypot(from.x + range * d.x - p.x, from.y + range * d.y - p.y, from.z + range * d.z - p.z);
+    };
+    const double expected = (distanceAt(time + step) - distanceAt(time - step)) / (2 * step);
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(expected).margin(2e-3));
+  }
+}
+
+TEST_CASE("beams that fire up to the last stamp and after it measure the sensor's speed") {
+  const std::string device = ON_EVERY_DEVICE;
+  Sensor sensor = gridSensor(360, 4, 0, 0, 100);
+  sensor.rotationPeriod = kPeriod;
+  for (size_t i = 0; i < 4; ++i) sensor.channels[i].timeOffset = 0.3 * static_cast<double>(i) * kPeriod / 360;
+  sensor.channels[3].timeOffset = 1.7 * kPeriod / 360;
+  Shot shot;
+  shot.motion.stamps = {{0, {}}, {kPeriod, {{kSpeed * kPeriod, 0, 0}, {}}}};
+  const Scan scan = scanned(device, room(), sensor, shot);
+  for (size_t i = 0; i < scan.beamCount(); ++i)
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(-kSpeed * directionOf(sensor, i).x).margin(1e-3));
 }
 
 TEST_CASE("a drive through a town with traffic equals the reference") {

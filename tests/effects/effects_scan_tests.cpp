@@ -134,6 +134,34 @@ TEST_CASE("scattering and attenuation of the medium are the same on every device
   requireSame(effects);
 }
 
+TEST_CASE("no drop, flake or droplet of fog is nearer than the own window of its channel") {
+  Sensor sensor = coarse(180);
+  sensor.rangeMin = 2;
+  for (size_t channel = 0; channel < sensor.channels.size(); ++channel)
+    sensor.channels[channel].rangeMin = channel % 2 ? 0.7 : 6;
+  for (const bool fog : {false, true}) {
+    Effects effects = physical();
+    effects.snow = {EffectUse::on, 20};
+    effects.returns = {EffectUse::on, Effects::Returns::Mode::first};
+    if (fog) effects.fog = {EffectUse::on, 30};
+    const Differences found = compared(effects, stillFields(), sensor, {0, 5e-4, 2e-3});
+    INFO(listed(found));
+    CHECK(found.all() == 0);
+    TestOptions options = optionsOn("vulkan");
+    options.effects = effects;
+    const Scan scan = scanOn(town(), sensor, kPose, options);
+    float least[2] = {100, 100};
+    for (size_t i = 0; i < scan.beamCount(); ++i) {
+      float& of = least[i / sensor.columns % 2];
+      if (scan.ranges[i] > 0) of = std::min(of, scan.ranges[i]);
+    }
+    CHECK(least[0] >= 6);
+    CHECK(least[0] < 8);
+    CHECK(least[1] >= 0.7f);
+    CHECK(least[1] < 1.5f);
+  }
+}
+
 TEST_CASE("masked beams of a list return nothing, not even from fog, and their cause is that they are dead") {
   Sensor sensor = listSensor("rosette", rosette(3000, 0.6));
   for (uint32_t beam = 0; beam < 3000; beam += 7) sensor.maskedBeams.push_back(beam);

@@ -95,6 +95,21 @@ TEST_CASE("a table replaces the properties of the materials that it names") {
   CHECK(opticsOf(scene, table, 1550)[0].reflectance == 0.2f);
 }
 
+TEST_CASE("a stated reflectance is that of a Lambertian surface, unless the row states a roughness") {
+  Scene scene;
+  scene.materials = {material("metal"), material("paint")};
+  for (Material& each : scene.materials) each.metallic = each.roughness = 0.5f;
+  MaterialTable table;
+  table.rows = {{.name = "metal", .reflectance905 = 0.1f},
+                {.name = "paint", .reflectance905 = 0.2f, .roughness = 0.4f}};
+  const auto near = opticsOf(scene, table, 905), far = opticsOf(scene, table, 1550);
+  CHECK(near[0].reflectance == 0.1f);
+  CHECK(near[0].gloss == 0);
+  CHECK(near[1].reflectance == 0.2f);
+  CHECK(near[1].gloss == opticsOf(scene.materials[1]).gloss);
+  CHECK(far[0].gloss == opticsOf(scene.materials[0]).gloss);  // nothing is stated at 1550 nm
+}
+
 TEST_CASE("an invalid table is refused") {
   const Folder folder;
   refused(folder, "t.json", "[]", "is neither {\"materials\"");

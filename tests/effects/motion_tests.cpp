@@ -46,8 +46,6 @@ TEST_CASE("a sensor without stamps stays at its pose, and stamps are held before
   CHECK(velocityAt({}, 0.3).x == 0);
   CHECK(poseAt(drive(), kStanding, 0).position.x == 1);
   CHECK(poseAt(drive(), kStanding, 1).position.z == 4);
-  CHECK(velocityAt(drive(), 0.05).x == 0);
-  CHECK(velocityAt(drive(), 0.4).z == 0);
   const SensorMotion one = {{{0.5, {{2, 0, 0}, {}}}}};
   CHECK(poseAt(one, kStanding, 0.5).position.x == 2);
   CHECK(velocityAt(one, 0.5).x == 0);
@@ -62,6 +60,33 @@ TEST_CASE("between stamps positions are interpolated linearly and orientations a
   CHECK(velocityAt(drive(), 0.1).y == Approx(10));
   CHECK(velocityAt(drive(), 0.2).z == Approx(20));
   CHECK(poseAt(drive(), kStanding, 0.2).position.x == 3);
+}
+
+TEST_CASE("stamps at the ends of a scan do not stop the sensor there") {
+  CHECK(velocityAt(drive(), 0.05).x == Approx(20));
+  CHECK(velocityAt(drive(), 0.4).z == Approx(20));
+  CHECK(velocityAt(drive(), 1).z == Approx(20));
+  CHECK(angularVelocityAt(drive(), 0).z == Approx(10));
+  CHECK(angularVelocityAt(drive(), 1).z == 0);
+}
+
+TEST_CASE("the angular velocity is that of the shorter arc, in the frame of the sensor") {
+  // A sensor that lies on its side, so that its x axis points up, and turns about the vertical axis.
+  const double half = std::sqrt(0.5);
+  const Quaternion side = {0, -half, 0, half};
+  const auto turned = [&](double angle, double sign) {
+    const Quaternion q = yaw(angle);  // q * side, the rotation of the world last
+    return Quaternion{sign * (q.w * side.x - q.z * side.y), sign * (q.w * side.y + q.z * side.x),
+                      sign * (q.w * side.z + q.z * side.w), sign * (q.w * side.w - q.z * side.z)};
+  };
+  for (const double sign : {1.0, -2.0}) {
+    const SensorMotion motion = {{{0, {{}, turned(0.3, 1)}}, {0.1, {{}, turned(0.5, sign)}}}};
+    const Vec3 w = angularVelocityAt(motion, 0.05);
+    CHECK(w.x == Approx(2));
+    CHECK(w.y == Approx(0).margin(1e-12));
+    CHECK(w.z == Approx(0).margin(1e-12));
+  }
+  CHECK(angularVelocityAt({}, 0.3).z == 0);
 }
 
 TEST_CASE("orientations are interpolated along the shorter arc, whatever the quaternions' signs and lengths") {

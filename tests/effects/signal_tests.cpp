@@ -178,6 +178,23 @@ TEST_CASE("an echo of the medium is returned as its own return, in order of rang
   CHECK(scattered > 100);
 }
 
+TEST_CASE("an echo of the medium close to any surface is part of the echo of that surface") {
+  Effects effects;
+  effects.fog.visibility = 30;
+  effects.returns.mode = Mode::all;
+  effects.returns.count = 3;
+  effects.returns.separation = 0.7;
+  int scattered = 0;
+  for (uint32_t i = 0; i < 3000; ++i) {
+    const Beam beam =
+        run(effects, gpu::kFog | gpu::kReturns | gpu::kIntensity, {echoAt(4, 0.1f, 0), echoAt(9, 0.9f, 1)}, i);
+    REQUIRE(beam.count >= 2);
+    for (uint32_t j = 0; j < beam.count; ++j) scattered += beam.returns[j].label == gpu::kLabelScatter;
+    for (uint32_t j = 1; j < beam.count; ++j) CHECK(beam.returns[j].range - beam.returns[j - 1].range > 0.7f);
+  }
+  CHECK(scattered > 300);
+}
+
 TEST_CASE("a beam that hits no surface may return an echo of the fog") {
   Effects effects;
   effects.fog.visibility = 30;

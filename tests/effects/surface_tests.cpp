@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/effects/detection.h"
+#include "common/effects/incidence.h"
 #include "common/effects/intensity.h"
 #include "common/effects/random.h"
 #include "effects/formula_inputs.hpp"
@@ -56,6 +57,16 @@ TEST_CASE("a tilted Lambertian plate returns reflectance * cosine / range^2, wit
 
 TEST_CASE("a Lambertian surface of reflectance 1 at normal incidence and 1 m returns 1") {
   CHECK(gpu::received(gpu::reflected(optics(1), 1), 1, 0) == Approx(1).epsilon(1e-6));
+}
+
+TEST_CASE("angles of incidence are right to 1e-6, also where their cosines are all 1") {
+  for (const double angle : {0.0, 1e-6, 1e-4, 3e-4, 1e-3, 0.1, 0.44, 0.46, 0.8, 1.2, 1.57})
+    for (const double turn : {0.0, 0.7, 2.0}) {
+      const double length = 37.5, s = std::sin(angle), c = std::cos(angle);
+      const glm::vec3 along(length * c, length * s * std::cos(turn), length * s * std::sin(turn));
+      INFO(angle);
+      CHECK(gpu::incidenceOf({-1, 0, 0}, along, float(length)) == Approx(angle).margin(1e-6));
+    }
 }
 
 TEST_CASE("the glossy lobe is GGX in the direction of the light source, brightest at normal incidence") {

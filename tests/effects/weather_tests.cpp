@@ -154,6 +154,35 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is distributed by
   }
 }
 
+TEST_CASE("a beam whose own window begins later sees the first drop from there on") {
+  Effects effects;
+  effects.snow.rate = 5;
+  Sensor sensor = sensorTo(120);
+  sensor.columns = 1;
+  sensor.channels.resize(2);
+  sensor.channels[1].rangeMin = 9;
+  gpu::EffectParameters p = effectParameters(effects, sensor, gpu::kSnow);
+  CHECK(p.snow.firstRange == 0.5f);
+  p.rangeMin = 9;  // as of the second channel
+  std::vector<float> ranges;
+  for (uint32_t beam = 0; beam < kBeams; ++beam) {
+    const gpu::Echo echo = gpu::particleEcho(p, p.snow, 120, gpu::draw(p, beam, 0, gpu::kSnow));
+    if (echo.range < gpu::kNever) ranges.push_back(echo.range);
+  }
+  REQUIRE(ranges.size() > kBeams / 100);
+  std::sort(ranges.begin(), ranges.end());
+  CHECK(ranges.front() >= 9);
+  for (uint32_t i = 1; i <= gpu::kParticleRanges; ++i) {
+    const float range = gpu::rangeOf(p.snow, i);
+    if (range < 9) continue;
+    const double expected = kBeams * (1 - std::exp(-dropsSeen(p, snowFlakes(5), range)));
+    const auto seen = double(std::upper_bound(ranges.begin(), ranges.end(), range) - ranges.begin());
+    INFO("up to " << range << " m");
+    // The expected number up to 9 m is interpolated.
+    CHECK(std::abs(seen - expected) < 5 * std::sqrt(expected) + 0.03 * expected);
+  }
+}
+
 TEST_CASE("sizes of detected drops and flakes exceed the least detectable size by an exponential distribution") {
   Effects effects;
   effects.snow.rate = 1;

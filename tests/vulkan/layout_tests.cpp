@@ -85,7 +85,7 @@ const Layouts kShared = {
     STRUCT(Shells, of, clusters),
     STRUCT(Pass, placedFirst, placedCount, shell, last, occluders, table, firstGroup, groups, clusters),
     STRUCT(InstanceMotion, row0, row1, row2, bound),
-    STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity, bends),
+    STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity, spin, bends),
     STRUCT(BeamFrame, forward, left, up),
     STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, forward, left, up, secondsPerColumn,
            seconds, instances, sensor, middle, columnsToMiddle, drift, wander, wanderPerColumn, bendShift, bendTurn,
