@@ -56,7 +56,7 @@ def _simulator(self: _gnosphere.Simulator) -> str:
         return "Simulator(at work in another thread)"
 
 
-for _module in (_gnosphere, _gnosphere.drive):
+for _module in (_gnosphere, _gnosphere.drive, _gnosphere._ros2):
     for _kind in classes_in(_module):
         if "__repr__" not in vars(_kind):
             setattr(_kind, "__repr__", _simulator if _kind is _gnosphere.Simulator else _text)

@@ -13,7 +13,7 @@ from typing import Any
 from . import _gnosphere
 from ._classes import classes_in
 
-_RESULTS = {"Simulator", "BatchStream", "Scan", "Batch"}
+_RESULTS = {"Simulator", "BatchStream", "Scan", "Batch", "Publisher"}
 _keywords: dict[type, set[str]] = {}  # by class: the keywords of its constructor
 _properties: dict[type, list[str]] = {}
 
@@ -66,6 +66,7 @@ def _make_value(kind: Any) -> None:
     setattr(kind, "__hash__", None)  # it can change
 
 
-for _kind in classes_in(_gnosphere):
-    if _kind.__name__ not in _RESULTS:
-        _make_value(_kind)
+for _module in (_gnosphere, _gnosphere._ros2):
+    for _kind in classes_in(_module):
+        if _kind.__name__ not in _RESULTS:
+            _make_value(_kind)

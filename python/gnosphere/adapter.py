@@ -252,47 +252,43 @@ def point_cloud2(
 def laser_scan(
     scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
-    """One channel of a scan as the members of sensor_msgs/LaserScan, by ascending angle. A beam without a return has
-    infinity (REP 117). Beams on both sides of 180 degrees have angles up to more than that, without a gap. Raises
-    ValueError for a channel that the scan does not have, and if its beams are not evenly spaced in azimuth."""
+    """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
+    `angle_increment` is less than 0. `stamp` is the time of its first beam. A beam without a return has infinity (REP
+    117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
+    the scan does not have, and if its beams are not evenly spaced in azimuth."""
     if not 0 <= channel < scan.channels:
         raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")
     columns = scan.columns
     entries = slice(channel * columns * scan.returns, (channel + 1) * columns * scan.returns, scan.returns)
-    directions = gno.beams_of(sensor).directions[channel * columns : (channel + 1) * columns]
-    order, angles = _around(np.arctan2(directions[:, 1].astype(np.float64), directions[:, 0]))
+    beams = gno.beams_of(sensor)
+
+    def own(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        return values[channel * columns : (channel + 1) * columns]
+
+    directions = own(beams.directions).astype(np.float64)
+    times = own(beams.times) if len(beams.times) else np.zeros(columns)
+    order = np.argsort(times, kind="stable")
+    angles = np.unwrap(np.arctan2(directions[order, 1], directions[order, 0]))
     steps = np.diff(angles)
     if len(steps) and np.ptp(steps) > 1e-4:
         raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
     ranges = scan.ranges[entries][order]
+    nearest, farthest = own(beams.range_min), own(beams.range_max)
     message: dict[str, Any] = {
         "header": header(frame_id, stamp),
         "angle_min": float(angles[0]),
         "angle_max": float(angles[-1]),
         "angle_increment": float(steps.mean()) if len(steps) else 0.0,
-        "time_increment": sensor.rotation_period / max(len(angles), 1),
+        "time_increment": float(np.ptp(times)) / max(len(angles) - 1, 1),
         "scan_time": sensor.rotation_period,
-        "range_min": sensor.range_min,
-        "range_max": sensor.range_max,
+        "range_min": float(nearest.min()) if len(nearest) else sensor.range_min,
+        "range_max": float(farthest.max()) if len(farthest) else sensor.range_max,
         "ranges": np.where(np.isnan(ranges), np.float32(np.inf), ranges),
         "intensities": np.empty(0, np.float32),
     }
     if scan.has(gno.Field.intensity):
         message["intensities"] = np.nan_to_num(scan.column(gno.Field.intensity)[entries][order])
     return message
-
-
-def _around(azimuths: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-    """The order of azimuths counter-clockwise, from behind the widest gap between two of them, and the azimuths in this
-    order, which ascend beyond 180 degrees if the gap is elsewhere."""
-    order = np.argsort(azimuths, kind="stable")
-    ascending = azimuths[order]
-    gaps = np.diff(ascending)
-    behind = ascending[0] + 2 * np.pi - ascending[-1]
-    if not len(gaps) or gaps.max() <= behind + 1e-4:
-        return order, ascending
-    first = int(np.argmax(gaps)) + 1
-    return np.roll(order, -first), np.concatenate([ascending[first:], ascending[:first] + 2 * np.pi])
 
 
 def header(frame_id: str, stamp: float) -> dict[str, Any]:

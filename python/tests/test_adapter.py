@@ -155,28 +155,34 @@ def test_a_lidar_moves_and_scans(device):
 
 
 @pytest.mark.parametrize(
-    ("start", "span", "columns", "first"),
-    [(90, 180, 90, 90), (170, -30, 30, 141), (-180, 360, 360, -179), (-179.5, 360, 360, -179.5), (-90, 180, 90, -90)],
+    ("start", "span", "columns"),
+    [(90, 180, 90), (170, -30, 30), (-180, 360, 360), (-179.5, 360, 360), (-90, 180, 90), (180, -360, 360), (0, -360, 36)],
 )
-def test_laser_scans_on_both_sides_of_180_degrees(device, start, span, columns, first):
-    """A corner at the azimuth of 10 degrees after the first beam tells which range has which angle."""
+def test_laser_scans_on_both_sides_of_180_degrees(device, start, span, columns):
+    """A box at 10 degrees behind the first beam tells which range has which angle."""
     shapes = adapter.Shapes()
-    half = np.radians(first) / 2
+    half = np.radians(start) / 2
     place = adapter.rows_of(gnosphere.Pose((0, 0, 0), (0, 0, np.sin(half), np.cos(half))))
     box = primitives.box((0.02, 0.02, 5))
-    at = np.radians(10)
+    step = span / columns
+    at = np.copysign(np.radians(10), span)
     shapes.instance(shapes.mesh(box), place @ adapter.rows_of(gnosphere.Pose((4 * np.cos(at), 4 * np.sin(at), 0))))
     sensor = gnosphere.Sensor(
-        range_max=100, columns=columns, channels=[gnosphere.Channel()], azimuth_start_deg=start, azimuth_span_deg=span
+        range_max=100, columns=columns, channels=[gnosphere.Channel(range_min=3, range_max=20)], rotation_period=0.1,
+        azimuth_start_deg=start, azimuth_span_deg=span,
+    )  # fmt: skip
+    lidar = adapter.Lidar(
+        shapes, sensor, effects=gnosphere.Effects.none(), fields="time", options=gnosphere.SimulatorOptions(device)
     )
-    lidar = adapter.Lidar(shapes, sensor, effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device))
     scan = lidar.cast(gnosphere.Shot())
     line = adapter.laser_scan(scan, sensor)
-    step = abs(span) / columns
-    assert np.degrees(line["angle_min"]) == pytest.approx(first, abs=1e-4)
+    assert (np.degrees(line["angle_min"]) - start + 1) % 360 == pytest.approx(1, abs=1e-4)
     assert np.degrees(line["angle_increment"]) == pytest.approx(step, abs=1e-4)
     assert line["angle_max"] == pytest.approx(line["angle_min"] + (columns - 1) * line["angle_increment"])
-    assert np.flatnonzero(np.isfinite(line["ranges"])).tolist() == [round(10 / step)]
+    met = np.flatnonzero(np.isfinite(line["ranges"])).tolist()
+    assert met == [round(10 / abs(step))]
+    assert scan.column(gnosphere.Field.time)[met[0]] == pytest.approx(met[0] * line["time_increment"], abs=1e-6)
+    assert (line["range_min"], line["range_max"]) == (3, 20)
     for channel in (-1, 1):
         with pytest.raises(ValueError, match=f"there is no channel {channel}; the scan has 1, counted from 0"):
             adapter.laser_scan(scan, sensor, channel)

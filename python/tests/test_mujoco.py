@@ -618,6 +618,39 @@ def test_the_drop_in_for_mj_multi_ray(device):
         assert set(ours[our_geoms < 0]) == {-1}
     with pytest.raises(ValueError, match="normal"):
         gm.mj_multiRay(*arguments, geoms, distances, np.zeros(9000), 3000, 150.0)
+    for wrong in (np.zeros((2, 1500), order="F"), distances.astype(np.float32), distances[:9], distances.tolist()):
+        with pytest.raises(TypeError, match="mj_multiRay: dist must be"):
+            gm.mj_multiRay(*arguments, geoms, wrong, None, 3000, 150.0)
+    with pytest.raises(TypeError, match="mj_multiRay: geomid must be a contiguous array of int32"):
+        gm.mj_multiRay(*arguments, geoms.astype(np.int64), distances, None, 3000, 150.0)
+    for cutoff in (0.0, -1.0):
+        gm.mj_multiRay(*arguments, geoms, distances, None, 3000, cutoff)
+        assert set(distances) == {-1} and set(geoms) == {-1}
+
+
+def test_a_ray_without_a_length_leaves_the_others_as_they_were(device):
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><geom type="box" size="1 9 9" pos="5 0 0"/></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+
+    def cast(vec):
+        geoms, distances = np.zeros(1, np.int32), np.zeros(1)
+        gm.mj_multiRay(model, data, np.zeros(3), np.array(vec), None, 1, -1, geoms, distances, None, 1, 100.0)
+        return distances[0]
+
+    rays = gm.Rays(model, [[1.0, 0, 0]], options=options(device))
+    for _ in range(2):
+        assert cast([1.0, 0, 0]) == pytest.approx(4)
+        for wrong in ([0.0, 0, 0], [np.nan, 0, 0], [np.inf, 0, 0]):
+            with pytest.raises(ValueError, match="the direction of ray 0 is .*, which has no length"):
+                cast(wrong)
+            with pytest.raises(ValueError, match="which has no length"):
+                rays.aim([wrong])
+        assert rays.cast(data, np.zeros(3))[0] == pytest.approx(4)
+    rays.aim([[2.0, 0, 0]])
+    assert rays.cast(data, np.zeros(3))[0] == pytest.approx(2)
 
 
 def test_the_drop_in_for_rangefinders(device):

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of ROS 2. What is on the wire is tested from C++; here only what Python adds."""
 
+import copy
 import os
+import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,6 +15,49 @@ from gnosphere import ros2
 
 os.environ["ROS_LOCALHOST_ONLY"] = "1"
 needs_wire = pytest.mark.skipif(ros2.unavailable() != "", reason="no libgnosphere_ros2")
+
+
+def test_messages_and_settings_are_values():
+    qos = ros2.Qos(depth=7)
+    assert pickle.loads(pickle.dumps(qos)) == qos != ros2.Qos()
+    assert repr(qos) == "Qos(depth=7)" and repr(ros2.Clock(5)) == "Clock(time=5)"
+    assert copy.deepcopy(ros2.Clock(5)) == ros2.Clock(5) != ros2.Clock(6)
+
+
+@needs_wire
+def test_times_beyond_the_seconds_of_ros_are_refused():
+    clock = ros2.Publisher(ros2.MessageType.clock, "clock")
+    clock.publish(ros2.Clock(-(2**31) * 10**9))
+    for time in (2**31 * 10**9, -(2**31) * 10**9 - 1):
+        with pytest.raises(gnosphere.Error, match=f"Clock::time is {time} ns, and ROS has 32 bits for seconds"):
+            clock.publish(ros2.Clock(time))
+
+
+FORKED = """
+import os, sys
+from gnosphere import ros2
+publisher = ros2.Publisher(ros2.MessageType.clock, "clock")
+publisher.publish(ros2.Clock(5))
+child = os.fork()
+if child == 0:
+    wrong = [lambda: publisher.publish(ros2.Clock(6)), publisher.counts, lambda: publisher.flush(1),
+             lambda: ros2.Publisher(ros2.MessageType.clock, "other")]
+    refused = 0
+    for call in wrong:
+        try:
+            call()
+        except Exception as error:
+            refused += "forked" in str(error)
+    del publisher
+    sys.exit(refused)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), publisher.flush(5))
+"""
+
+
+@needs_wire
+def test_a_forked_process_is_refused_and_ends():
+    result = subprocess.run([sys.executable, "-W", "ignore", "-c", FORKED], capture_output=True, text=True, timeout=60)
+    assert result.stdout == "4 True\n", result.stderr
 
 
 def test_an_array_of_records_becomes_a_cloud():

@@ -12,6 +12,7 @@
 #include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/ros.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
 
@@ -22,6 +23,7 @@ using nlohmann::json;
 
 namespace {
 
+constexpr double kLastTime = 9.2e9;  // s: the year 2261
 constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance,true_range";
 
 /// All mistakes in one line.
@@ -189,6 +191,10 @@ void DriveReader::times() {
   if (!(drive_.duration > 0) && mistakes_.empty())
     refuse("duration", "is missing, and the ego's trajectory ends at the start of the drive");
   if (drive_.duration * drive_.rate > 1e9) refuse("duration", "would have more than a thousand million frames");
+  const double first = drive_.epoch + drive_.start, last = first + drive_.duration;
+  if (first < -kLastTime || last > kLastTime)
+    refuse("epoch", "leads to times from " + shown(first) + " s to " + shown(last) +
+                        " s, which are beyond nanoseconds in 64 bits");
 }
 
 void DriveReader::weather() {
@@ -211,7 +217,7 @@ void DriveReader::weather() {
 void DriveReader::outputs() {
   std::vector<std::string> names;
   for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
-  std::set<std::string> folders;
+  std::vector<fs::path> folders;
   for (size_t i = 0; i < root_["outputs"].size(); ++i) {
     const json& object = root_["outputs"][i];
     const std::string path = entryPath("outputs", i);
@@ -220,9 +226,16 @@ void DriveReader::outputs() {
     output.folder = object.value("folder", output.format);
     const FormatInfo& format = formatNamed(output.format);
     const fs::path folder = fs::path(output.folder).lexically_normal();
-    if (folder.is_absolute() || *folder.begin() == ".." || *folder.begin() == "." || *folder.begin() == "manifest")
-      refuse(path + ".folder", "must be a folder in the output folder, other than manifest");
-    if (!folders.insert(folder.generic_string()).second) refuse(path + ".folder", "another output writes there, too");
+    const std::string top = folder.begin()->string();
+    if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
+        top == "classes.json")
+      refuse(path + ".folder", "must be a folder in the output folder, other than manifest and the files beside it");
+    const auto holds = [](const fs::path& outer, const fs::path& inner) {
+      return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+    };
+    for (const fs::path& other : folders)
+      if (holds(other, folder) || holds(folder, other)) refuse(path + ".folder", "another output writes there, too");
+    folders.push_back(folder);
     const json& listed = memberOf(object, "sensors");
     for (size_t s = 0; s < listed.size(); ++s)
       output.sensors.push_back(find(names, listed[s], entryPath(path + ".sensors", s)));
@@ -237,6 +250,13 @@ void DriveReader::outputs() {
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
+    if (output.format == "mcap" && mistakes_.empty()) {
+      if (const std::string why = mistakeOfNames(drive_, output.sensors); !why.empty()) refuse(path + ".sensors", why);
+      if (const std::string why = mistakeOfTimes(drive_); !why.empty()) refuse(path + ".format", why);
+      if (drive_.epoch + drive_.start < 0)
+        refuse(path + ".format", "MCAP has no times before 1970; the drive begins at " +
+                                     shown(drive_.epoch + drive_.start) + " s: give an epoch");
+    }
     drive_.outputs.push_back(std::move(output));
   }
 }

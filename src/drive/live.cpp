@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <numeric>
 #include <set>
 #include <thread>
 
 #include "drive/formats/format.hpp"
 #include "drive/frame_queue.hpp"
+#include "drive/ros.hpp"
 #include "drive/scanner.hpp"
 
 namespace gnosphere::drive {
@@ -19,14 +21,6 @@ using ros2::MessageType;
 using ros2::Publisher;
 using WallClock = std::chrono::steady_clock;
 
-/// A topic of a sensor. Names of sensors may have hyphens, and topics may not.
-std::string topicOf(const RigSensor& sensor, const char* what) {
-  std::string name = sensor.name;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return "/" + name + what;
-}
-
-constexpr int kTicksPerFrame = 10;  // of the clock and of the vehicle's pose
 const std::vector<Field> kFields = {Field::x,    Field::y,    Field::z,       Field::intensity,
                                     Field::time, Field::ring, Field::classId, Field::instance};
 
@@ -108,8 +102,7 @@ class Live {
   }
 
   void publish(const FrameRecord& frame) {
-    for (int i = 0; i < kTicksPerFrame; ++i) {
-      const double time = drive_.start + (static_cast<double>(frame.frame) + double(i) / kTicksPerFrame) / drive_.rate;
+    for (const double time : poseTimes(drive_, frame.frame)) {
       schedule_.add(time, clock_, ros2::Clock{stampOf(time)});
       schedule_.add(time, tf_, ros2::Transforms{{stampOf(time), "map", "base_link", drive_.ego.at(time)}});
     }
@@ -143,9 +136,18 @@ class Live {
     const double end = recorded.planned.time + recorded.duration;
     std::vector<Field> fields = kFields;
     if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);
-    schedule_.add(end, clouds_[index], ros2::cloudOf(recorded.scan, fields, sensor.name, stamp));
-    if (const auto laser = lasers_.find(index); laser != lasers_.end())
-      schedule_.add(end, laser->second, ros2::laserScanOf(sensor.sensor, recorded.scan, 0, sensor.name, stamp));
+    const float factor = intensityFactor(sensor, 1);
+    ros2::PointCloud2 cloud = ros2::cloudOf(recorded.scan, fields, sensor.name, stamp);
+    for (const ros2::PointField& field : cloud.fields)
+      if (field.name == "intensity")
+        scaleFloat(std::as_writable_bytes(std::span(cloud.data)), cloud.pointStep, field.offset, factor);
+    schedule_.add(end, clouds_[index], std::move(cloud));
+    if (const auto laser = lasers_.find(index); laser != lasers_.end()) {
+      ros2::LaserScan message = ros2::laserScanOf(sensor.sensor, recorded.scan, 0, sensor.name, stamp);
+      for (float& intensity : message.intensities) intensity *= factor;
+      message.scanTime = static_cast<float>(1 / sensor.rate);
+      schedule_.add(end, laser->second, std::move(message));
+    }
     ++report_.scans;
     report_.points += recorded.points;
   }
@@ -172,6 +174,10 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
   const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, "LiveOptions: " + text); };
   if (options.firstFrame >= end) refuse("there are no frames to publish");
   if (!(options.speed > 0)) refuse("the speed must be greater than 0");
+  std::vector<size_t> sensors(drive.sensors.size());
+  std::iota(sensors.begin(), sensors.end(), size_t{0});
+  for (const std::string& mistake : {mistakeOfNames(drive, sensors), mistakeOfTimes(drive)})
+    if (!mistake.empty()) throw Error(ErrorCode::invalidArgument, "the drive '" + drive.name + "': " + mistake);
   LiveReport report;
   const World world(drive);
   Live live(drive, options, report);

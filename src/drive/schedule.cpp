@@ -18,7 +18,8 @@ uint64_t firstScan(const RigSensor& sensor, double time) {
 
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame) {
   std::vector<PlannedScan> scans;
-  const double begin = static_cast<double>(frame) / drive.rate, end = static_cast<double>(frame + 1) / drive.rate;
+  const double begin = static_cast<double>(frame) / drive.rate,
+               end = std::min(static_cast<double>(frame + 1) / drive.rate, drive.duration);
   for (size_t s = 0; s < drive.sensors.size(); ++s) {
     const RigSensor& sensor = drive.sensors[s];
     const uint64_t last = firstScan(sensor, end);

@@ -2,6 +2,7 @@
 #include "drive/schema_check.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "base/json_text.hpp"
@@ -17,6 +18,10 @@ bool hasType(const json& value, const std::string& type) {
   if (type == "array") return value.is_array();
   if (type == "string") return value.is_string();
   if (type == "number") return value.is_number();
+  // As in JSON Schema, 1.0 is a whole number. Beyond 2^53 a float does not tell one whole number from the next.
+  constexpr double kMostWhole = 9007199254740992;
+  if (type == "integer" && value.is_number_float())
+    return std::abs(value.get<double>()) <= kMostWhole && std::floor(value.get<double>()) == value.get<double>();
   if (type == "integer") return value.is_number_integer();
   return type == "boolean" && value.is_boolean();
 }

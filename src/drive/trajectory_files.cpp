@@ -37,19 +37,28 @@ struct Line {
   }
 };
 
-/// Calls use(line) for every line that is neither empty nor a comment.
+/// Calls use(line) for every line that has more than blanks and a comment, which it does not get. Lines end as those of
+/// any system, and a byte order mark is no part of the first one.
 template <typename Use>
 void eachLine(const std::filesystem::path& file, const Use& use) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
   const std::string text = readWholeFile(file, kLargestFile);
   size_t number = 0;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line(text.data() + at, end - at);
-    at = end + 1;
+  for (size_t at = text.starts_with(kMark) ? kMark.size() : 0; at < text.size();) {
+    const size_t end = std::min(text.find_first_of("\r\n", at), text.size());
+    std::string_view line(text.data() + at, end - at);
+    line = line.substr(0, line.find('#'));
+    at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     ++number;
-    const size_t first = line.find_first_not_of(" \t\r");
-    if (first != std::string_view::npos && line[first] != '#') use(Line{file, number, line});
+    if (line.find_first_not_of(" \t") != std::string_view::npos) use(Line{file, number, line});
   }
+}
+
+/// Whether these are the columns of a rotation. Files have few digits.
+bool isRotation(const Vec3& x, const Vec3& y, const Vec3& z) {
+  const auto near = [](double value, double wanted) { return std::abs(value - wanted) < kUnitTolerance; };
+  return near(dot(x, x), 1) && near(dot(y, y), 1) && near(dot(z, z), 1) && near(dot(x, y), 0) && near(dot(y, z), 0) &&
+         near(dot(cross(x, y), z), 1);
 }
 
 /// A camera looks along z, with x to the right and y down; a vehicle along x, with y to the left and z up.
@@ -74,7 +83,7 @@ Stamps readKitti(const std::filesystem::path& file, const std::filesystem::path&
     const auto column = [&](size_t j) { return fromCamera({v[j], v[4 + j], v[8 + j]}); };
     const Vec3 x = column(2), y = -1.0 * column(0), z = -1.0 * column(1);
     const Quaternion turn = quaternionOf({Vec3{x.x, y.x, z.x}, Vec3{x.y, y.y, z.y}, Vec3{x.z, y.z, z.z}});
-    if (!(std::abs(dot(cross(x, y), z) - 1) < kUnitTolerance)) line.refuse("is no rotation and translation");
+    if (!isRotation(x, y, z)) line.refuse("is no rotation and translation");
     stamps.push_back({times[stamps.size()], {column(3), turn}});
   });
   if (stamps.size() != times.size())
@@ -102,8 +111,11 @@ Stamps readEuroc(const std::filesystem::path& file) {
     const std::vector<double> v = parseNumbers(line.text, ',');
     if (v.size() < 8) line.refuse("is not t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
     int64_t nanoseconds = 0;
-    const auto end = cells[0].data() + cells[0].size();
-    if (const auto read = std::from_chars(cells[0].data(), end, nanoseconds); read.ec != std::errc() || read.ptr != end)
+    std::string_view time = cells[0];
+    time.remove_prefix(std::min(time.find_first_not_of(" \t"), time.size()));
+    time = time.substr(0, time.find_last_not_of(" \t") + 1);
+    const auto end = time.data() + time.size();
+    if (const auto read = std::from_chars(time.data(), end, nanoseconds); read.ec != std::errc() || read.ptr != end)
       line.refuse("has a time that is not nanoseconds");
     stamps.push_back(
         {static_cast<double>(nanoseconds) / 1e9, {{v[1], v[2], v[3]}, line.unit({v[5], v[6], v[7], v[4]})}});

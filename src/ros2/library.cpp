@@ -17,17 +17,16 @@ struct Library {
 };
 
 // The symbols of another copy of Cyclone DDS in the process, as ROS has one, must not replace those that the library
-// was built with. The sanitizers do not support this.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kFlags = RTLD_NOW | RTLD_LOCAL;
-#else
-constexpr int kFlags = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;
-#endif
+// was built with. The sanitizers end a process that asks for this.
+int flags() {
+  const bool sanitized = dlsym(RTLD_DEFAULT, "__asan_init") || dlsym(RTLD_DEFAULT, "__tsan_init");
+  return RTLD_NOW | RTLD_LOCAL | (sanitized ? 0 : RTLD_DEEPBIND);
+}
 
 Library load() {
   const char* chosen = std::getenv("GNOSPHERE_ROS2_LIBRARY");
   const std::string name = chosen ? chosen : GNOSPHERE_ROS2_LIBRARY;
-  void* const handle = dlopen(name.c_str(), kFlags);
+  void* const handle = dlopen(name.c_str(), flags());
   if (!handle) {
     const char* why = dlerror();
     return {nullptr,

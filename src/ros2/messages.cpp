@@ -24,6 +24,12 @@ void checkText(const std::string& text, const char* what) {
   if (text.find('\0') != std::string::npos) refuse(std::string(what) + " contains a zero");
 }
 
+void checkStamp(int64_t nanoseconds, const char* what) {
+  constexpr int64_t kMost = int64_t{1} << 31, kSecond = 1'000'000'000;
+  if (nanoseconds < -kMost * kSecond || nanoseconds >= kMost * kSecond)
+    refuse(std::string(what) + " is " + std::to_string(nanoseconds) + " ns, and ROS has 32 bits for seconds");
+}
+
 size_t bytesOf(PointField::Type type) {
   constexpr size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
   const auto number = static_cast<size_t>(type);
@@ -43,6 +49,7 @@ PointField::Type typeOf(ValueType type) {
 
 struct Checker {
   void operator()(const PointCloud2& cloud) const {
+    checkStamp(cloud.stamp, "PointCloud2::stamp");
     checkText(cloud.frame, "PointCloud2::frame");
     for (const PointField& field : cloud.fields) {
       checkText(field.name, "PointField::name");
@@ -60,6 +67,7 @@ struct Checker {
              std::to_string(cloud.width) + " * " + std::to_string(cloud.pointStep));
   }
   void operator()(const LaserScan& scan) const {
+    checkStamp(scan.stamp, "LaserScan::stamp");
     checkText(scan.frame, "LaserScan::frame");
     if (!scan.intensities.empty() && scan.intensities.size() != scan.ranges.size())
       refuse("LaserScan::intensities has " + std::to_string(scan.intensities.size()) + " values, but there are " +
@@ -68,11 +76,12 @@ struct Checker {
   }
   void operator()(const Transforms& transforms) const {
     for (const StampedTransform& transform : transforms) {
+      checkStamp(transform.stamp, "StampedTransform::stamp");
       checkText(transform.parent, "StampedTransform::parent");
       checkText(transform.child, "StampedTransform::child");
     }
   }
-  void operator()(const Clock&) const {}
+  void operator()(const Clock& clock) const { checkStamp(clock.time, "Clock::time"); }
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The queue of a topic, and the thread that empties it.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -24,6 +26,19 @@ constexpr uint32_t kLastDomain = 232;  // beyond it the ports of DDS end
 
 [[noreturn]] void refusePublisher(const std::string& why) {
   throw Error(ErrorCode::invalidArgument, "ros2::Publisher: " + why);
+}
+
+/// Refuses a process that was forked from `process`, which publishes: it does not have the threads of that one.
+void checkProcess(pid_t process) {
+  if (process == getpid()) return;
+  refusePublisher("the process was forked from one that publishes, whose threads it does not have; start it anew, in "
+                  "Python with 'spawn'");
+}
+
+/// The process that has made the first publisher.
+pid_t publishingProcess() {
+  static const pid_t kFirst = getpid();
+  return kFirst;
 }
 
 uint32_t domainFromEnvironment() {
@@ -72,6 +87,7 @@ Topic topicOf(MessageType type, const std::string& name, const PublisherOptions&
   topic.name = wireName(name);
   topic.qos = options.qos;
   topic.domain = options.domain ? *options.domain : domainFromEnvironment();
+  checkProcess(publishingProcess());
   if (topic.domain > kLastDomain)
     refusePublisher("the domain is " + std::to_string(topic.domain) + "; the last one is " +
                     std::to_string(kLastDomain));
@@ -98,7 +114,11 @@ class Publisher::Queue {
     thread_.join();
   }
 
+  /// Whether this process was forked from that of the publisher.
+  bool isForked() const { return process_ != getpid(); }
+
   void push(Message message) {
+    checkProcess(process_);
     if (message.index() != static_cast<size_t>(type_)) refusePublisher("the topic has messages of another type");
     check(message);
     Message replaced;  // destroyed after the lock is released
@@ -116,12 +136,14 @@ class Publisher::Queue {
   }
 
   bool flush(double seconds) {
+    checkProcess(process_);
     const std::chrono::duration<double> limit(std::clamp(seconds, 0.0, 1e6));
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return waiting_.empty() && !sending_; });
   }
 
   PublisherCounts counts() {
+    checkProcess(process_);
     const uint32_t subscribers = wire_->subscribers();
     const std::lock_guard lock(mutex_);
     PublisherCounts now = counts_;
@@ -157,6 +179,7 @@ class Publisher::Queue {
     }
   }
 
+  const pid_t process_ = getpid();
   const MessageType type_;
   const size_t depth_;
   const std::unique_ptr<Wire> wire_;
@@ -170,7 +193,10 @@ class Publisher::Queue {
 
 Publisher::Publisher(MessageType type, const std::string& topic, const PublisherOptions& options)
     : queue_(std::make_unique<Queue>(topicOf(type, topic, options))) {}
-Publisher::~Publisher() = default;
+// A forked process cannot end a thread that it does not have, nor tell subscribers that the topic is gone.
+Publisher::~Publisher() {
+  if (queue_ && queue_->isForked()) static_cast<void>(queue_.release());
+}
 Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drive/pose_math.hpp"
+#include "drive/ros.hpp"
 #include "drive/schedule.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_support.hpp"
@@ -258,6 +259,8 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
 
   CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
   CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
+  for (const char* sheared : {"2 0 0 0 0 0.5 0 0 0 0 1 0\n", "1 0.9 0 0 0 1 0 0 0 0 1 0\n"})
+    CHECK_THROWS_WITH(read("p.txt", sheared, "kitti", times), ContainsSubstring("is no rotation and translation"));
   CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
                     ContainsSubstring("has 2 times for the 1"));
   CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "euroc"), ContainsSubstring("line 1 is not t,x,y,z,qw"));
@@ -307,7 +310,77 @@ TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates
       CHECK((after > -1e-6 && after < 0.1));
     }
   CHECK(next[0] == 11);  // 0, 0.3 ... 3 s
-  CHECK(next[1] == 22);  // 0.05 s and every seventh of a second, until 3.05 s
+  CHECK(next[1] == 21);  // 0.05 s and every seventh of a second, before 3.05 s
+}
+
+TEST_CASE("no scan starts at the end of a drive or later, although its last frame lasts longer") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["rate"] = 0.5;
+  json["duration"] = 1;
+  json["sensors"][0]["rate"] = 100;
+  json["sensors"][0]["sensor"]["rotation_period"] = 0.01;
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive.frameCount() == 1);
+  const std::vector<drive::PlannedScan> scans = drive::scansOf(drive, 0);
+  CHECK(std::ranges::count(scans, size_t{0}, &drive::PlannedScan::sensor) == 100);
+  CHECK(scans.back().time < drive.start + 1);
+}
+
+TEST_CASE("the pose of the vehicle is told a hundred times a second, and to the end of the last scan") {
+  const DriveFolder folder;
+  for (const auto& [rate, count] : {std::pair{0.5, size_t{200}}, {10.0, size_t{10}}, {50.0, size_t{10}}}) {
+    Json json = smallDrive();
+    json["rate"] = rate;
+    json["duration"] = 2 / rate;
+    const drive::Drive drive = folder.read(json);
+    CHECK(drive::poseTimes(drive, 0).size() == count);
+    const std::vector<double> last = drive::poseTimes(drive, 1);
+    CHECK(last.front() == drive.start + 1 / rate);
+    double end = 0;
+    for (const drive::PlannedScan& scan : drive::scansOf(drive, 1))
+      end = std::max(end, scan.time + drive.sensors[scan.sensor].sensor.rotationPeriod);
+    CHECK(last.back() >= end);
+    CHECK(last.back() < std::max(end, drive.start + 2 / rate) + 0.011);
+  }
+}
+
+TEST_CASE("a bag has names and times that ROS 2 knows") {
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "mcap"}}};
+  const auto refused = [&](const std::string& name, const std::string& other, const std::string& words) {
+    json["sensors"][0]["name"] = name;
+    json["sensors"][1]["name"] = other;
+    checkRefused(json, {"outputs[0].sensors: " + words});
+  };
+  refused("2nd", "b", "the sensor '2nd' begins with a digit");
+  refused("map", "b", "the sensor 'map' has the name of the frame of the world");
+  refused("a", "base_link", "the sensor 'base_link' has the name of the frame of the vehicle");
+  refused("a-b", "a_b", "the sensor 'a_b' has the topic of another one");
+  json["sensors"][1]["name"] = "b";
+  json["epoch"] = 2208988800;
+  checkRefused(json, {"outputs[0].format: epoch and start lead to times from 2208988800.0 s", "32 bits for seconds"});
+  json["epoch"] = 0;
+  json["start"] = -1;
+  checkRefused(json, {"outputs[0].format: MCAP has no times before 1970; the drive begins at -1.0 s"});
+  json["outputs"][0]["format"] = "npy";
+  CHECK(DriveFolder().read(json).start == -1);
+  json["epoch"] = 1e15;
+  checkRefused(json, {"epoch: leads to times from "});
+}
+
+TEST_CASE("lines of trajectories end as those of any system, and may have comments and blanks") {
+  const Folder folder;
+  const std::string pose = " 1 2 3 0 0 0 1", next = "2" + pose;
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const std::string text =
+        "\xef\xbb\xbf# t x y z qx qy qz qw" + end + "1" + pose + " # here" + end + end + next + end;
+    const auto stamps = drive::readTrajectory(put(folder / "a.tum", text), "tum", {});
+    REQUIRE(stamps.size() == 2);
+    CHECK(stamps[1].time == 2);
+  }
+  const auto euroc = drive::readTrajectory(put(folder / "a.csv", " 1000000000 , 1, 2, 3, 1, 0, 0, 0\n"), "euroc", {});
+  CHECK(euroc.at(0).time == 1);
 }
 
 TEST_CASE("weather is linear between entries, and may jump") {

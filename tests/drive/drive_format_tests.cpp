@@ -316,7 +316,7 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
   CHECK(summary == records[15][0] + 9 + 4);
   const size_t statistics = records[11][0] + 9;
   const uint64_t messages = at<uint64_t>(mcap, statistics);
-  CHECK(messages == 10 * 10 + 1 + 10 + 5);
+  CHECK(messages == 10 * 10 + 1 + 1 + 10 + 5);  // the last pose is at the end of the last scan
   for (size_t i = 0; i < 10; ++i) {
     const size_t index = records[8][i] + 9;
     CHECK(at<uint64_t>(mcap, index + 16) == records[6][i]);
@@ -327,7 +327,7 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
   const size_t end = records[6][3] + 9 + at<uint64_t>(mcap, records[6][3] + 1);
   while (p < end && at<uint16_t>(mcap, p + 9) != 3) p += 9 + at<uint64_t>(mcap, p + 1);
   REQUIRE(p < end);
-  CHECK(at<uint64_t>(mcap, p + 15) == 1700000000300000000);
+  CHECK(at<uint64_t>(mcap, p + 15) == 1700000000400000000);  // a scan takes 0.1 s
   const std::string cdr = mcap.substr(p + 31, at<uint64_t>(mcap, p + 1) - 22);
   CHECK(at<uint32_t>(cdr, 0) == 0x100);  // plain CDR, little-endian
   CHECK(at<int32_t>(cdr, 4) == 1700000000);
@@ -343,6 +343,27 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
   CHECK(at<uint32_t>(cdr, data - 8) == width * 28);
   CHECK(at<uint32_t>(cdr, data - 12) == 28);
   for (uint32_t i = 0; i < width; ++i) CHECK(cdr.substr(data + 28 * i, 16) == points.substr(16 * i, 16));
+}
+
+TEST_CASE("MCAP: intensities are 0 to 1 whatever the scale, and a drive without them has no such field") {
+  Json json = smallDrive();
+  json["sensors"][0]["effects"] = {{"intensity", {{"scale", "byte"}}}};
+  json["duration"] = 0.1;
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
+  const DriveFolder folder;
+  CHECK(folder.run(json).finished);
+  const std::string points = folder.get("out/kitti/sequences/00/velodyne/000000.bin");
+  REQUIRE(points.size() > 1600);
+  const std::string mcap = folder.get("out/mcap/drive.mcap");
+  for (size_t row = 0; row < points.size(); row += 16) {
+    const float intensity = at<float>(points, row + 12);
+    CHECK((intensity > 0 && intensity <= 1));
+    CHECK(mcap.find(points.substr(row, 16)) != mcap.npos);
+  }
+  CHECK(mcap.find(std::string("intensity\0", 10)) != mcap.npos);
+  json["sensors"][0]["effects"] = "clean";
+  CHECK(folder.run(json, "clean").finished);
+  CHECK(folder.get("clean/mcap/drive.mcap").find(std::string("intensity\0", 10)) == std::string::npos);
 }
 
 TEST_CASE("PCD: the header and the rows that it promises") {

@@ -119,6 +119,21 @@ TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") 
   CHECK(warnings.empty());
 }
 
+TEST_CASE("options that change clouds are those of the drive file alone") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(smallDrive());
+  const auto refused = [&](const auto& change, const std::string& words) {
+    drive::RunOptions options = optionsFor(folder / "out");
+    change(options.simulator);
+    CHECK_THROWS_WITH(run(drive, options),
+                      "RunOptions: simulator: " + words + " changes the clouds, so it belongs into the drive file");
+    CHECK_FALSE(fs::exists(options.out));
+  };
+  refused([](SimulatorOptions& options) { options.faces = ReflectingFaces::front; }, "faces");
+  refused([](SimulatorOptions& options) { options.accuracy = Accuracy::exact; }, "accuracy");
+  refused([](SimulatorOptions& options) { options.materials.rows = {{"floor", 0.5f}}; }, "a material table");
+}
+
 TEST_CASE("a shard that there is not and an empty range of frames are refused before anything is written") {
   const DriveFolder folder;
   const drive::Drive drive = folder.read(smallDrive());

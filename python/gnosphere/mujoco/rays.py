@@ -16,7 +16,7 @@ from .lidar import Lidar
 from .shapes import Tessellation
 
 FARTHEST = 1e4
-"""Metres: how far a ray looks where nothing says so."""
+"""Metres: how far a ray looks where nothing says so, and at most."""
 
 Distances = npt.NDArray[np.float64]
 Geoms = npt.NDArray[np.int32]
@@ -58,12 +58,14 @@ class Rays:
         self._scan = gno.Scan()
 
     def aim(self, vec: npt.ArrayLike) -> None:
-        """Gives the rays other directions, which takes as long as making a sensor."""
-        self._lengths, directions = _split(vec)
-        self.lidar.simulator.remove_sensor(self._sensor)
+        """Gives the rays other directions, which takes as long as making a sensor. If it raises an error, the rays keep
+        those that they have."""
+        lengths, directions = _split(vec)
         excluded = () if self._bodyexclude < 0 else self._bodyexclude
         beams = _beams(directions, None, self._cutoff)
-        self._sensor = self.lidar.add(beams, bodyexclude=excluded, effects=gno.Effects.none())
+        added = self.lidar.add(beams, bodyexclude=excluded, effects=gno.Effects.none())
+        self.lidar.simulator.remove_sensor(self._sensor)
+        self._lengths, self._sensor = lengths, added
 
     def cast(self, data: Any, pnt: npt.ArrayLike, mat: Optional[npt.ArrayLike] = None) -> tuple[Distances, Geoms]:
         """Where the rays from `pnt`, turned by the matrix `mat`, meet the first geom: the distance in lengths of
@@ -79,7 +81,10 @@ class Rays:
 def _split(vec: npt.ArrayLike) -> tuple[Distances, Distances]:
     directions = np.asarray(vec, np.float64).reshape(-1, 3)
     lengths = np.linalg.norm(directions, axis=1)
-    return lengths, directions / np.maximum(lengths, 1e-30)[:, None]
+    unusable = np.flatnonzero(~((lengths > 0) & np.isfinite(lengths)))
+    if len(unusable):
+        raise ValueError(f"vec: the direction of ray {unusable[0]} is {directions[unusable[0]]}, which has no length")
+    return lengths, directions / lengths[:, None]
 
 
 _kept: list[tuple[Any, Any, npt.NDArray[Any], Rays]] = []
@@ -101,9 +106,17 @@ def mj_multiRay(
 ) -> None:
     """mujoco.mj_multiRay() with the same arguments. The scene is made in the first call for a model, and kept with the
     last few; keep the directions in the frame of the sensor and use Rays if they turn, because other directions are
-    another sensor. Geoms are triangles here, see Tessellation. `normal` must be None."""
+    another sensor. Geoms are triangles here, see Tessellation. `normal` must be None, and rays look no further than
+    FARTHEST. Raises ValueError for a direction without a length, TypeError for `dist` and `geomid` that are no arrays of
+    their type whose memory is in order."""
     if normal is not None:
         raise ValueError("mj_multiRay: normals come from Lidar(..., fields='normal'); give None here")
+    _check_written("dist", dist, np.float64, nray)
+    _check_written("geomid", geomid, np.int32, nray)
+    if not cutoff > 0:
+        _flat(dist)[:nray] = -1
+        _flat(geomid)[:nray] = -1
+        return
     given = np.array(vec, np.float64).reshape(-1, 3)[:nray]
     groups = None if geomgroup is None else tuple(int(flag) for flag in np.ravel(geomgroup))
     key = (groups, bool(flg_static), int(bodyexclude), float(cutoff))
@@ -118,8 +131,20 @@ def mj_multiRay(
     _kept.append((m, key, given, rays))
     del _kept[:-4]
     distances, geoms = rays.cast(d, pnt)
-    np.reshape(dist, -1)[:nray] = distances
-    np.reshape(geomid, -1)[:nray] = geoms
+    _flat(dist)[:nray] = distances
+    _flat(geomid)[:nray] = geoms
+
+
+def _check_written(name: str, array: Any, kind: Any, count: int) -> None:
+    if not isinstance(array, np.ndarray) or array.dtype != kind or not array.flags.c_contiguous:
+        raise TypeError(f"mj_multiRay: {name} must be a contiguous array of {np.dtype(kind).name}")
+    if not array.flags.writeable or array.size < count:
+        raise TypeError(f"mj_multiRay: {name} must be writable and have {count} entries")
+
+
+def _flat(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The entries of a contiguous array, in its own memory."""
+    return array.reshape(-1)
 
 
 def rangefinder_sites(model: Any) -> tuple[npt.NDArray[Any], Distances, int]:

@@ -42,8 +42,9 @@ class CdrWriter {
   /// Writes a std_msgs/Header; `time` is in nanoseconds since 1970.
   CdrWriter& header(int64_t time, const std::string& frame) {
     constexpr int64_t kSecond = 1'000'000'000;
-    number(static_cast<int32_t>(time / kSecond));
-    number(static_cast<uint32_t>(time % kSecond));
+    const int64_t rest = ((time % kSecond) + kSecond) % kSecond;
+    number(static_cast<int32_t>((time - rest) / kSecond));
+    number(static_cast<uint32_t>(rest));
     return text(frame);
   }
 

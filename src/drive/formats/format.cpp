@@ -100,7 +100,7 @@ float intensityFactor(const RigSensor& sensor, float greatest) {
   return scale == Scale::unit ? greatest : scale == Scale::byte ? greatest / 255 : 1;
 }
 
-void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor) {
+void scaleFloat(std::span<std::byte> rows, size_t stride, size_t offset, float factor) {
   if (factor == 1) return;
   for (size_t at = offset; at < rows.size(); at += stride) {
     float value;
@@ -113,7 +113,7 @@ void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor) {
 std::string kittiRows(const Scan& scan, const RigSensor& sensor) {
   const RecordLayout layout = kittiLayout(scan);
   std::string rows = packedRows(scan, layout);
-  scaleFloat(rows, layout.stride, 12, intensityFactor(sensor, 1));
+  scaleFloat(std::as_writable_bytes(std::span(rows)), layout.stride, 12, intensityFactor(sensor, 1));
   return rows;
 }
 

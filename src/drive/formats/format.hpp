@@ -86,6 +86,6 @@ float intensityFactor(const RigSensor& sensor, float greatest);
 /// Returns the rows of kittiLayout(), in which a diffuse white surface has the intensity 1.
 std::string kittiRows(const Scan& scan, const RigSensor& sensor);
 /// Multiplies one float of every row.
-void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor);
+void scaleFloat(std::span<std::byte> rows, size_t stride, size_t offset, float factor);
 
 }  // namespace gnosphere::drive

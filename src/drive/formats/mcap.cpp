@@ -3,6 +3,7 @@
 #include "drive/formats/cdr.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/formats/mcap_file.hpp"
+#include "drive/ros.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -13,7 +14,6 @@ constexpr const char* kHeaderText =
     "================================================================================\n"
     "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
 constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;
-constexpr int kTransformsPerFrame = 10;
 
 std::vector<McapSchema> schemas() {
   return {{"tf2_msgs/msg/TFMessage",
@@ -41,10 +41,11 @@ struct CloudField {
   Field field;
   uint32_t offset;
 };
+constexpr uint32_t kIntensityOffset = 12;
 constexpr CloudField kFields[] = {{"x", Field::x, 0},
                                   {"y", Field::y, 4},
                                   {"z", Field::z, 8},
-                                  {"intensity", Field::intensity, 12},
+                                  {"intensity", Field::intensity, kIntensityOffset},
                                   {"time", Field::time, 16},
                                   {"ring", Field::ring, 20},
                                   {"class", Field::classId, 22},
@@ -92,15 +93,16 @@ class Mcap : public Format {
                           [transforms = std::move(transforms)](std::string& bytes) { appendTf(bytes, transforms); }});
     };
     if (frame.frame == 0) addTf(kTfStatic, 0, timeOf(drive_.start), mounts());
-    for (int i = 0; i < kTransformsPerFrame; ++i) {
-      const uint64_t number = frame.frame * kTransformsPerFrame + static_cast<uint64_t>(i);
-      const double time = drive_.start + static_cast<double>(number) / (drive_.rate * kTransformsPerFrame);
-      addTf(kTf, number, timeOf(time), {{timeOf(time), "map", "base_link", drive_.ego.at(time)}});
-    }
+    const std::vector<double> times = poseTimes(drive_, frame.frame);
+    uint64_t number = frame.frame * poseTimes(drive_, 0).size();
+    for (const double time : times)
+      addTf(kTf, number++, timeOf(time), {{timeOf(time), "map", "base_link", drive_.ego.at(time)}});
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
+      // A driver sends a cloud when the scan is over; the stamp in its header is that of its first beam.
       messages.push_back({channelOf(recorded.planned.sensor), static_cast<uint32_t>(recorded.planned.number),
-                          timeOf(recorded.planned.time), kCloudHeadBytes + recorded.points * kCloudPointBytes,
+                          timeOf(recorded.planned.time + recorded.duration),
+                          kCloudHeadBytes + recorded.points * kCloudPointBytes,
                           [&](std::string& bytes) { appendCloud(bytes, recorded); }});
     }
     files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
@@ -119,7 +121,7 @@ class Mcap : public Format {
     std::vector<std::filesystem::path> chunks;
     for (uint64_t frame = 0; frame < frameCount; ++frame) chunks.push_back(files / chunkPath(frame));
     std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
-    for (size_t sensor : output_.sensors) channels.push_back({2, "/" + drive_.sensors[sensor].name + "/points", false});
+    for (size_t sensor : output_.sensors) channels.push_back({2, topicOf(drive_.sensors[sensor], "/points"), false});
     writeMcap(files / path("drive.mcap"), schemas(), channels, chunks);
   }
 
@@ -142,17 +144,27 @@ class Mcap : public Format {
     RecordLayout layout;
     layout.compact = true;
     layout.stride = kCloudPointBytes;
+    std::vector<CloudField> fields;
     for (const CloudField& field : kFields)
-      if (recorded.scan.has(field.field) || field.field == Field::ring)
-        layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
+      if (recorded.scan.has(field.field) || field.field == Field::ring) fields.push_back(field);
+    for (const CloudField& field : fields)
+      layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
+    const RigSensor& sensor = drive_.sensors[recorded.planned.sensor];
     const auto count = static_cast<uint32_t>(recorded.points);
     CdrWriter cdr(bytes);
-    cdr.header(timeOf(recorded.planned.time), drive_.sensors[recorded.planned.sensor].name);
-    cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(std::size(kFields)));
-    for (const CloudField& field : kFields)
+    cdr.header(timeOf(recorded.planned.time), sensor.name);
+    cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(fields.size()));
+    for (const CloudField& field : fields)
       cdr.text(field.name).number(field.offset).number(datatypeOf(fieldInfo(field.field).type)).number(uint32_t{1});
     cdr.number(uint8_t{0}).number(kCloudPointBytes).number(count * kCloudPointBytes);
-    cdr.blob([&](std::string& rows) { appendRows(rows, recorded.scan, layout); }).number(uint8_t{1});
+    cdr.blob([&](std::string& rows) {
+      const size_t first = rows.size();
+      appendRows(rows, recorded.scan, layout);
+      const auto own = std::as_writable_bytes(std::span(rows)).subspan(first);
+      if (recorded.scan.has(Field::intensity))
+        scaleFloat(own, kCloudPointBytes, kIntensityOffset, intensityFactor(sensor, 1));
+    });
+    cdr.number(uint8_t{1});
   }
 };
 

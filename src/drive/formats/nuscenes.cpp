@@ -82,7 +82,8 @@ class NuScenes : public Format {
     layout.values.push_back({Field::ring, 0, 16, ValueType::f32});
     layout.stride = 20;
     std::string rows = packedRows(recorded.scan, layout);
-    scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 255));
+    scaleFloat(std::as_writable_bytes(std::span(rows)), layout.stride, 12,
+               intensityFactor(drive_.sensors[recorded.planned.sensor], 255));
     return rows;
   }
 

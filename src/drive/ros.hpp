@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What bags and live messages of a drive have in common: topics, times and intensities as ROS 2 knows them.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drive/drive.hpp"
+
+namespace gnosphere::drive {
+
+/// Returns the topic "/NAME" + `what` of a sensor. Names of sensors may have hyphens, and topics may not.
+std::string topicOf(const RigSensor& sensor, const std::string& what);
+
+/// Returns why ROS 2 cannot have the names of these sensors, by index; empty if it can.
+std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors);
+
+/// Returns why ROS 2 cannot have the times of the drive, whose seconds are 32 bits; empty if it can.
+std::string mistakeOfTimes(const Drive& drive);
+
+/// Returns the times of a frame, on the clock of the trajectories, at which the pose of the vehicle is told: at least a
+/// hundred a second and ten a frame. Those of the last frame reach to the end of its scans.
+std::vector<double> poseTimes(const Drive& drive, uint64_t frame);
+
+}  // namespace gnosphere::drive
