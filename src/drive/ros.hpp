@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bags and live messages of a drive have in common: topics, times and intensities as ROS 2 knows them.
+// The topics and times of a drive as ROS 2 knows them, in bags and in live messages.
 #pragma once
 
 #include <span>
@@ -20,7 +20,7 @@ std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors);
 std::string mistakeOfTimes(const Drive& drive);
 
 /// Returns the times of a frame, on the clock of the trajectories, at which the pose of the vehicle is told: at least a
-/// hundred a second and ten a frame. Those of the last frame reach to the end of its scans.
+/// hundred a second and ten a frame. The times of the last frame reach to the end of its scans.
 std::vector<double> poseTimes(const Drive& drive, uint64_t frame);
 
 }  // namespace gnosphere::drive

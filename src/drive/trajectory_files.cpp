@@ -54,7 +54,7 @@ void eachLine(const std::filesystem::path& file, const Use& use) {
   }
 }
 
-/// Whether these are the columns of a rotation. Files have few digits.
+/// Whether these are the columns of a rotation, with the few digits that files have.
 bool isRotation(const Vec3& x, const Vec3& y, const Vec3& z) {
   const auto near = [](double value, double wanted) { return std::abs(value - wanted) < kUnitTolerance; };
   return near(dot(x, x), 1) && near(dot(y, y), 1) && near(dot(z, z), 1) && near(dot(x, y), 0) && near(dot(y, z), 0) &&

@@ -31,8 +31,9 @@ constexpr uint32_t kLastDomain = 232;  // beyond it the ports of DDS end
 /// Refuses a process that was forked from `process`, which publishes: it does not have the threads of that one.
 void checkProcess(pid_t process) {
   if (process == getpid()) return;
-  refusePublisher("the process was forked from one that publishes, whose threads it does not have; start it anew, in "
-                  "Python with 'spawn'");
+  refusePublisher(
+      "the process was forked from one that publishes, whose threads it does not have; start it anew, in "
+      "Python with 'spawn'");
 }
 
 /// The process that has made the first publisher.
