@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -70,25 +72,27 @@ inline WritePlace writePlaceOf(std::filesystem::path file) {
   return {std::move(file), inPlace};
 }
 
-/// Returns the name under which an output file is written until it is complete.
+/// Returns the name under which a final file of a data set is written until it is complete. One process at a time may
+/// write it.
 inline std::filesystem::path partOf(const std::filesystem::path& file) {
   return std::filesystem::path(file) += ".part";
 }
 
-/// An output file that appears only when it is complete: it is written as NAME.part, which commit() renames and the
-/// destructor removes. If NAME is a link, the file to which it leads is written so, in its own folder. Pipes and
-/// devices are written directly. Every member throws Error(file) with the system's reason.
+/// An output file that appears only when it is complete: until then it is written in its folder under a name that
+/// nobody else has, also if several processes write the same file. commit() renames it, and the destructor removes what
+/// was not committed. If the file is a link, the file to which it leads is written so. Pipes and devices are written
+/// directly. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path file)
-      : file_(std::move(file)), place_(writePlaceOf(file_)), part_(place_.inPlace ? place_.file : partOf(place_.file)) {
-    open();
+  explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), place_(writePlaceOf(file_)) {
+    part_ = place_.file;
+    place_.inPlace ? open("wb") : openUnique();
   }
   /// Writes to `part`, which commit() renames, and follows no link: data sets that are exchanged may have links that
   /// lead out of their folder.
   AtomicFile(std::filesystem::path file, std::filesystem::path part)
       : file_(std::move(file)), place_{file_}, part_(std::move(part)) {
-    open();
+    open("wb");
   }
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -113,11 +117,23 @@ class AtomicFile {
   }
 
  private:
-  void open() {
+  void open(const char* mode) {
     std::error_code ignored;
     if (std::filesystem::is_directory(place_.file, ignored)) refuse(EISDIR);
-    stream_ = std::fopen(part_.c_str(), "wb");
-    if (!stream_) refuse(errno);
+    stream_ = std::fopen(part_.c_str(), mode);
+    if (!stream_ && !(errno == EEXIST && std::strchr(mode, 'x'))) refuse(errno);
+  }
+  // Processes may share a number, in containers, so that the name is free only if the system says so.
+  void openUnique() {
+    static std::atomic<uint64_t> tries = 0;
+    while (!stream_) {
+      const auto now = static_cast<uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+      char name[64];
+      std::snprintf(name, sizeof(name), ".gnosphere-%x-%llx.part", static_cast<unsigned>(::getpid()),
+                    static_cast<unsigned long long>(now + tries++));
+      part_.replace_filename(name);
+      open("wbx");
+    }
   }
   [[noreturn]] void refuse(int reason) const {
     throw Error(ErrorCode::file, file_.string() + ": cannot be written: " + std::strerror(reason));

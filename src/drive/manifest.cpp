@@ -3,10 +3,13 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "base/file.hpp"
 #include "base/hash.hpp"
@@ -36,9 +39,17 @@ std::string partsOfHost() {
 /// too, if the file system can.
 class FileLock {
  public:
-  explicit FileLock(const fs::path& file, bool wait = true)
-      : descriptor_(open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-    holds_ = descriptor_ >= 0 && flock(descriptor_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0;
+  enum class If { free, waited, made };
+
+  /// Takes the lock if it is free, or waits for it, or makes the file, which must not be there.
+  FileLock(const fs::path& file, If taken)
+      : descriptor_(open(file.c_str(), O_CREAT | (taken == If::made ? O_EXCL : 0) | O_RDWR | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0)
+      lost_ = errno == EEXIST;
+    else if (flock(descriptor_, taken == If::waited ? LOCK_EX : LOCK_EX | LOCK_NB) != 0)
+      lost_ = errno == EWOULDBLOCK;
+    else
+      lost_ = !(holds_ = isStill(file));
   }
   ~FileLock() {
     if (descriptor_ >= 0) close(descriptor_);
@@ -46,10 +57,19 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
   bool holds() const { return holds_; }
+  /// Whether another process has the lock, rather than that there is none, for example in a read-only folder.
+  bool lost() const { return lost_; }
 
  private:
+  // Another process may have removed the file between the opening and the locking of it.
+  bool isStill(const fs::path& file) const {
+    struct stat opened, named;
+    return fstat(descriptor_, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+           opened.st_dev == named.st_dev;
+  }
+
   int descriptor_;
-  bool holds_ = false;
+  bool holds_ = false, lost_ = false;
 };
 
 /// Removes what processes of this machine have left half written when they were killed: their locks are free.
@@ -62,10 +82,10 @@ void removeAbandoned(const fs::path& folder) {
     if (file.filename().string().starts_with(mine) && file.extension() == ".lock") locks.push_back(file);
   }
   for (fs::path file : locks) {
-    const FileLock lock(file, false);
+    const FileLock lock(file, FileLock::If::free);
     if (!lock.holds()) continue;
+    fs::remove_all(fs::path(file).replace_extension(), ignored);
     fs::remove(file, ignored);
-    fs::remove_all(file.replace_extension(), ignored);
   }
 }
 
@@ -171,27 +191,35 @@ bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
 /// A folder for unfinished files with a lock beside it, which are removed together.
 class Manifest::Parts {
  public:
-  explicit Parts(const fs::path& folder) : folder_(folder), lock_(fs::path(folder).concat(".lock")) {
+  explicit Parts(const fs::path& manifest) {
+    // Processes in containers may have the same number and the same name of the machine, so the name is random.
+    std::random_device random;
+    while (!lock_ || lock_->lost()) {
+      const std::string name = numberText("%08llx", random()) + numberText("%08llx", random());
+      folder_ = manifest / (partsOfHost() + name);
+      lock_ = std::make_unique<FileLock>(lockFile(), FileLock::If::made);
+    }
     makeFolder(folder_);
   }
   ~Parts() {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
-    fs::remove(fs::path(folder_).concat(".lock"), ignored);
+    fs::remove(lockFile(), ignored);
   }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
   const fs::path& folder() const { return folder_; }
 
  private:
+  fs::path lockFile() const { return fs::path(folder_).concat(".lock"); }
+
   fs::path folder_;
-  FileLock lock_;
+  std::unique_ptr<FileLock> lock_;
 };
 
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
   makeFolder(folder_ / "frames");
   removeAbandoned(folder_);
-  parts_ = std::make_unique<Parts>(folder_ / (partsOfHost() + std::to_string(getpid())));
   const std::string text =
       jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
       "\n";
@@ -213,6 +241,7 @@ fs::path Manifest::frameFile(uint64_t frame) const {
 
 void Manifest::put(const fs::path& file, const std::string& bytes) const {
   makeFolder(file.parent_path());
+  if (!parts_) parts_ = std::make_unique<Parts>(folder_);
   AtomicFile out(file, parts_->folder() / "file");
   out.write(bytes);
   out.commit();
@@ -265,7 +294,7 @@ void Manifest::reopen() const {
 }
 
 std::vector<std::string> Manifest::removeBroken(bool verify) const {
-  const FileLock lock(folder_ / "lock");
+  const FileLock lock(folder_ / "lock", FileLock::If::waited);
   std::error_code absent, failed;
   if (!fs::exists(finishedFile(), absent)) return {};
   std::vector<std::string> broken;
@@ -319,7 +348,7 @@ void Manifest::putFinished(const std::vector<FinalFile>& files) const {
 }
 
 bool Manifest::finish(const Finish& finish) const {
-  const FileLock lock(folder_ / "lock");
+  const FileLock lock(folder_ / "lock", FileLock::If::waited);
   std::error_code absent;
   if (fs::exists(finishedFile(), absent)) {
     removeLate();

@@ -56,7 +56,7 @@ class Manifest {
 
   const Drive& drive_;
   std::filesystem::path out_, folder_;
-  std::unique_ptr<Parts> parts_;
+  mutable std::unique_ptr<Parts> parts_;  // made when something is written, so that a read-only folder can be checked
 };
 
 }  // namespace gnosphere::drive

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <deque>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
@@ -323,42 +321,6 @@ void Document::add(const Clip& clip) {
     push("animations", {{"name", clip.name}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}});
 }
 
-/// A file that is written as `file.part`, renamed to `file` when it is complete and removed if it is not.
-class PartFile {
- public:
-  explicit PartFile(const fs::path& file) : file_(file), part_(file) {
-    part_ += ".part";
-    stream_.open(part_, std::ios::binary | std::ios::trunc);
-    if (!stream_) fail();
-  }
-  ~PartFile() {
-    if (done_) return;
-    stream_.close();
-    std::error_code ignored;
-    fs::remove(part_, ignored);
-  }
-  void write(const void* bytes, size_t size) {
-    if (size > 0 && !stream_.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size))) fail();
-  }
-  void finish() {
-    stream_.close();
-    if (!stream_) fail();
-    std::error_code problem;
-    fs::rename(part_, file_, problem);
-    if (problem) throw Error(ErrorCode::file, "cannot write '" + file_.string() + "': " + problem.message());
-    done_ = true;
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw Error(ErrorCode::file, "cannot write '" + part_.string() + "': " + std::strerror(errno));
-  }
-
-  fs::path file_, part_;
-  std::ofstream stream_;
-  bool done_ = false;
-};
-
 }  // namespace
 
 void writeGlb(const Scene& scene, const fs::path& file) {
@@ -372,7 +334,7 @@ void writeGlb(const Scene& scene, const fs::path& file) {
     throw Error(ErrorCode::invalidArgument, "'" + file.string() + "' would have " + std::to_string(total) +
                                                 " bytes; GLB ends at 4294967295, so split the scene");
 
-  PartFile output(file);
+  AtomicFile output(file);
   const auto words = [&](std::initializer_list<uint32_t> values) {
     output.write(values.begin(), values.size() * sizeof(uint32_t));
   };
@@ -383,7 +345,7 @@ void writeGlb(const Scene& scene, const fs::path& file) {
     words({static_cast<uint32_t>(binary), 0x004E4942});  // "BIN"
     for (const auto& [bytes, size] : document.arrays()) output.write(bytes, size);
   }
-  output.finish();
+  output.commit();
 }
 
 }  // namespace gnosphere

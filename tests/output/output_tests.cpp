@@ -5,6 +5,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "base/file.hpp"
 #include "cloud_support.hpp"
 #include "synthetic_scan.hpp"
 
@@ -163,6 +164,29 @@ TEST_CASE("an empty cloud and a cloud of misses are valid files") {
   CHECK_NOTHROW(writePicture(misses, folder / "misses.png"));
 }
 
+TEST_CASE("writers of one file do not disturb each other, and the last one that ends has written it") {
+  const Folder folder;
+  const fs::path file = folder / "same.bin";
+  put(folder / "same.bin.part", "the user's");
+  {
+    AtomicFile first(file), second(file), given(file);
+    first.write("fir");
+    second.write("second");
+    checkWritable(file);
+    first.write("st");
+    first.commit();
+    CHECK(bytesOf(file) == "first");
+    second.commit();
+    CHECK(bytesOf(file) == "second");
+  }
+  CHECK(bytesOf(folder / "same.bin.part") == "the user's");
+  CHECK(folder.fileCount() == 2);
+  const std::string longest(255, 'n');  // as long as a name can be
+  AtomicFile named(folder / longest);
+  named.commit();
+  CHECK(fs::exists(folder / longest));
+}
+
 TEST_CASE("a cloud that cannot be written leaves no file behind") {
   const Folder folder;
   Scan scan = tiny();
@@ -177,7 +201,7 @@ TEST_CASE("a cloud that cannot be written leaves no file behind") {
   CHECK_THROWS_WITH(writeCloud(scan, folder / "kept.pcd", options),
                     ContainsSubstring("only the device 'reference' gives it"));
   CHECK(bytesOf(folder / "kept.pcd") == "before");
-  CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, without a .part file
+  CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, without an unfinished file
 }
 
 TEST_CASE("a picture is upright, whether channels count from the bottom or from the top") {
