@@ -14,9 +14,9 @@
  * member and the default values. A program that was compiled with an older header has smaller structs: members that it
  * lacks have their default values. A struct that is larger than the library's is an error.
  *
- * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and
- * others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread
- * calls the same function again. Texts are UTF-8 and end with a zero.
+ * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_get_column
+ * and others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same
+ * thread calls the same function again. Texts are UTF-8 and end with a zero.
  *
  * Threads: every function may be called by any thread; calls with the same handle wait for each other.
  *

@@ -196,7 +196,8 @@ struct SimulatorOptions {
   /// pipelines are not kept.
   std::string cache;
   /// Receives a sentence about a problem that is no error, for example that compiled pipelines cannot be kept. The
-  /// function is called on the thread that calls the simulator. The library itself prints nothing.
+  /// function is called on the thread that calls the simulator, and must not call the simulator. The library itself
+  /// prints nothing.
   std::function<void(const std::string& message)> warn;
   /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
   /// done. Each step is then timed by itself, so scans take a little longer. Batches of a BatchStream have no lines.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// ASCII text without regard to case.
+// ASCII text without regard to case, and numbers as text.
 #pragma once
 
 #include <algorithm>
+#include <charconv>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,12 @@ inline bool sameWord(std::string_view a, std::string_view b) {
 /// Returns whether `part` occurs in `text`.
 inline bool containsWord(std::string_view text, std::string_view part) {
   return lower(text).find(lower(part)) != std::string::npos;
+}
+
+/// Returns the shortest text that reads back to the same bits, with a point whatever the locale.
+inline std::string numberText(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
 }
 
 }  // namespace gnosphere

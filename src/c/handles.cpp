@@ -114,6 +114,8 @@ gno_status statusOfException() noexcept {
     return fail(GNO_CANCELLED, "the function that receives scans has ended the run");
   } catch (const std::bad_alloc&) {
     return fail(GNO_OUT_OF_MEMORY, "there is not enough memory");
+  } catch (const std::length_error&) {  // a count for which no memory can be enough
+    return fail(GNO_OUT_OF_MEMORY, "there is not enough memory for so many elements");
   } catch (const std::exception& error) {
     return fail(GNO_INTERNAL, error.what());
   } catch (...) {

@@ -43,7 +43,7 @@ struct SimulatorObject {
   explicit SimulatorObject(Simulator from) : simulator(std::move(from)) {}
   Simulator simulator;
   std::string plan;      ///< what gno_simulator_get_plan() last handed out
-  bool running = false;  ///< true while gno_simulator_scan_all() calls the caller's function
+  bool running = false;  ///< true while a function of the simulator is called
 };
 
 // Which object stands behind each kind of handle, and what messages call it.
@@ -106,12 +106,18 @@ class Locked {
   std::unique_lock<std::recursive_mutex> lock_;
 };
 
-/// The simulator of a handle, unless one of its scans is being received on this thread.
+/// The simulator of a handle, unless this thread is in a call of it, which calls a function of the caller: one that
+/// receives scans or warnings.
 class Idle : public Locked<gno_simulator> {
  public:
   explicit Idle(gno_simulator handle) : Locked(handle) {
-    if ((**this).running) refuse("the function that receives scans of a simulator must not call it");
+    if ((**this).running)
+      refuse("a function that a simulator calls, such as one that receives scans, must not call it");
+    (**this).running = true;
   }
+  ~Idle() { (**this).running = false; }
+  Idle(const Idle&) = delete;
+  Idle& operator=(const Idle&) = delete;
   Simulator* operator->() { return &(**this).simulator; }
 };
 

@@ -98,7 +98,10 @@ using namespace gnosphere::c;
 extern "C" {
 
 gno_status gno_scene_create(gno_scene* scene) {
-  return guard([&] { the(scene, "scene") = make<gno_scene>({}); });
+  return guard([&] {
+    auto& to = the(scene, "scene");
+    to = make<gno_scene>({});
+  });
 }
 
 gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene) {
@@ -106,8 +109,9 @@ gno_status gno_scene_load(const char* file, const gno_load_options* options, gno
     the(scene, "scene");
     LoadOptions wanted;
     if (options) {
-      wanted.up = enumOf(sized(options, GNO_TYPE(gno_load_options)).up, UpAxis::z, "gno_load_options::up");
-      wanted.scale = options->scale;
+      const gno_load_options& from = sized(options, GNO_TYPE(gno_load_options));
+      wanted.up = enumOf(from.up, UpAxis::z, "gno_load_options::up");
+      wanted.scale = from.scale;
     }
     *scene = make<gno_scene>(loadScene(&the(file, "file"), wanted));
   });
@@ -284,8 +288,10 @@ gno_status gno_scene_get_left_out(gno_scene scene, const char** lines) {
 }
 
 gno_status gno_material_table_load(const char* file, gno_material_table* table) {
-  return guard(
-      [&] { the(table, "table") = make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
+  return guard([&] {
+    auto& to = the(table, "table");
+    to = make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable());
+  });
 }
 
 gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,

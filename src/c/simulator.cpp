@@ -12,7 +12,6 @@ namespace gnosphere::c {
 
 std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
   std::vector<Shot> result;
-  result.reserve(count);
   for (const gno_shot& shot : sizedArray(shots, count, GNO_TYPE(gno_shot), "shots")) result.push_back(shotOf(&shot));
   return result;
 }
@@ -87,18 +86,6 @@ const char* kept(const std::string& text) {
   const std::lock_guard lock(mutex);
   return texts.insert(text).first->c_str();
 }
-
-/// Notes that the caller's function receives the scans of a simulator, for as long as this lives.
-class Running {
- public:
-  explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
-  Running(const Running&) = delete;
-  Running& operator=(const Running&) = delete;
-  ~Running() { flag_ = false; }
-
- private:
-  bool& flag_;
-};
 
 /// Hands a scan over without a copy: the object of a handle has it for as long as this lives.
 class Exchanged {
@@ -247,7 +234,6 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
     Idle idle(simulator);
     SimulatorObject& object = *idle;
     Lent<gno_scan> received;
-    const Running running(object.running);
     object.simulator.scanAll(wanted, [&](size_t index, const Scan& scan) {
       const Exchanged exchanged(received.object(), const_cast<Scan&>(scan));
       if (receive(index, received.handle(), user) != 0) throw Cancelled();
@@ -306,8 +292,8 @@ gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instan
                                        uint32_t* indices) {
   return guard([&] {
     std::vector<Instance> wanted;
-    wanted.reserve(count);
-    for (const gno_instance& instance : array(instances, count, "instances")) wanted.push_back(instanceOf(&instance));
+    for (const gno_instance& instance : sizedArray(instances, count, GNO_TYPE(gno_instance), "instances"))
+      wanted.push_back(instanceOf(&instance));
     const std::vector<uint32_t> added = Idle(simulator)->addInstances(wanted);
     if (indices) std::copy(added.begin(), added.end(), indices);
   });

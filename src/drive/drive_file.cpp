@@ -168,8 +168,8 @@ void DriveReader::sensors() {
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
     rigged.offset = object.value("offset", 0.0);
     if (rigged.rate * period > 1 + 1e-9)
-      refuse(path + ".rate", "is " + shown(object["rate"]) + " scans a second, but the sensor takes " +
-                                 std::to_string(period) + " s for one");
+      refuse(path + ".rate",
+             "is " + shown(object["rate"]) + " scans a second, but the sensor takes " + shown(period) + " s for one");
     drive_.sensors.push_back(std::move(rigged));
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/decimal_point.hpp"
 #include "common/effects/bits.h"
 #include "sensor/beams.hpp"
 
@@ -11,6 +12,7 @@ namespace gnosphere {
 namespace {
 
 std::string format(const char* format, double a, double b = 0) {
+  const DecimalPoint point;
   char buffer[96];
   std::snprintf(buffer, sizeof(buffer), format, a, b);
   return buffer;

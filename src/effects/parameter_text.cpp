@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/parameter_text.hpp"
 
-#include <charconv>
 #include <cstdio>
 
+#include "base/decimal_point.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -14,12 +14,8 @@ void refuseArgument(const std::string& why) {
   throw Error(ErrorCode::invalidArgument, why);
 }
 
-std::string numberText(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
-
 std::string rangeText(double min, double max, bool endsOnly, const char* unit) {
+  const DecimalPoint point;
   char buffer[80];
   const int length = std::snprintf(buffer, sizeof(buffer), "%.10g%s%.10g", min, endsOnly ? " or " : "..", max);
   return std::string(buffer, static_cast<size_t>(length)) + (*unit ? " " : "") + unit;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/json_text.hpp"
+#include "base/text.hpp"
 #include "effects/parameter.hpp"
 
 namespace gnosphere {
@@ -18,8 +19,6 @@ namespace gnosphere {
 inline constexpr double kMaxExtinction = 1000;
 
 [[noreturn]] void refuseArgument(const std::string& why);
-/// Returns the shortest text that reads back to the same bits.
-std::string numberText(double value);
 /// Returns "0..500 mm/h", without the unit if it is empty.
 std::string rangeText(double min, double max, bool endsOnly, const char* unit);
 /// Returns "a, b or c".

@@ -9,6 +9,7 @@
 #include "gnosphere/error.hpp"
 #include "gnosphere/options.hpp"
 #include "output/comparison_sum.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -18,13 +19,14 @@ struct NamedParts {
   AccuracyParts accuracyParts;
 };
 
-std::vector<NamedParts> settings() {
+/// The settings that can scan with the sensor.
+std::vector<NamedParts> settingsFor(const Sensor& sensor) {
   std::vector<NamedParts> list;
-  for (const AccuracySetting& setting : accuracySettings()) list.push_back({setting.name, setting.parts});
+  for (const AccuracySetting& setting : accuracySettings())
+    if (setting.parts.bounds != AccuracyParts::Bounds::paper || !needsBeamList(sensor))
+      list.push_back({setting.name, setting.parts});
   return list;
 }
-
-constexpr size_t kStandard = static_cast<size_t>(Accuracy::standard);  ///< its index in the list of settings
 
 /// Settings that differ from `standard` in one part each.
 std::vector<NamedParts> parts() {
@@ -52,7 +54,10 @@ class Measurement {
  public:
   Measurement(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses, const AccuracyOptions& options)
       : poses_(poses), options_(options), sample_(sampleOf(sensor, options.sample, options.seed)) {
-    std::vector<NamedParts> rows = settings();
+    std::vector<NamedParts> rows = settingsFor(sensor);
+    settings_ = rows.size();
+    const char* const standard = accuracySettings()[static_cast<size_t>(Accuracy::standard)].name;
+    while (rows[standard_].name != standard) ++standard_;
     if (options.parts)
       for (const NamedParts& part : parts()) rows.push_back(part);
     subjects_.reserve(rows.size());
@@ -78,8 +83,11 @@ class Measurement {
     report.runs = options_.runs;
     for (size_t i = 0; i < subjects_.size(); ++i) {
       finish(subjects_[i]);
-      (i < settings().size() ? report.settings : report.parts).push_back(subjects_[i].row);
+      (i < settings_ ? report.settings : report.parts).push_back(subjects_[i].row);
     }
+    if (settings_ < accuracySettings().size())
+      report.withoutPaper =
+          "the sensor is no grid of a full turn, or has masked beams, range windows or hidden near hits";
     return report;
   }
 
@@ -121,7 +129,7 @@ class Measurement {
   void finish(Subject& subject) const {
     AccuracyRow& row = subject.row;
     row.error = subject.sum.result();
-    const std::vector<Timings>& standard = subjects_[kStandard].runs;
+    const std::vector<Timings>& standard = subjects_[standard_].runs;
     std::vector<double> wall, gpu, ratios;
     for (size_t run = 0; run < subject.runs.size(); ++run) {
       const Timings& timings = subject.runs[run];
@@ -147,7 +155,8 @@ class Measurement {
   const std::vector<Pose>& poses_;
   const AccuracyOptions& options_;
   BeamSample sample_;
-  std::vector<Subject> subjects_;
+  std::vector<Subject> subjects_;       // the settings come first
+  size_t settings_ = 0, standard_ = 0;  // number of settings, and the index of `standard`
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/decimal_point.hpp"
 #include "output/canvas.hpp"
 
 namespace gnosphere {
@@ -65,6 +66,7 @@ Axis axisOf(const std::vector<Dot>& dots, Get get, double limit) {
 }
 
 std::string degreesText(double degrees) {
+  const DecimalPoint point;
   char text[32];
   std::snprintf(text, sizeof(text), "%g", degrees);
   return text;

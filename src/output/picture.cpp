@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "base/decimal_point.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
 #include "output/canvas.hpp"
@@ -27,6 +28,7 @@ float quantile(std::vector<float>& values, double share) {
 }
 
 std::string metres(float value) {
+  const DecimalPoint point;
   char text[32];
   std::snprintf(text, sizeof(text), std::abs(value) < 9.95f ? "%.1f m" : "%.0f m", static_cast<double>(value));
   return text;
@@ -308,6 +310,7 @@ void writePicture(const Scan& scan, const std::filesystem::path& file) {
 
   size_t hits = 0;
   for (float range : scan.ranges) hits += std::isfinite(range);
+  const DecimalPoint point;
   char share[96];
   std::snprintf(share, sizeof(share), "%u channels x %u columns, %.1f %% hits", scan.channels, scan.columns,
                 scan.ranges.empty() ? 0.0 : 100.0 * static_cast<double>(hits) / static_cast<double>(scan.beamCount()));

@@ -83,7 +83,8 @@ int level() {
     int major = 0, minor = 0;
     const char* text = std::getenv("GNOSPHERE_RGL_ABI");
     if (!text) text = GNOSPHERE_RGL_LEVEL;
-    if (std::sscanf(text, "%d.%d", &major, &minor) == 2 && major == 0 && minor >= 14 && minor <= 21)
+    char rest = 0;
+    if (std::sscanf(text, "%d.%d%c", &major, &minor, &rest) == 2 && major == 0 && minor >= 14 && minor <= 21)
       return minor < 16 ? 16 : minor;
     log(RGL_LOG_LEVEL_WARN,
         std::string("GNOSPHERE_RGL_ABI is '") + text + "', which is none of 0.16 to 0.21; 0.20 is used");
@@ -95,7 +96,7 @@ int level() {
 Version version() {
   Version result{0, level(), 0};
   if (const char* text = std::getenv("GNOSPHERE_RGL_VERSION"))
-    if (std::sscanf(text, "%d.%d.%d", &result.major, &result.minor, &result.patch) != 3)
+    if (char rest = 0; std::sscanf(text, "%d.%d.%d%c", &result.major, &result.minor, &result.patch, &rest) != 3)
       log(RGL_LOG_LEVEL_WARN,
           std::string("GNOSPHERE_RGL_VERSION is '") + text + "', which is no version such as 0.20.0");
   return result;

@@ -218,7 +218,8 @@ RGL_API rgl_status_t rgl_entity_is_alive(rgl_entity_t entity, bool* out_alive) {
 RGL_API rgl_status_t rgl_entity_set_ignored_by_sensor(rgl_entity_t entity, int32_t sensor_id) {
   return call(__func__, taped(entity, sensor_id), [&] {
     RGL_CHECK(entity != nullptr);
-    scene().entities.at(entity)->ignoredBy.push_back(sensor_id);
+    std::vector<int32_t>& sensors = scene().entities.at(entity)->ignoredBy;
+    if (std::find(sensors.begin(), sensors.end(), sensor_id) == sensors.end()) sensors.push_back(sensor_id);
   });
 }
 

@@ -8,6 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -62,8 +63,7 @@ std::string Tape::real(double value) {
   char text[32];
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 // Arrays begin at multiples of 16 bytes.
@@ -78,10 +78,20 @@ std::string Tape::place(const Array& array) {
 
 void Tape::write(const char* name, const std::string& arguments) {
   const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start_);
-  yaml_ << "- " << name << ": {t: " << time.count() << ", a: [" << arguments << "]}\n";
+  yaml_ << "- " << name << ": {t: " << std::to_string(time.count()) << ", a: [" << arguments << "]}\n";
 }
 
 namespace {
+
+/// Returns a number of the tape. yaml-cpp alone would expect the decimal signs and the groups of the program's locale.
+template <class Number>
+Number numberOf(const YAML::Node& node) {
+  const std::string text = node.Scalar();
+  const char* const end = text.data() + text.size();
+  Number value = {};
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc() && read.ptr == end ? value : node.as<Number>();
+}
 
 /// State of a tape that is played: its arrays, and the handles of now by those of then.
 struct Player {
@@ -94,9 +104,11 @@ template <class Type>
 struct Argument {
   Argument(const YAML::Node& node, Player&) {
     if constexpr (std::is_enum_v<Type>)
-      value = static_cast<Type>(node.as<int32_t>());
+      value = static_cast<Type>(numberOf<int32_t>(node));
+    else if constexpr (std::is_same_v<Type, bool>)
+      value = node.as<bool>();
     else
-      value = node.as<Type>();
+      value = numberOf<Type>(node);
   }
   Type pass() { return value; }
   void after() {}
@@ -107,7 +119,7 @@ struct Argument {
 template <class Object>
 struct Argument<Object*> {
   Argument(const YAML::Node& node, Player& player)
-      : value(reinterpret_cast<Object*>(player.handles[node.as<uint64_t>()])) {}
+      : value(reinterpret_cast<Object*>(player.handles[numberOf<uint64_t>(node)])) {}
   Object* pass() { return value; }
   void after() {}
   Object* value;
@@ -117,7 +129,7 @@ struct Argument<Object*> {
 template <class Object>
 struct Argument<Object**> {
   Argument(const YAML::Node& node, Player& of)
-      : then(node.as<uint64_t>()), player(of), value(reinterpret_cast<Object*>(of.handles[then])) {}
+      : then(numberOf<uint64_t>(node)), player(of), value(reinterpret_cast<Object*>(of.handles[then])) {}
   Object** pass() { return &value; }
   void after() { player.handles[then] = reinterpret_cast<uintptr_t>(value); }
   uint64_t then;
@@ -129,7 +141,7 @@ struct Argument<Object**> {
 template <class Element>
 struct Argument<const Element*> {
   Argument(const YAML::Node& node, Player& player) {
-    const auto offset = node.as<uint64_t>();
+    const auto offset = numberOf<uint64_t>(node);
     if (offset > player.arrays.size()) throw Failure(RGL_TAPE_ERROR, "an array of the tape is beyond its binary file");
     if (offset % 16 != 0)
       throw Failure(RGL_TAPE_ERROR, "an array of the tape does not begin at a multiple of 16 bytes");
@@ -243,8 +255,8 @@ rgl_status_t playResultSize(const YAML::Node& node, Player& player) {
   Argument<rgl_node_t> of(node[0], player);
   int32_t count = 0, size = 0;
   const rgl_status_t status =
-      rgl_graph_get_result_size(of.pass(), static_cast<rgl_field_t>(node[1].as<int32_t>()), &count, &size);
-  if (count != node[2].as<int32_t>() || size != node[3].as<int32_t>())
+      rgl_graph_get_result_size(of.pass(), static_cast<rgl_field_t>(numberOf<int32_t>(node[1])), &count, &size);
+  if (count != numberOf<int32_t>(node[2]) || size != numberOf<int32_t>(node[3]))
     log(RGL_LOG_LEVEL_WARN, "the tape had a result of " + node[2].as<std::string>() + " x " +
                                 node[3].as<std::string>() + " bytes, now it has " + std::to_string(count) + " x " +
                                 std::to_string(size));
@@ -253,7 +265,7 @@ rgl_status_t playResultSize(const YAML::Node& node, Player& player) {
 
 rgl_status_t playResultData(const YAML::Node& node, Player& player) {
   Argument<rgl_node_t> of(node[0], player);
-  const auto field = static_cast<rgl_field_t>(node[1].as<int32_t>());
+  const auto field = static_cast<rgl_field_t>(numberOf<int32_t>(node[1]));
   int32_t count = 0, size = 0;
   const rgl_status_t status = rgl_graph_get_result_size(of.pass(), field, &count, &size);
   std::string data(size_t(count) * size + 1, '\0');
@@ -356,7 +368,8 @@ void checkVersion(const YAML::Node& calls) {
   const YAML::Node first = calls[0]["rgl_get_version_info"];
   if (!first || !first["a"] || first["a"].size() != 3)
     refuse("Unsupported Tape format: Missing version record in the Tape");
-  const int made = first["a"][0].as<int>() * 1000000 + first["a"][1].as<int>() * 1000 + first["a"][2].as<int>();
+  const int made =
+      numberOf<int>(first["a"][0]) * 1000000 + numberOf<int>(first["a"][1]) * 1000 + numberOf<int>(first["a"][2]);
   if (made < 16003) refuse("Unsupported Tape Format: Tape version is too old. Required version: 0.16.3.");
 }
 
@@ -371,7 +384,7 @@ Call callOf(const YAML::Node& node) {
   constexpr int64_t kLongest = int64_t{30} * 24 * 3600 * 1'000'000'000;
   if (!node.IsMap() || node.size() != 1) throw Failure(RGL_TAPE_ERROR, "an entry of the tape is no call");
   const YAML::Node details = node.begin()->second;  // a reference would outlive what begin() returns
-  const auto time = details["t"].as<int64_t>();
+  const auto time = numberOf<int64_t>(details["t"]);
   if (time < 0 || time > kLongest)
     throw Failure(RGL_TAPE_ERROR, "the time of a call of the tape is not within 30 days of its start");
   return {node.begin()->first.as<std::string>(), std::chrono::nanoseconds(time), details["a"]};

@@ -77,6 +77,8 @@ class Tape {
       return std::to_string(reinterpret_cast<uintptr_t>(value));
     } else if constexpr (std::is_floating_point_v<T>) {
       return real(value);
+    } else if constexpr (std::is_unsigned_v<T>) {
+      return std::to_string(value);
     } else {
       return std::to_string(static_cast<int64_t>(value));
     }

@@ -36,6 +36,7 @@ void checkNode(const Node& node, size_t index) {
   const double numbers[] = {t.x, t.y, t.z, r.x, r.y, r.z, r.w, s.x, s.y, s.z};
   if (!finite(numbers) || (node.matrix && !finite(node.matrix->rows)) || !finite(node.morphWeights))
     refuse(name + ": its transform or its morph weights are not finite");
+  if (r.x == 0 && r.y == 0 && r.z == 0 && r.w == 0) refuse(name + ": its rotation is a quaternion of length 0");
 }
 
 void checkSkin(const SceneAnimation& animation, size_t index) {
@@ -69,7 +70,8 @@ void checkTrack(const Track& track, const std::string& name, const SceneAnimatio
     refuse(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
            " places no mesh with morph targets");
   const size_t width = widthOf(track, targets == morphTargets.end() ? 0 : targets->second);
-  if (track.times.empty() || track.values.size() != width * track.times.size())
+  if (track.times.empty()) refuse(name + ": it has no keys");
+  if (track.values.size() != width * track.times.size())
     refuse(name + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) + " numbers need " +
            std::to_string(width * track.times.size()) + ", there are " + std::to_string(track.values.size()));
   if (!finite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()))

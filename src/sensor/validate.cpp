@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/limits.hpp"
+#include "base/text.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
@@ -18,7 +19,7 @@ std::string nameOf(const Sensor& sensor) {
 }
 
 std::string coordinates(const Vec3& v) {
-  return std::string("[") + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
+  return std::string("[") + numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z) + "]";
 }
 
 double square(const Vec3& v) {
@@ -31,16 +32,15 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuse(sensor, std::string(what) + " of channel " + std::to_string(j) + " must be " + why);
   };
   if (!(std::abs(channel.elevationDeg) <= 90))
-    refuseIts("elevation", "within -90..90 degrees, is " + std::to_string(channel.elevationDeg));
+    refuseIts("elevation", "within -90..90 degrees, is " + numberText(channel.elevationDeg));
   if (!(std::abs(channel.azimuthOffsetDeg) <= 360))
-    refuseIts("azimuth offset", "within -360..360 degrees, is " + std::to_string(channel.azimuthOffsetDeg));
+    refuseIts("azimuth offset", "within -360..360 degrees, is " + numberText(channel.azimuthOffsetDeg));
   if (!limits::kOrigin.holds(std::sqrt(square(channel.origin))))
     refuseIts("origin", "within 1 m of the sensor's, is " + coordinates(channel.origin));
   if (!(std::abs(channel.timeOffset) <= 1))
-    refuseIts("time offset", "within -1..1 s, is " + std::to_string(channel.timeOffset));
+    refuseIts("time offset", "within -1..1 s, is " + numberText(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})
-    if (!(range >= 0) || !std::isfinite(range))
-      refuseIts("range", "finite and at least 0, is " + std::to_string(range));
+    if (!(range >= 0) || !std::isfinite(range)) refuseIts("range", "finite and at least 0, is " + numberText(range));
 }
 
 void checkGrid(const Sensor& sensor) {
@@ -48,10 +48,9 @@ void checkGrid(const Sensor& sensor) {
   limits::kBeams.check(sensor.beamCount(), nameOf(sensor) + ": its columns and channels make");
   for (size_t j = 0; j < sensor.channels.size(); ++j) checkChannel(sensor, j);
   if (!(std::abs(sensor.azimuthStartDeg) <= 360))
-    refuse(sensor, "azimuth start must be within -360..360 degrees, is " + std::to_string(sensor.azimuthStartDeg));
+    refuse(sensor, "azimuth start must be within -360..360 degrees, is " + numberText(sensor.azimuthStartDeg));
   if (!(std::abs(sensor.azimuthSpanDeg) <= 360) || sensor.azimuthSpanDeg == 0)
-    refuse(sensor,
-           "azimuth span must be within -360..360 degrees and not 0, is " + std::to_string(sensor.azimuthSpanDeg));
+    refuse(sensor, "azimuth span must be within -360..360 degrees and not 0, is " + numberText(sensor.azimuthSpanDeg));
 }
 
 /// One pattern of a list sensor, and how messages name it.
@@ -134,19 +133,18 @@ void validate(const Sensor& sensor) {
   if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
   if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
   if (sensor.rangeMin > sensor.rangeMax) {
-    refuse(sensor,
-           "range min " + std::to_string(sensor.rangeMin) + " is beyond range max " + std::to_string(sensor.rangeMax));
+    refuse(sensor, "range min " + numberText(sensor.rangeMin) + " is beyond range max " + numberText(sensor.rangeMax));
   }
   if (sensor.rangeMax == 0 && hasBeamsWithoutRanges(sensor))
     refuse(sensor, "range max is 0 m, so no hit would count; set it to the farthest range that the sensor measures");
   for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
     if (!(divergence >= 0 && limits::kDivergence.holds(1000 * divergence)))
-      refuse(sensor, "divergence must be within 0..100 mrad, is " + std::to_string(1000 * divergence));
+      refuse(sensor, "divergence must be within 0..100 mrad, is " + numberText(1000 * divergence));
   }
   if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
     refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
   if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
-    refuse(sensor, "rotation period must be within 0..10 s, is " + std::to_string(sensor.rotationPeriod));
+    refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod));
 }
 
 }  // namespace gnosphere

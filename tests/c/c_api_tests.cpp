@@ -330,6 +330,43 @@ TEST_CASE("C: a run hands its scans to a function, which may end it but not call
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
+TEST_CASE("C: a function that receives warnings must not call the simulator that warns") {
+  gno_scene scene = makeScene();
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  struct Warned {
+    gno_simulator simulator = nullptr;
+    int count = 0, refused = 0;
+  } warned;
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  options.user = &warned;
+  options.warn = [](const char*, void* user) {
+    auto& to = *static_cast<Warned*>(user);
+    ++to.count;
+    to.refused += fails(gno_simulator_remove_sensor(to.simulator, 0), GNO_INVALID_ARGUMENT, "must not call it");
+  };
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &warned.simulator) == GNO_OK);
+  gno_stamp stamps[2] = {};
+  for (gno_stamp& stamp : stamps) stamp.pose.orientation[3] = 1;
+  stamps[1].time = 0.1;
+  stamps[1].pose.position[0] = 1;
+  gno_shot shot = gno_shot_init();
+  shot.motion = stamps;
+  shot.motion_count = 2;
+  gno_scan scan = nullptr;
+  CHECK(gno_simulator_scan(warned.simulator, &shot, &scan) == GNO_OK);
+  CHECK(warned.count == 1);
+  CHECK(warned.refused == 1);
+  CHECK(gno_simulator_scan(warned.simulator, &shot, &scan) == GNO_OK);  // the simulator still has its sensor
+  CHECK(gno_scan_destroy(scan) == GNO_OK);
+  CHECK(gno_simulator_destroy(warned.simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
 TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong struct are errors that say so") {
   gno_scene scene = makeScene();
   gno_scene_counts counts = gno_scene_counts_init();
@@ -340,6 +377,12 @@ TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong st
   counts.struct_size += 8;  // of a newer library
   CHECK(fails(gno_scene_get_counts(scene, &counts), GNO_INVALID_ARGUMENT, "gno_scene_counts::struct_size"));
   CHECK(fails(gno_scene_load(nullptr, nullptr, &scene), GNO_INVALID_ARGUMENT, "file is null"));
+  CHECK(fails(gno_scene_create(nullptr), GNO_INVALID_ARGUMENT, "scene is null"));
+  CHECK(fails(gno_sensor_builtin("VLP-16", nullptr), GNO_INVALID_ARGUMENT, "sensor is null"));
+  uint64_t bytes = 0;
+  gno_layout layout = gno_layout_init();
+  layout.stride = 12;
+  CHECK(fails(gno_layout_bytes_for(&layout, uint64_t{1} << 62, &bytes), GNO_INVALID_ARGUMENT, "no size in 64 bits"));
   CHECK(fails(gno_scene_load("/nowhere.glb", nullptr, &scene), GNO_FILE, "nowhere.glb"));
   gno_mesh mesh = squareMesh();
   mesh.positions = nullptr;
@@ -437,6 +480,29 @@ TEST_CASE("C: structs of an older header are taken with defaults for what they l
   CHECK(older.get()->hits == whole.hits);
   CHECK(older.get()->misses == whole.misses);
   CHECK(older.get()->struct_size == offsetof(gno_counters, triangles));
+  // Instances of an older size, too, and options that end before their last member.
+  const size_t instanceSize = offsetof(gno_instance, world);
+  gno_instance instance = gno_instance_init();
+  instance.struct_size = instanceSize;
+  std::vector<std::byte> instances(2 * instanceSize);
+  for (size_t i = 0; i < 2; ++i) std::memcpy(instances.data() + i * instanceSize, &instance, instanceSize);
+  uint32_t added[2] = {};
+  CHECK(gno_simulator_add_instances(other, reinterpret_cast<gno_instance*>(instances.data()), 2, added) == GNO_OK);
+  CHECK(added[1] == added[0] + 1);
+  const gnosphere::test::Folder folder;
+  const std::string file = gnosphere::test::put(folder / "floor.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").string();
+  gno_load_options load = gno_load_options_init();
+  load.scale = 1000;
+  Older<gno_load_options> olderLoad(load, offsetof(gno_load_options, scale));
+  std::memcpy(reinterpret_cast<std::byte*>(olderLoad.get()) + offsetof(gno_load_options, scale), &load.scale,
+              sizeof load.scale);
+  gno_scene loaded = nullptr;
+  REQUIRE(gno_scene_load(file.c_str(), olderLoad.get(), &loaded) == GNO_OK);
+  gno_mesh mesh = gno_mesh_init();
+  REQUIRE(gno_scene_get_mesh(loaded, 0, &mesh) == GNO_OK);
+  CHECK(*std::max_element(mesh.positions, mesh.positions + 9) <= 1);
+  CHECK(gno_scene_destroy(loaded) == GNO_OK);
+
   whole.struct_size = 4;
   CHECK(fails(gno_scan_get_counters(b, &whole), GNO_INVALID_ARGUMENT, "which is no size of it"));
   for (const gno_scan scan : {a, b}) CHECK(gno_scan_destroy(scan) == GNO_OK);

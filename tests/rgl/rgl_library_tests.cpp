@@ -8,9 +8,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <clocale>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <locale>
 #include <string>
 #include <thread>
 
@@ -58,6 +60,55 @@ TEST_CASE("RGL: a tape makes the calls again") {
   std::ofstream(folder / "bad.yaml") << "[1, 2";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
   CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));
+}
+
+namespace {
+
+/// Numbers as much of the world writes them: 1.234,5.
+struct Commas : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+/// The locale of the program while this lives: that of C++, and that of C if the machine has one with commas.
+class CommaLocale {
+ public:
+  CommaLocale() : before_(std::locale::global(std::locale(std::locale(), new Commas))) {
+    std::setlocale(LC_ALL, "de_DE.utf8");
+  }
+  ~CommaLocale() {
+    std::locale::global(before_);
+    std::setlocale(LC_ALL, "C");
+  }
+
+ private:
+  std::locale before_;
+};
+
+}  // namespace
+
+TEST_CASE("RGL: a tape is the same in every locale, and is played in every locale") {
+  const Folder folder;
+  const auto record = [&](const std::string& name) {
+    OK(rgl_tape_record_begin((folder / name).c_str()));
+    {
+      const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 3));
+      OK(rgl_entity_set_laser_retro(entity, 1.25f));
+      OK(rgl_scene_set_time(nullptr, uint64_t{1} << 63));
+      Lidar lidar(raysAround(8, 20), kBasic);
+      lidar.run();
+    }
+    OK(rgl_cleanup());
+    OK(rgl_tape_record_end());
+  };
+  record("usual");
+  const CommaLocale commas;
+  record("commas");
+  const std::string tape = bytesOf(folder / "commas.yaml");
+  CHECK(tape.find("1.25") != tape.npos);
+  CHECK(tape.find("9223372036854775808") != tape.npos);
+  for (const char* name : {"usual", "commas"}) OK(rgl_tape_play((folder / name).c_str()));
 }
 
 TEST_CASE("RGL: a tape whose arrays are cut short, or whose calls fail, is an error") {

@@ -34,7 +34,7 @@ TEST_CASE("accuracy refuses invalid calls") {
   checkRefused("accuracy floor.obj --plot a.png", 2, ".svg");
   checkRefused("accuracy floor.obj --runs 0", 2, "--runs");
   checkRefused("accuracy floor.obj --poses 0", 2, "--poses");
-  checkRefused("accuracy floor.obj --json floor.obj", 2, "the scene itself");
+  checkRefused("accuracy floor.obj --json floor.obj", 2, "is read, too, as floor.obj");
   checkRefused("accuracy floor.obj --pose 1,2,3 --trajectory t.tum", 2, "--trajectory");
   checkRefused("accuracy floor.obj --trajectory t.tum", 1, "t.tum");
   checkRefused("accuracy none.obj --json a.json", 1, "none.obj");
@@ -90,6 +90,22 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
   CHECK(xmlProblem(svg) == "");
   for (const char* name : {"paper", "draft", "standard", "exact", "corner bounds", "range by plane"})
     CHECK_THAT(svg, ContainsSubstring(label(name)));
+}
+
+TEST_CASE("accuracy leaves paper out for sensors that the paper does not know, and says so") {
+  needVulkan();
+  const Workplace place;
+  putSmall(place);
+  const Result result = place.run("accuracy wide.obj --sensor Puck --sample 100 --poses 1 --runs 1 --json a.json");
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("left out: the sensor is no grid of a full turn"));
+  const auto json = place.json("a.json");
+  REQUIRE(json.at("settings").size() == 3);
+  CHECK(json.at("settings").at(0).at("name") == "draft");
+  CHECK(json.at("settings").at(1).at("name") == "standard");
+  CHECK_THAT(result.out, ContainsSubstring("ratio to standard"));
+  CHECK(json.contains("without_paper"));
 }
 
 TEST_CASE("accuracy --effects prints a table, JSON and a plot of footprints") {

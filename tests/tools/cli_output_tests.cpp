@@ -23,6 +23,37 @@ TEST_CASE("output that cannot be written to the standard output is a failure, al
   CHECK(place.run("-c \"'" GNOSPHERE_BINARY "' compare a.pcd a.pcd >/dev/full\"", "", "/bin/sh").status == 2);
 }
 
+TEST_CASE("what is printed to a closed output is a failure, and goes to no other file") {
+  const Workplace place;
+  for (const std::string call :
+       {"sensors", "plan floor.obj --json", "scan floor.obj --stats - -o a.pcd --device reference"}) {
+    INFO(call);
+    const Result closed = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >&-\"", "", "/bin/sh");
+    CHECK(closed.status == 1);
+    CHECK_THAT(closed.err, StartsWith("gnosphere: the standard output is not complete"));
+  }
+}
+
+TEST_CASE("no output file is one that is read, nor another one under a second name") {
+  namespace fs = std::filesystem;
+  const Workplace place;
+  place.put("head.json", place.run("sensors VLP-16 --json").out);
+  place.put("e.json", "{}");
+  fs::create_symlink("a.pcd", place / "link.pcd");
+  const std::string before = place.get("head.json");
+  const std::vector<std::string> calls = {"--sensor head.json -o a.pcd --stats head.json",
+                                          "--effects e.json -o a.pcd --stats ./e.json", "-o a.pcd --stats ./a.pcd",
+                                          "-o a.pcd -o link.pcd", "-o a.pcd -o sub/../a.pcd"};
+  fs::create_directory(place / "sub");
+  for (const std::string& call : calls) {
+    INFO(call);
+    const Result result = place.run("scan floor.obj " + call + " --device reference");
+    CHECK(result.status == 2);
+    CHECK_FALSE(fs::exists(place / "a.pcd"));
+  }
+  CHECK(place.get("head.json") == before);
+}
+
 TEST_CASE("files are written to what a link leads to, into pipes, and into devices") {
   namespace fs = std::filesystem;
   const Workplace place;

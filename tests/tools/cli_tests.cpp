@@ -42,7 +42,7 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --scale 0", 2, "--scale");
   checkRefused("scan floor.obj --repeat 0", 2, "--repeat");
   checkRefused("scan floor.obj -o a.pcd -o a.pcd", 2, "twice");
-  checkRefused("scan floor.obj --stats floor.obj", 2, "the scene itself");
+  checkRefused("scan floor.obj --stats floor.obj", 2, "is read, too");
   checkRefused("scan robot.urdf", 2, "robot.urdf': the Python package reads such files: python -m gnosphere.robotics");
   checkRefused("sensors VLP-17", 2, "VLP-16");
   checkRefused("sensors Puck --rate 20", 2, "--fire-times complete a sensor file, and 'Puck' is built in");

@@ -132,5 +132,5 @@ TEST_CASE("an invalid call with a trajectory is refused before anything is writt
   place.put("a-000002.ply",
             "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
             "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
-  refused("a-000002.ply --trajectory t.tum -o a.ply", 2, "the scene itself");
+  refused("a-000002.ply --trajectory t.tum -o a.ply", 2, "is read, too, as a-000002.ply");
 }

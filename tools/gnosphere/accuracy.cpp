@@ -46,7 +46,9 @@ void check(const Options& options) {
   if (!options.plot.empty() && std::filesystem::path(options.plot).extension() != ".svg") {
     throw Error(ErrorCode::invalidArgument, "--plot: " + options.plot + " must end in .svg");
   }
-  checkOutputFiles(files, options.scene);
+  std::vector<std::string> inputs = inputsOf(options, options);
+  inputs.push_back(options.trajectory);
+  checkOutputFiles(files, inputs);
 }
 
 void write(const std::string& file, const std::string& bytes) {

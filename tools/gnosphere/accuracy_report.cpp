@@ -154,6 +154,7 @@ void printTables(const AccuracyStory& story) {
                       " with the double-precision reference; " + grouped(report.settings[0].error.hits) +
                       " of them hit, " + grouped(report.settings[0].error.ties) +
                       " are ties, which are counted separately");
+  if (!report.withoutPaper.empty()) say("paper", "left out: " + report.withoutPaper);
   say("timed", std::string(stamped(report) ? "device time" : "wall time") + ", median of " + grouped(report.runs) +
                    " runs of each, in turn; ratio to standard, run by run");
   std::printf("\n");
@@ -180,6 +181,7 @@ std::string jsonOf(const AccuracyStory& story) {
   for (const Pose& pose : story.poses) json["poses"].push_back(toJson(pose));
   json["beams"] = report.beams;
   json["sampled"] = report.sampled;
+  if (!report.withoutPaper.empty()) json["without_paper"] = report.withoutPaper;
   for (const AccuracyRow& row : report.settings) json["settings"].push_back(toJson(row, report.runs, !report.sampled));
   json["parts"] = Json::array();
   for (const AccuracyRow& row : report.parts) {

@@ -75,7 +75,6 @@ void describe(const drive::Drive& drive) {
   for (const drive::RigSensor& sensor : drive.sensors)
     say("sensor", sensor.name + ", " + sensor.sensor.name + ", " + grouped(sensor.sensor.beamCount()) + " beams at " +
                       formatted("%g", sensor.rate) + " Hz");
-  for (const drive::Output& output : drive.outputs) say("output", outputText(drive, output));
 }
 
 void summarise(const drive::RunReport& report, double seconds) {
@@ -125,7 +124,13 @@ int runDrive(const DriveCall& call) {
                                                 " is none");
   describe(drive);
   if (call.live) return runLive(call, drive, options);
+  for (const drive::Output& output : drive.outputs) say("output", outputText(drive, output));
   if (call.out.empty()) return 0;
+  for (const char* made : {"objects.json", "classes.json"}) {
+    std::error_code absent;
+    if (std::filesystem::equivalent(std::filesystem::path(call.out) / made, call.file, absent))
+      throw Error(ErrorCode::invalidArgument, call.file + " would be written, too; choose another --output");
+  }
   const double begin = nowMs();
   drive::RunReport report;
   {

@@ -232,18 +232,23 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
   return poses;
 }
 
-void checkOutputFiles(const std::vector<std::string>& files, const std::string& scene) {
-  std::set<std::string> seen;
+void checkOutputFiles(const std::vector<std::string>& files, const std::vector<std::string>& inputs) {
+  std::set<std::filesystem::path> seen;
   for (const std::string& file : files) {
     std::error_code absent;
-    if (std::filesystem::equivalent(file, scene, absent)) {
-      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; choose another output file");
-    }
-    if (!seen.insert(file).second) {
+    for (const std::string& input : inputs)
+      if (std::filesystem::equivalent(file, input, absent))
+        throw Error(ErrorCode::invalidArgument, file + " is read, too, as " + input + "; choose another output file");
+    const std::filesystem::path own = std::filesystem::absolute(writePlaceOf(file).file),
+                                place = std::filesystem::weakly_canonical(own, absent);
+    if (!seen.insert(absent ? own : place).second)
       throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
-    }
     checkWritable(file);
   }
+}
+
+std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects) {
+  return {options.scene, options.sensor, effects.effects, effects.materials};
 }
 
 }  // namespace gnosphere::cli

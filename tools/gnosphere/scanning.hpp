@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "effect_options.hpp"
 #include "gnosphere/gnosphere.hpp"
 #include "gnosphere/options.hpp"
 
@@ -93,7 +94,11 @@ std::vector<Pose> posesAround(const Pose& around, size_t count);
 /// The poses of a TUM file, see drive::readTum().
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 
-/// Checks output files before the work: throws if one cannot be written, is the scene itself or occurs twice.
-void checkOutputFiles(const std::vector<std::string>& files, const std::string& scene);
+/// Checks output files before the work: throws if one cannot be written, is one of the inputs or occurs twice, under
+/// whatever names.
+void checkOutputFiles(const std::vector<std::string>& files, const std::vector<std::string>& inputs);
+
+/// Returns the files that these options may name; a built-in name is none that exists.
+std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects);
 
 }  // namespace gnosphere::cli

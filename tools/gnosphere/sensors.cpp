@@ -221,9 +221,12 @@ Action addSensors(CLI::App& app) {
                  "The built-in sensor that states what a calibration or pattern does not");
   app.add_option("--mode", options->file.mode,
                  "A lidar mode (Ouster), the id of a lidar (CARLA), an operational state (firing times of Hesai)");
-  app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them");
-  app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them");
-  app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many");
+  app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them")
+      ->check(CLI::Range(1e-3, 1e6));
+  app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
+  app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--fire-times", options->file.fireTimes, "Hesai's file of firing times for an angle correction");
   app.footer(
       "Without a sensor, the catalogue is listed.\n"

@@ -215,11 +215,12 @@ Action addView(CLI::App& app) {
   app.add_option("B", call->b, "Another cloud, to show how the two differ");
   app.add_option("-o,--output", call->output, "Page to write (.html)")->required();
   app.add_option("--colour", call->colour, "Field to begin with; the page has a list of all");
-  app.add_option("--every", call->every, "Show every N-th point only")->check(CLI::PositiveNumber);
+  app.add_option("--every", call->every, "Show every N-th point only")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{0xffffffff}));
   app.add_option("--frames", call->frames, "Show the frames from A on and before B only, A:B");
   app.add_option("--sensor", call->sensor, "Sensor of a drive to show instead of its first");
   app.add_option("--distance", call->distance, "Distance in metres from which on points of A and B differ")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--three", call->three, "Folder of three.js")->capture_default_str();
   app.footer(

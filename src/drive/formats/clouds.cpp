@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SENSOR/000000.pcd or .npy, one file per scan.
+#include "base/decimal_point.hpp"
 #include "drive/formats/format.hpp"
 #include "output/cloud_bytes.hpp"
 
@@ -33,6 +34,7 @@ class Clouds : public Format {
         for (const ScanSummary& scan : frame.scans) {
           if (scan.planned.sensor != sensor) continue;
           const auto [p, q] = drive_.sensorPose(sensor, scan.planned.time);
+          const DecimalPoint point;
           char line[256];
           std::snprintf(line, sizeof(line), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", scan.planned.time, p.x,
                         p.y, p.z, q.x, q.y, q.z, q.w);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/decimal_point.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
 
@@ -47,6 +48,7 @@ class Kitti : public Format {
           toFirst = inverse(pose);
           any = true;
         }
+        const DecimalPoint point;
         char text[64];
         std::snprintf(text, sizeof(text), "%.9e\n", scan.planned.time - firstTime);
         times += text;
@@ -98,6 +100,7 @@ class Kitti : public Format {
     const auto toCamera = [](const Vec3& v) { return Vec3{-v.y, -v.z, v.x}; };
     const Vec3 x = toCamera(pose.orientation * Vec3{0, -1, 0}), y = toCamera(pose.orientation * Vec3{0, 0, -1}),
                z = toCamera(pose.orientation * Vec3{1, 0, 0}), t = toCamera(pose.position);
+    const DecimalPoint point;
     char text[512];
     std::snprintf(text, sizeof(text), "%.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e\n", x.x,
                   y.x, z.x, t.x, x.y, y.y, z.y, t.y, x.z, y.z, z.z, t.z);

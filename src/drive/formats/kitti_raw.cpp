@@ -3,6 +3,7 @@
 // inertial unit is at the vehicle's origin; there are no cameras, so calib_velo_to_cam.txt only turns the axes.
 #include <cmath>
 
+#include "base/decimal_point.hpp"
 #include "base/units.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
@@ -30,6 +31,7 @@ constexpr const char* kDataFormat =
     "posmode:       position mode\nvelmode:       velocity mode\norimode:       orientation mode\n";
 
 std::string formattedLine(const char* format, const std::vector<double>& values) {
+  const DecimalPoint point;
   std::string line;
   for (double value : values) {
     char text[64];

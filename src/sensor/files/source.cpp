@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/json_text.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
 
 namespace gnosphere {
@@ -32,10 +33,7 @@ void setTurn(SensorSource& source, double startDeg) {
 
 void assumeRange(SensorSource& source, double metres, const std::string& why) {
   source.file.sensor.rangeMax = metres;
-  std::string text = std::to_string(metres);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  source.assume("a largest range of " + text + " m" + why);
+  source.assume("a largest range of " + numberText(metres) + " m" + why);
 }
 
 void delay(Channel& channel, double seconds, double degreesPerSecond) {
@@ -55,8 +53,8 @@ Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double ele
   if (!std::isfinite(azimuthDeg) || !std::isfinite(elevationDeg))
     source.refuse("the angles of beam " + std::to_string(beam) + " are not finite");
   if (std::abs(elevationDeg) > 90 + 1e-9 || std::abs(azimuthDeg) > 720)
-    source.refuse("beam " + std::to_string(beam) + " has the azimuth " + std::to_string(azimuthDeg) +
-                  " and the elevation " + std::to_string(elevationDeg) + " degrees, which are no angles of a beam");
+    source.refuse("beam " + std::to_string(beam) + " has the azimuth " + numberText(azimuthDeg) +
+                  " and the elevation " + numberText(elevationDeg) + " degrees, which are no angles of a beam");
   const double a = kDegree * std::remainder(azimuthDeg, 360), e = kDegree * std::clamp(elevationDeg, -90.0, 90.0);
   return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
 }

@@ -146,10 +146,10 @@ typedef enum : int32_t {
 } rgl_field_t;
 
 // A return mode is the number of returns in its highest byte, and their types from the lowest byte on.
-const int32_t RGL_RETURN_MODE_BIT_SHIFT = 24;
-const int32_t RGL_RETURN_MODE_SINGLE = 1 << 24;
-const int32_t RGL_RETURN_MODE_DUAL = 2 << 24;
-const int32_t RGL_RETURN_TYPE_BIT_SHIFT = 8;
+static const int32_t RGL_RETURN_MODE_BIT_SHIFT = 24;
+static const int32_t RGL_RETURN_MODE_SINGLE = 1 << 24;
+static const int32_t RGL_RETURN_MODE_DUAL = 2 << 24;
+static const int32_t RGL_RETURN_TYPE_BIT_SHIFT = 8;
 
 typedef enum : uint8_t {
   RGL_RETURN_TYPE_UNKNOWN = 0,
