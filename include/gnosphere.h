@@ -348,6 +348,7 @@ typedef struct gno_sensor_settings {
   gno_near_hits near_hits;
   const uint32_t* masked_beams; /* indices of beams that never fire */
   size_t masked_beam_count;
+  double range_at_10_percent; /* m, from which on a Lambertian target of 10 % is not detected; 0 if not stated */
 } gno_sensor_settings;
 
 /* Beam index = channel * columns + column; the beam in column i has the azimuth start + span * i / columns. */

@@ -48,7 +48,8 @@ struct Effects {
   struct Detection {
     EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1
-    double range = 0;          ///< m, distance of that target; 0 means Sensor::rangeMax
+    /// m, distance of that target; 0 means 10 % at Sensor::rangeAt10Percent, or else Sensor::rangeMax
+    double range = 0;
     double softness = 0;  ///< relative width of the probability curve (logistic in ln power); 0 for a sharp threshold
   } detection;
 

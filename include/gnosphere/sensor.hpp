@@ -69,6 +69,8 @@ struct Sensor {
   NearHits nearHits = NearHits::seeThrough;
   std::vector<uint32_t> maskedBeams;  ///< indices of beams that never fire; their entries in a scan have no return
   std::vector<BeamList> patterns;
+  /// Metres from which on a Lambertian target that reflects 10 % is no longer detected; 0 if this is not stated.
+  double rangeAt10Percent = 0;
 
   bool isGrid() const { return patterns.empty(); }
   size_t beamCount() const { return isGrid() ? size_t{columns} * channels.size() : patterns[0].size(); }
@@ -101,7 +103,7 @@ struct CatalogueHead {
   std::vector<std::string> modes;  ///< the first one is the default; none if the head has one mode only
   std::string source;              ///< documents from which the figures are
   std::string remarks;             ///< what the model simplifies, and what the source does not state
-  double rangeAt10Percent = 0;     ///< metres, on a surface that reflects 10 %
+  double rangeAt10Percent = 0;     ///< Sensor::rangeAt10Percent
 };
 
 /// Returns the real heads that are built in.

@@ -116,7 +116,7 @@ void bindSensorItself(nb::module_& m) {
           [](Sensor* self, std::string name, uint32_t columns, std::vector<Channel> channels, double rangeMin,
              double rangeMax, double divergenceHorizontal, double divergenceVertical, uint32_t maxReturns,
              double rotationPeriod, double azimuthStartDeg, double azimuthSpanDeg, NearHits nearHits,
-             std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns) {
+             std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns, double rangeAt10Percent) {
             auto masked =
                 maskedBeams ? arrayOf<uint32_t>(*maskedBeams, "Sensor: masked_beams").copy() : std::vector<uint32_t>();
             new (self) Sensor{std::move(name),
@@ -132,18 +132,22 @@ void bindSensorItself(nb::module_& m) {
                               azimuthSpanDeg,
                               nearHits,
                               std::move(masked),
-                              std::move(patterns)};
+                              std::move(patterns),
+                              rangeAt10Percent};
           },
           nb::kw_only(), "name"_a = "", "columns"_a = 0, "channels"_a = nb::make_tuple(), "range_min"_a = none.rangeMin,
           "range_max"_a = none.rangeMax, "divergence_horizontal"_a = none.divergenceHorizontal,
           "divergence_vertical"_a = none.divergenceVertical, "max_returns"_a = none.maxReturns,
           "rotation_period"_a = none.rotationPeriod, "azimuth_start_deg"_a = none.azimuthStartDeg,
           "azimuth_span_deg"_a = none.azimuthSpanDeg, "near_hits"_a = none.nearHits, "masked_beams"_a = nb::none(),
-          "patterns"_a = nb::make_tuple(), "Takes its properties as keywords.")
+          "patterns"_a = nb::make_tuple(), "range_at10_percent"_a = none.rangeAt10Percent,
+          "Takes its properties as keywords.")
       .def_rw("name", &Sensor::name, "Scans and messages have it.")
       .def_rw("columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.")
       .def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
+      .def_rw("range_at10_percent", &Sensor::rangeAt10Percent,
+              "Metres from which on a Lambertian target that reflects 10 % is no longer detected; 0 if not stated.")
       .def_rw(
           "divergence_horizontal", &Sensor::divergenceHorizontal,
           "Full angle of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a "

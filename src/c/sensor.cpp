@@ -19,6 +19,7 @@ void apply(const gno_sensor_settings* settings, Sensor& sensor) {
   sensor.rotationPeriod = from.rotation_period;
   sensor.nearHits = enumOf(from.near_hits, NearHits::hide, "gno_sensor_settings::near_hits");
   sensor.maskedBeams.assign(masked.begin(), masked.end());
+  sensor.rangeAt10Percent = from.range_at_10_percent;
 }
 
 gno_sensor checked(Sensor sensor) {
@@ -160,6 +161,7 @@ gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* setti
     to->near_hits = static_cast<gno_near_hits>(from.nearHits);
     to->masked_beams = orNull(from.maskedBeams);
     to->masked_beam_count = from.maskedBeams.size();
+    to->range_at_10_percent = from.rangeAt10Percent;
   });
 }
 

@@ -50,6 +50,9 @@ Answer countMaterials(const Scene& scene, Has has, const char* does, const char*
 Answer appliesDetection(const Question& q) {
   const auto& detection = q.effects.detection;
   if (detection.use == EffectUse::automatic && detection.range == 0) return {false, "no range is given"};
+  const double stated = q.sensor.rangeAt10Percent;
+  if (detection.range == 0 && stated > 0)
+    return {true, format("as strong as 10 %% at %.6g m, as the sensor states", stated)};
   const double range = detection.range > 0 ? detection.range : q.sensor.rangeMax;
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
   return {true, format("as strong as %.3g %% at %.6g m", 100 * detection.reflectance, range)};
@@ -244,8 +247,9 @@ std::vector<EffectInfo> makeTable() {
           "square to the beam at `range`. Automatic: on if a range is given.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
-           number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,
-                                                       "Distance of that target; 0 means Sensor::rangeMax."),
+           number<&E::detection, &E::Detection::range>(
+               "range", "m", 0, 1e6,
+               "Distance of that target; 0 means 10 % at Sensor::rangeAt10Percent, or else Sensor::rangeMax."),
            number<&E::detection, &E::Detection::softness>(
                "softness", "", 0, 10,
                "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),

@@ -35,8 +35,10 @@ Bounded received(const Bounded& energy, const Bounded& range, const Bounded& dep
 }
 
 double thresholdOf(const Effects& effects, const Sensor& sensor) {
-  const double range = effects.detection.range > 0 ? effects.detection.range : sensor.rangeMax;
-  return std::max(effects.detection.reflectance / (range * range), 1e-30);
+  const Effects::Detection& detection = effects.detection;
+  const bool stated = !(detection.range > 0) && sensor.rangeAt10Percent > 0;
+  const double range = stated ? sensor.rangeAt10Percent : detection.range > 0 ? detection.range : sensor.rangeMax;
+  return std::max((stated ? 0.1 : detection.reflectance) / (range * range), 1e-30);
 }
 
 double pulseLength(const Effects& effects) {

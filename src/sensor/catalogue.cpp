@@ -91,6 +91,7 @@ Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
   setMode(figures, mode, sensor);
   sensor.rangeMin = figures.rangeMin;
   sensor.rangeMax = figures.rangeMax;
+  sensor.rangeAt10Percent = figures.rangeAt10Percent;
   const std::vector<double> divergence = numbersOf(figures.divergence, 2);
   sensor.divergenceHorizontal = kMilli * divergence[0];
   sensor.divergenceVertical = kMilli * divergence[1];

@@ -111,6 +111,7 @@ Sensor prismSensor(const PrismHead& head) {
   Sensor sensor;
   sensor.rangeMin = head.rangeMin;
   sensor.rangeMax = head.rangeMax;
+  sensor.rangeAt10Percent = head.rangeAt10Percent;
   sensor.divergenceHorizontal = kDegree * head.divergenceHorizontal;
   sensor.divergenceVertical = kDegree * head.divergenceVertical;
   sensor.maxReturns = head.returns;

@@ -132,6 +132,8 @@ void validate(const Sensor& sensor) {
                          std::to_string(sensor.beamCount()));
   if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
   if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
+  if (!std::isfinite(sensor.rangeAt10Percent) || sensor.rangeAt10Percent < 0)
+    refuse(sensor, "range at 10 % must be finite and at least 0");
   if (sensor.rangeMin > sensor.rangeMax) {
     refuse(sensor, "range min " + numberText(sensor.rangeMin) + " is beyond range max " + numberText(sensor.rangeMax));
   }

@@ -241,6 +241,7 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   gno_sensor_settings settings = gno_sensor_settings_init();
   settings.name = "mine";
   settings.range_max = 50;
+  settings.range_at_10_percent = 20;
   REQUIRE(gno_sensor_create_grid(&settings, &grid, &sensor) == GNO_OK);
   gno_beam_list beams = gno_beam_list_init();
   REQUIRE(gno_sensor_get_beams(sensor, 0, &beams) == GNO_OK);
@@ -262,6 +263,9 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   gno_sensor_size size = gno_sensor_size_init();
   REQUIRE(gno_sensor_get_size(again, &size) == GNO_OK);
   CHECK((size.beams == 180 && size.patterns == 1));
+  gno_sensor_settings got = gno_sensor_settings_init();
+  REQUIRE(gno_sensor_get_settings(again, &got) == GNO_OK);
+  CHECK((got.range_max == 50 && got.range_at_10_percent == 20));
   for (gno_sensor each : {sensor, list, again}) CHECK(gno_sensor_destroy(each) == GNO_OK);
 
   gno_effects effects = nullptr;

@@ -125,6 +125,18 @@ TEST_CASE("a target of 10 % reflectance is just detected at the stated range") {
   CHECK(scan.column<uint8_t>(Field::cause)[0] == uint8_t(Cause::noSurface));
 }
 
+TEST_CASE("a head whose data sheet states a range at 10 % detects such a target up to there") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double distance = GENERATE(39.9, 40.1);
+  Sensor sensor = fan(3600, 1, 0, 200);
+  sensor.rangeAt10Percent = 40;
+  Setup setup(device, platesOf({{distance, 10, 0.1f - float(kGloss)}}), sensor);
+  setup.effects.detection.use = EffectUse::on;
+  CHECK(setup.scan().hit(ahead(sensor)) == (distance < 40));
+  setup.effects.detection.range = 50;  // a range of the request counts instead
+  CHECK(setup.scan().hit(ahead(sensor)));
+}
+
 TEST_CASE("fog hides a wall beyond the range that Koschmieder's law gives") {
   const std::string device = ON_EVERY_DEVICE;
   const double share = GENERATE(0.99, 1.01);

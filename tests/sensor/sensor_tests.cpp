@@ -269,7 +269,9 @@ TEST_CASE("every head of the catalogue is valid in every mode and names its sour
       const Sensor sensor = builtinSensor(head.name + ":" + mode);
       CHECK_NOTHROW(validate(sensor));
       CHECK(sensor.rangeMax > 0);
+      CHECK(sensor.rangeAt10Percent == head.rangeAt10Percent);
       CHECK(head.rangeAt10Percent <= sensor.rangeMax);
+      if (sensor.isGrid()) CHECK(sensorFromJson(toJson(sensor), "").rangeAt10Percent == head.rangeAt10Percent);
       CHECK(sensor.channels.size() == first.channels.size());
       if (mode == head.modes[0]) CHECK(sensor.columns == first.columns);
     }

@@ -254,6 +254,7 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   }
   sensor.rangeMin = from.rangeMin;
   sensor.rangeMax = from.rangeMax;
+  sensor.rangeAt10Percent = from.rangeAt10Percent;
   sensor.divergenceHorizontal = from.divergenceHorizontal;
   sensor.divergenceVertical = from.divergenceVertical;
   sensor.maxReturns = from.maxReturns;
