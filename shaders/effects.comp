@@ -63,6 +63,7 @@ bool isDead(uint beam) {
   return (deadBeams.at[beam / 32] >> (beam % 32) & 1) != 0;
 }
 
+#define OWN_RANGES NUMBERED
 #include "common/effects/signal.h"
 
 // Computes the echo of the hit of a beam that has no others. Its energy needs the material, many loads on a CPU.

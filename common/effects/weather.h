@@ -6,6 +6,11 @@
 
 #include "random.h"
 
+// Whether beams have range windows of their own; an including kernel that knows it defines this as a constant.
+#ifndef OWN_RANGES
+#define OWN_RANGES true
+#endif
+
 #ifdef __cplusplus
 namespace gnosphere::gpu {
 #endif
@@ -99,7 +104,7 @@ GNO_INLINE float beamDiameter(EffectParameters p, float range) {
 GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far, uvec4 words) {
   Echo echo = noEcho();
   GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
-  if (p.rangeMin > particles.firstRange) count += countUpTo(particles, p.rangeMin);
+  if (OWN_RANGES && p.rangeMin > particles.firstRange) count += countUpTo(particles, p.rangeMin);
   if (!(count < particles.countsFar.w)) return echo;
   // The particle lies between entries i - 1 and i. Every entry is compared, because lanes that search end together
   // anyway.

@@ -253,8 +253,8 @@ def laser_scan(
     scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
-    `angle_increment` is less than 0. `stamp` is the time of its first beam. A beam without a return has infinity (REP
-    117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
+    `angle_increment` is less than 0. `stamp` is the time of its first beam. Beams that fire in another order than that of
+    their azimuths are sorted by it, and have a `time_increment` of 0. A beam without a return has infinity (REP 117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
     the scan does not have, and if its beams are not evenly spaced in azimuth."""
     if not 0 <= channel < scan.channels:
         raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")
@@ -266,9 +266,15 @@ def laser_scan(
         return values[channel * columns : (channel + 1) * columns]
 
     directions = own(beams.directions).astype(np.float64)
+    azimuths = np.arctan2(directions[:, 1], directions[:, 0])
     times = own(beams.times) if len(beams.times) else np.zeros(columns)
+    # A head fires beam by beam in the order of azimuth. Other beams are sorted by azimuth, and have no time increment.
     order = np.argsort(times, kind="stable")
-    angles = np.unwrap(np.arctan2(directions[order, 1], directions[order, 0]))
+    angles = np.unwrap(azimuths[order])
+    increment = float(np.ptp(times)) / max(columns - 1, 1)
+    if len(angles) > 1 and np.ptp(np.diff(angles)) > 1e-4:
+        order, increment = _around(azimuths), 0.0
+        angles = np.unwrap(azimuths[order])
     steps = np.diff(angles)
     if len(steps) and np.ptp(steps) > 1e-4:
         raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
@@ -279,7 +285,7 @@ def laser_scan(
         "angle_min": float(angles[0]),
         "angle_max": float(angles[-1]),
         "angle_increment": float(steps.mean()) if len(steps) else 0.0,
-        "time_increment": float(np.ptp(times)) / max(len(angles) - 1, 1),
+        "time_increment": increment,
         "scan_time": sensor.rotation_period,
         "range_min": float(nearest.min()) if len(nearest) else sensor.range_min,
         "range_max": float(farthest.max()) if len(farthest) else sensor.range_max,
@@ -289,6 +295,14 @@ def laser_scan(
     if scan.has(gno.Field.intensity):
         message["intensities"] = np.nan_to_num(scan.column(gno.Field.intensity)[entries][order])
     return message
+
+
+def _around(azimuths: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """The order of azimuths counter-clockwise, from behind the widest gap between two of them."""
+    order = np.argsort(azimuths, kind="stable")
+    ascending = azimuths[order]
+    gaps = np.diff(ascending, append=ascending[:1] + 2 * np.pi)
+    return np.roll(order, -1 - int(np.argmax(gaps))) if len(gaps) and gaps.max() > gaps[-1] + 1e-4 else order
 
 
 def header(frame_id: str, stamp: float) -> dict[str, Any]:

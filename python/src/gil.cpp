@@ -12,17 +12,27 @@ std::atomic<bool> ending = false;  // the interpreter
 std::atomic<int> returning = 0;    // threads that are about to take the GIL back
 std::thread::id endingThread;
 
-}  // namespace
-
-ReleasedGil::~ReleasedGil() {
+/// Calls take(), which takes the GIL, or sleeps if the interpreter ends.
+template <typename Take>
+auto takeBack(const Take& take) {
   ++returning;
   if (ending && std::this_thread::get_id() != endingThread) {
     --returning;
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
   }
-  PyEval_RestoreThread(state_);
-  --returning;
+  struct Returned {
+    ~Returned() { --returning; }
+  } const returned;
+  return take();
 }
+
+}  // namespace
+
+ReleasedGil::~ReleasedGil() {
+  takeBack([this] { PyEval_RestoreThread(state_); });
+}
+
+AcquiredGil::AcquiredGil() : state_(takeBack([] { return PyGILState_Ensure(); })) {}
 
 void watchEnd() {
   nanobind::module_::import_("atexit").attr("register")(nanobind::cpp_function([] {

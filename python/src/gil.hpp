@@ -19,7 +19,19 @@ class ReleasedGil {
   PyThreadState* state_;
 };
 
-/// Makes ReleasedGil know when the interpreter ends.
+/// Holds the GIL while it lives, in a call that has released it. As ReleasedGil, it sleeps if the interpreter ends.
+class AcquiredGil {
+ public:
+  AcquiredGil();
+  ~AcquiredGil() { PyGILState_Release(state_); }
+  AcquiredGil(const AcquiredGil&) = delete;
+  AcquiredGil& operator=(const AcquiredGil&) = delete;
+
+ private:
+  PyGILState_STATE state_;
+};
+
+/// Makes ReleasedGil and AcquiredGil know when the interpreter ends.
 void watchEnd();
 
 }  // namespace gnosphere::python

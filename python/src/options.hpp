@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bind.hpp"
+#include "gil.hpp"
 
 namespace gnosphere::python {
 
@@ -20,12 +21,12 @@ class Warn {
  public:
   explicit Warn(nb::object function)
       : function_(new nb::object(std::move(function)), [](nb::object* object) {
-          const nb::gil_scoped_acquire acquired;
+          const AcquiredGil acquired;
           delete object;
         }) {}
   /// An exception of the function is printed, because the library's call goes on.
   void operator()(const std::string& message) const {
-    const nb::gil_scoped_acquire acquired;
+    const AcquiredGil acquired;
     const nb::object function = *function_;  // lives during the call, even if the collector takes the other away
     if (!function.is_valid()) return;
     try {

@@ -64,7 +64,7 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
       // them.
       Scan& own = const_cast<Scan&>(made);
       std::swap(own, *memory);
-      const nb::gil_scoped_acquire acquired;
+      const AcquiredGil acquired;
       receive(shot, SharedScan{memory});
       if (memory.use_count() == 1)
         std::swap(own, *memory);
@@ -112,7 +112,7 @@ class SeesSignals {
     const Clock::time_point now = Clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(100);
-    const nb::gil_scoped_acquire acquired;
+    const AcquiredGil acquired;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
 

@@ -188,6 +188,18 @@ def test_laser_scans_on_both_sides_of_180_degrees(device, start, span, columns):
             adapter.laser_scan(scan, sensor, channel)
 
 
+def test_a_laser_scan_of_beams_that_fire_in_another_order_is_sorted(device):
+    azimuths = np.radians(np.r_[np.arange(-40, 41, 20), np.arange(-30, 31, 20)])
+    directions = np.stack([np.cos(azimuths), np.sin(azimuths), 0 * azimuths], axis=1)
+    for times in (None, np.arange(9) / 1000):
+        sensor = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(directions, times=times)])
+        lidar = adapter.Lidar(wall(), sensor, effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device))
+        line = adapter.laser_scan(lidar.cast(gnosphere.Shot()), sensor)
+        assert np.degrees(line["angle_min"]) == pytest.approx(-40, abs=1e-4)
+        assert np.degrees(line["angle_increment"]) == pytest.approx(10, abs=1e-4)
+        assert line["time_increment"] == 0
+
+
 def test_sizes_that_no_shape_has():
     for make, sentence in (
         (lambda: primitives.box((1, 1, -1)), r"the sizes of a box must be finite .*, not \[1.0, 1.0, -1.0\]"),

@@ -124,7 +124,10 @@ def test_a_forked_process_cannot_use_the_simulators_of_its_parent(slow, pose):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
 
 
-def test_a_process_may_end_while_a_daemon_thread_scans():
+@pytest.mark.parametrize(
+    "call", ["scan(gnosphere.Pose())", "scan_all([gnosphere.Shot()] * 2000, lambda shot, scan: None)"]
+)
+def test_a_process_may_end_while_a_daemon_thread_scans(call):
     program = """
 import threading, time, gnosphere
 scene = gnosphere.Scene([gnosphere.Material()], [], [])
@@ -132,10 +135,10 @@ request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), gnosphere.
 simulator = gnosphere.Simulator(scene, request, gnosphere.SimulatorOptions(gnosphere.device_by_name("reference")))
 def scan():
     while True:
-        simulator.scan(gnosphere.Pose())
+        simulator.CALL
 threading.Thread(target=scan, daemon=True).start()
 time.sleep(0.2)
-"""
+""".replace("CALL", call)
     for _ in range(4):
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
         assert (done.returncode, done.stderr) == (0, "")

@@ -2,6 +2,9 @@
 // Reads whole files, and writes files that appear only when they are complete.
 #pragma once
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -78,20 +81,26 @@ inline std::filesystem::path partOf(const std::filesystem::path& file) {
   return std::filesystem::path(file) += ".part";
 }
 
-/// An output file that appears only when it is complete: until then it is written in its folder under a name that
-/// nobody else has, also if several processes write the same file. commit() renames it, and the destructor removes what
-/// was not committed. If the file is a link, the file to which it leads is written so. Pipes and devices are written
-/// directly. Every member throws Error(file) with the system's reason.
+/// An output file that appears only when it is complete: until then it is written in its folder as .NAME.part, or under
+/// a name of its own while another process writes that one. commit() renames it, and the destructor removes what was
+/// not committed; what a killed process has left is written over by the next one. If the file is a link, the file to
+/// which it leads is written so. Pipes and devices are written directly. Every member throws Error(file) with the
+/// system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), place_(writePlaceOf(file_)) {
     part_ = place_.file;
-    place_.inPlace ? open("wb") : openUnique();
+    checkNoFolder();
+    if (place_.inPlace)
+      open("wb");
+    else if (!openShared())
+      openUnique();
   }
   /// Writes to `part`, which commit() renames, and follows no link: data sets that are exchanged may have links that
   /// lead out of their folder.
   AtomicFile(std::filesystem::path file, std::filesystem::path part)
       : file_(std::move(file)), place_{file_}, part_(std::move(part)) {
+    checkNoFolder();
     open("wb");
   }
   AtomicFile(const AtomicFile&) = delete;
@@ -99,6 +108,7 @@ class AtomicFile {
   ~AtomicFile() {
     if (stream_) std::fclose(stream_);
     if (!committed_ && !place_.inPlace) std::remove(part_.c_str());
+    if (lock_ >= 0) ::close(lock_);
   }
 
   void write(const void* data, size_t bytes) {
@@ -117,13 +127,39 @@ class AtomicFile {
   }
 
  private:
-  void open(const char* mode) {
+  void checkNoFolder() const {
     std::error_code ignored;
     if (std::filesystem::is_directory(place_.file, ignored)) refuse(EISDIR);
-    stream_ = std::fopen(part_.c_str(), mode);
-    if (!stream_ && !(errno == EEXIST && std::strchr(mode, 'x'))) refuse(errno);
   }
-  // Processes may share a number, in containers, so that the name is free only if the system says so.
+  void open(const char* mode) {
+    stream_ = std::fopen(part_.c_str(), mode);
+    if (!stream_) refuse(errno);
+  }
+  // Opens .NAME.part, unless another process has it, or the name would be too long, or the file system has no locks.
+  // The lock is kept until the file has been renamed, so that nobody writes over it before.
+  bool openShared() {
+    const std::filesystem::path part = place_.file.parent_path() / ("." + place_.file.filename().string() + ".part");
+    std::FILE* const stream = std::fopen(part.c_str(), "ab");
+    if (!stream) {
+      if (errno != ENAMETOOLONG && errno != EISDIR) refuse(errno);
+      return false;
+    }
+    const int lock = ::fcntl(::fileno(stream), F_DUPFD_CLOEXEC, 0);
+    struct stat opened, named;
+    const bool mine = lock >= 0 && ::flock(lock, LOCK_EX | LOCK_NB) == 0 && ::fstat(lock, &opened) == 0 &&
+                      ::stat(part.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+                      opened.st_dev == named.st_dev && ::ftruncate(lock, 0) == 0;
+    if (!mine) {
+      std::fclose(stream);
+      if (lock >= 0) ::close(lock);
+      return false;
+    }
+    stream_ = stream;
+    lock_ = lock;
+    part_ = part;
+    return true;
+  }
+  // Processes may share a number, in containers, so that a name is free only if the system says so.
   void openUnique() {
     static std::atomic<uint64_t> tries = 0;
     while (!stream_) {
@@ -131,8 +167,9 @@ class AtomicFile {
       char name[64];
       std::snprintf(name, sizeof(name), ".gnosphere-%x-%llx.part", static_cast<unsigned>(::getpid()),
                     static_cast<unsigned long long>(now + tries++));
-      part_.replace_filename(name);
-      open("wbx");
+      part_ = place_.file.parent_path() / name;
+      stream_ = std::fopen(part_.c_str(), "wbx");
+      if (!stream_ && errno != EEXIST) refuse(errno);
     }
   }
   [[noreturn]] void refuse(int reason) const {
@@ -143,6 +180,7 @@ class AtomicFile {
   WritePlace place_;
   std::filesystem::path part_;
   std::FILE* stream_ = nullptr;
+  int lock_ = -1;
   bool committed_ = false;
 };
 

@@ -97,7 +97,8 @@ Shared<Handle> find(Handle handle) {
 template <class Handle>
 class Locked {
  public:
-  explicit Locked(Handle handle) : object_(find(handle)), lock_(object_->mutex) {}
+  explicit Locked(Handle handle) : Locked(find(handle)) {}
+  explicit Locked(Shared<Handle> object) : object_(std::move(object)), lock_(object_->mutex) {}
   typename Held<Handle>::Type& operator*() { return object_->value; }
   typename Held<Handle>::Type* operator->() { return &object_->value; }
 
@@ -110,7 +111,8 @@ class Locked {
 /// receives scans or warnings.
 class Idle : public Locked<gno_simulator> {
  public:
-  explicit Idle(gno_simulator handle) : Locked(handle) {
+  explicit Idle(gno_simulator handle) : Idle(find(handle)) {}
+  explicit Idle(Shared<gno_simulator> object) : Locked(std::move(object)) {
     if ((**this).running)
       refuse("a function that a simulator calls, such as one that receives scans, must not call it");
     (**this).running = true;

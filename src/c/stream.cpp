@@ -46,7 +46,7 @@ gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_shot* shot
   return guard([&] {
     const std::vector<Shot> wanted = shotsOf(shots, shot_count);
     Locked locked(stream);
-    const std::scoped_lock lock(locked->simulator->mutex);
+    const Idle idle(locked->simulator);
     const uint64_t submitted = locked->stream.submit(wanted);
     if (number) *number = submitted;
   });
@@ -71,7 +71,7 @@ gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, g
   return guard([&] {
     const Out to(layout, GNO_TYPE(gno_layout));
     Locked locked(stream);
-    const std::scoped_lock lock(locked->simulator->mutex);
+    const Idle idle(locked->simulator);
     give(locked->stream.layout(sensor), locked->layout, *to);
   });
 }
@@ -80,7 +80,7 @@ gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, g
   return guard([&] {
     const Out to(places, GNO_TYPE(gno_result_places));
     Locked locked(stream);
-    const std::scoped_lock lock(locked->simulator->mutex);
+    const Idle idle(locked->simulator);
     const ResultPlaces from = locked->stream.places(sensor);
     to->headers = from.headers;
     to->records = from.records;

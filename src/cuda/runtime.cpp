@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <string>
 
+#include "base/decimal_point.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 
@@ -96,6 +97,7 @@ std::byte* allocate(const char* name, uint64_t bytes) {
   void* memory = nullptr;
   const cudaError_t result = cudaMalloc(&memory, bytes);
   if (result == cudaErrorMemoryAllocation) {
+    const DecimalPoint point;
     char text[200];
     std::snprintf(text, sizeof text, "cannot allocate %.1f MiB for '%s' on the CUDA device",
                   static_cast<double>(bytes) / (1 << 20), name);

@@ -225,7 +225,8 @@ void DriveReader::outputs() {
     output.format = object["format"].get<std::string>();
     output.folder = object.value("folder", output.format);
     const FormatInfo& format = formatNamed(output.format);
-    const fs::path folder = fs::path(output.folder).lexically_normal();
+    fs::path folder = fs::path(output.folder).lexically_normal();
+    if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
     const std::string top = folder.begin()->string();
     if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
         top == "classes.json")

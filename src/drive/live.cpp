@@ -80,8 +80,10 @@ class Schedule {
 
 class Live {
  public:
-  Live(const Drive& drive, const LiveOptions& options, LiveReport& report)
+  /// Publishes the frames before `end`.
+  Live(const Drive& drive, const LiveOptions& options, uint64_t end, LiveReport& report)
       : drive_(drive),
+        end_(end),
         report_(report),
         tf_(MessageType::transforms, "/tf", optionsOf({.depth = 100})),
         mounts_(MessageType::transforms, "/tf_static",
@@ -102,7 +104,7 @@ class Live {
   }
 
   void publish(const FrameRecord& frame) {
-    for (const double time : poseTimes(drive_, frame.frame)) {
+    for (const double time : poseTimes(drive_, frame.frame, frame.frame + 1 == end_)) {
       schedule_.add(time, clock_, ros2::Clock{stampOf(time)});
       schedule_.add(time, tf_, ros2::Transforms{{stampOf(time), "map", "base_link", drive_.ego.at(time)}});
     }
@@ -160,6 +162,7 @@ class Live {
   }
 
   const Drive& drive_;
+  uint64_t end_;
   LiveReport& report_;
   Publisher tf_, mounts_, clock_;
   std::vector<Publisher> clouds_;       // by sensor
@@ -180,7 +183,7 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
     if (!mistake.empty()) throw Error(ErrorCode::invalidArgument, "the drive '" + drive.name + "': " + mistake);
   LiveReport report;
   const World world(drive);
-  Live live(drive, options, report);
+  Live live(drive, options, end, report);
   std::set<Field> fields(kFields.begin(), kFields.end());
   for (Field given : {Field::x, Field::y, Field::z, Field::instance, Field::ring}) fields.erase(given);
   Scanner scanner(drive, world, std::vector<std::set<Field>>(drive.sensors.size(), fields), options.simulator);

@@ -194,7 +194,7 @@ class Manifest::Parts {
   explicit Parts(const fs::path& manifest) {
     // Processes in containers may have the same number and the same name of the machine, so the name is random.
     std::random_device random;
-    while (!lock_ || lock_->lost()) {
+    for (int tries = 0; tries < 100 && (!lock_ || lock_->lost()); ++tries) {
       const std::string name = numberText("%08llx", random()) + numberText("%08llx", random());
       folder_ = manifest / (partsOfHost() + name);
       lock_ = std::make_unique<FileLock>(lockFile(), FileLock::If::made);

@@ -9,7 +9,6 @@
 
 #include "base/json_text.hpp"
 #include "drive/schedule.hpp"
-#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 
@@ -41,18 +40,17 @@ std::string mistakeOfTimes(const Drive& drive) {
          jsonText(nlohmann::json(last)) + " s, and ROS 2 has 32 bits for seconds";
 }
 
-std::vector<double> poseTimes(const Drive& drive, uint64_t frame) {
+uint64_t posesPerFrame(const Drive& drive) {
   constexpr double kPerSecond = 100, kPerFrame = 10;
-  const auto count = static_cast<uint64_t>(std::max(kPerFrame, std::ceil(kPerSecond / drive.rate - 1e-6)));
-  const double rate = drive.rate * static_cast<double>(count);
-  const auto timeOf = [&](uint64_t number) { return drive.start + static_cast<double>(number) / rate; };
+  return static_cast<uint64_t>(std::max(kPerFrame, std::ceil(kPerSecond / drive.rate - 1e-6)));
+}
+
+std::vector<double> poseTimes(const Drive& drive, uint64_t frame, bool last) {
+  const uint64_t count = posesPerFrame(drive), first = frame * count;
+  const double rate = drive.rate * static_cast<double>(count), end = last ? endOfScans(drive, frame) : 0;
   std::vector<double> times;
-  for (uint64_t i = 0; i < count; ++i) times.push_back(timeOf(frame * count + i));
-  if (frame + 1 < drive.frameCount()) return times;
-  double end = drive.start;
-  for (const PlannedScan& scan : scansOf(drive, frame))
-    end = std::max(end, scan.time + durationOf(drive.sensors[scan.sensor].sensor, scan.number));
-  for (uint64_t number = (frame + 1) * count; times.back() < end; ++number) times.push_back(timeOf(number));
+  for (uint64_t i = 0; last ? times.empty() || times.back() < end : i < count; ++i)
+    times.push_back(drive.start + static_cast<double>(first + i) / rate);
   return times;
 }
 

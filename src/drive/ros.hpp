@@ -19,8 +19,11 @@ std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors);
 /// Returns why ROS 2 cannot have the times of the drive, whose seconds are 32 bits; empty if it can.
 std::string mistakeOfTimes(const Drive& drive);
 
-/// Returns the times of a frame, on the clock of the trajectories, at which the pose of the vehicle is told: at least a
-/// hundred a second and ten a frame. The times of the last frame reach to the end of its scans.
-std::vector<double> poseTimes(const Drive& drive, uint64_t frame);
+/// Returns how many times a frame the pose of the vehicle is told: at least ten, and a hundred a second.
+uint64_t posesPerFrame(const Drive& drive);
+
+/// Returns these times of a frame, on the clock of the trajectories. The times of the `last` frame that
+/// is told reach to the end of all scans.
+std::vector<double> poseTimes(const Drive& drive, uint64_t frame, bool last);
 
 }  // namespace gnosphere::drive

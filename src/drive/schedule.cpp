@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensor/beams.hpp"
+
 namespace gnosphere::drive {
 namespace {
 
@@ -14,20 +16,36 @@ uint64_t firstScan(const RigSensor& sensor, double time) {
   return static_cast<uint64_t>(std::max(0.0, std::ceil((time - sensor.offset) * sensor.rate - kRounding)));
 }
 
+/// Seconds after the start of the drive at which a frame ends.
+double endOf(const Drive& drive, uint64_t frame) {
+  return std::min(static_cast<double>(frame + 1) / drive.rate, drive.duration);
+}
+
+double startOf(const Drive& drive, const RigSensor& sensor, uint64_t number) {
+  return drive.start + sensor.offset + static_cast<double>(number) / sensor.rate;
+}
+
 }  // namespace
 
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame) {
   std::vector<PlannedScan> scans;
-  const double begin = static_cast<double>(frame) / drive.rate,
-               end = std::min(static_cast<double>(frame + 1) / drive.rate, drive.duration);
+  const double begin = static_cast<double>(frame) / drive.rate, end = endOf(drive, frame);
   for (size_t s = 0; s < drive.sensors.size(); ++s) {
     const RigSensor& sensor = drive.sensors[s];
     const uint64_t last = firstScan(sensor, end);
     for (uint64_t number = firstScan(sensor, begin); number < last; ++number)
-      scans.push_back({s, number, drive.start + sensor.offset + static_cast<double>(number) / sensor.rate});
+      scans.push_back({s, number, startOf(drive, sensor, number)});
   }
   std::stable_sort(scans.begin(), scans.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
   return scans;
+}
+
+double endOfScans(const Drive& drive, uint64_t frame) {
+  double end = drive.start + endOf(drive, frame);
+  for (const RigSensor& sensor : drive.sensors)
+    if (const uint64_t count = firstScan(sensor, endOf(drive, frame)); count > 0)
+      end = std::max(end, startOf(drive, sensor, count - 1) + durationOf(sensor.sensor, count - 1));
+  return end;
 }
 
 }  // namespace gnosphere::drive

@@ -19,4 +19,8 @@ struct PlannedScan {
 /// The scans that start within a frame, in order of time, then of sensors. Scans depend on nothing but the drive file.
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame);
 
+/// Returns when the last scan of the frames up to this one ends, on the clock of the trajectories, or the frame itself
+/// if that is later.
+double endOfScans(const Drive& drive, uint64_t frame);
+
 }  // namespace gnosphere::drive

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.hpp"
 #include "drive/pose_math.hpp"
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
@@ -24,8 +25,8 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
   for (size_t i = 1; i < motion_.stamps.size(); ++i) {
     const double before = motion_.stamps[i - 1].time, time = motion_.stamps[i].time;
     if (!(time > before))
-      throw Error(ErrorCode::format, "the time of pose " + std::to_string(i) + ", " + std::to_string(time) +
-                                         ", does not come after the one before, " + std::to_string(before));
+      throw Error(ErrorCode::format, "the time of pose " + std::to_string(i) + ", " + gnosphere::numberText(time) +
+                                         ", does not come after the one before, " + gnosphere::numberText(before));
   }
 }
 

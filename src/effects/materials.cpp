@@ -40,6 +40,7 @@ std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, dou
   for (size_t i = 0; i < scene.materials.size(); ++i) materials.emplace(lower(scene.materials[i].name), i);
   std::vector<Optics> optics;
   for (const Material& material : scene.materials) optics.push_back(opticsOf(material));
+  std::vector<bool> measured(optics.size()), rough(optics.size());  // by material: what the table states
   for (const MaterialTable::Row& row : table.rows) {
     const auto [first, last] = materials.equal_range(lower(row.name));
     if (first == last && unused) unused->push_back(row.name);
@@ -47,13 +48,16 @@ std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, dou
       Optics& one = optics[at->second];
       const float reflectance = wavelength == 1550 ? row.reflectance1550 : row.reflectance905;
       take(one.reflectance, reflectance);
-      // A measured reflectance has the light of the glossy lobe in it, unless the row says how rough the surface is.
-      if (reflectance >= 0 && row.roughness < 0) one.gloss = 0;
+      measured[at->second] = measured[at->second] || reflectance >= 0;
+      rough[at->second] = rough[at->second] || row.roughness >= 0;
       take(one.roughness, row.roughness);
       take(one.retro, row.retro);
       take(one.transmission, row.transmission);
     }
   }
+  // A measured reflectance has the light of the glossy lobe in it, unless the table says how rough the surface is.
+  for (size_t i = 0; i < optics.size(); ++i)
+    if (measured[i] && !rough[i]) optics[i].gloss = 0;
   return optics;
 }
 

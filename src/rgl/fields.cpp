@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rgl/fields.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "rgl/call.hpp"
 
@@ -78,13 +80,21 @@ bool isPadding(rgl_field_t field) {
   return field >= RGL_FIELD_PADDING_8 && field <= RGL_FIELD_PADDING_32;
 }
 
+// Whether a text is so many whole numbers with points between, and perhaps blanks behind.
+bool isVersion(std::string_view text, size_t numbers) {
+  text = text.substr(0, text.find_last_not_of(" \t") + 1);
+  const auto allowed = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
+  return !text.empty() && std::ranges::all_of(text, allowed) &&
+         static_cast<size_t>(std::ranges::count(text, '.')) + 1 == numbers;
+}
+
 int level() {
   static const int chosen = [] {
     int major = 0, minor = 0;
     const char* text = std::getenv("GNOSPHERE_RGL_ABI");
     if (!text) text = GNOSPHERE_RGL_LEVEL;
-    char rest = 0;
-    if (std::sscanf(text, "%d.%d%c", &major, &minor, &rest) == 2 && major == 0 && minor >= 14 && minor <= 21)
+    const bool known = isVersion(text, 2) || isVersion(text, 3);
+    if (known && std::sscanf(text, "%d.%d", &major, &minor) == 2 && major == 0 && minor >= 14 && minor <= 21)
       return minor < 16 ? 16 : minor;
     log(RGL_LOG_LEVEL_WARN,
         std::string("GNOSPHERE_RGL_ABI is '") + text + "', which is none of 0.16 to 0.21; 0.20 is used");
@@ -96,7 +106,7 @@ int level() {
 Version version() {
   Version result{0, level(), 0};
   if (const char* text = std::getenv("GNOSPHERE_RGL_VERSION"))
-    if (char rest = 0; std::sscanf(text, "%d.%d.%d%c", &result.major, &result.minor, &result.patch, &rest) != 3)
+    if (!isVersion(text, 3) || std::sscanf(text, "%d.%d.%d", &result.major, &result.minor, &result.patch) != 3)
       log(RGL_LOG_LEVEL_WARN,
           std::string("GNOSPHERE_RGL_VERSION is '") + text + "', which is no version such as 0.20.0");
   return result;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Graphs: their edges, their runs and their results.
 #include <algorithm>
-#include <charconv>
+#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <set>
 
 #include "base/room.hpp"
@@ -129,10 +128,10 @@ uint64_t nextVersion() {
 std::mt19937_64 randomSource() {
   std::seed_seq seed{uint64_t{std::random_device()()}, uint64_t{std::random_device()()}};
   if (const char* text = std::getenv("GNOSPHERE_RGL_SEED")) {
-    uint64_t number = 0;
-    const char* const end = text + std::strlen(text);
-    const auto read = std::from_chars(text, end, number);
-    if (read.ec != std::errc() || read.ptr != end)
+    char* end = nullptr;
+    errno = 0;
+    const uint64_t number = std::strtoull(text, &end, 0);
+    if (end == text || *end != '\0' || errno != 0)
       log(RGL_LOG_LEVEL_WARN, std::string("GNOSPHERE_RGL_SEED is '") + text +
                                   "', which is no whole number of 64 bits; " + std::to_string(number) + " is used");
     std::seed_seq fixed{number, ++randomSources};

@@ -199,7 +199,11 @@ Publisher::~Publisher() {
   if (queue_ && queue_->isForked()) static_cast<void>(queue_.release());
 }
 Publisher::Publisher(Publisher&&) noexcept = default;
-Publisher& Publisher::operator=(Publisher&&) noexcept = default;
+Publisher& Publisher::operator=(Publisher&& other) noexcept {
+  const Publisher replaced(std::move(*this));
+  queue_ = std::move(other.queue_);
+  return *this;
+}
 
 void Publisher::publish(Message message) {
   queue_->push(std::move(message));

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "base/text.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -93,7 +95,7 @@ void GltfFollowReader::appendSet(Mesh& mesh, size_t set, const std::vector<float
     for (size_t c = 0; c < kSet; ++c) {
       const float joint = joints[from + c], weight = weights[from + c];
       if (!(weight >= 0) || std::isinf(weight))
-        source_.fail(who + ": a weight of " + nameOf("WEIGHTS", set) + " is " + std::to_string(weight) +
+        source_.fail(who + ": a weight of " + nameOf("WEIGHTS", set) + " is " + numberText(double{weight}) +
                      "; weights are 0 or more");
       if (weight == 0) continue;  // its joint may be anything
       if (!(joint >= 0 && joint <= kHighestJoint && joint == std::floor(joint)))

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/limits.hpp"
+#include "base/text.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -99,7 +100,7 @@ void checkJoints(const Mesh& mesh, const std::string& name) {
       sum += weight;
     }
     if (!(std::abs(sum - 1) < 1e-3))
-      fail(name + ": the joints' weights of vertex " + std::to_string(vertex) + " sum to " + std::to_string(sum) +
+      fail(name + ": the joints' weights of vertex " + std::to_string(vertex) + " sum to " + numberText(sum) +
            ", not to 1");
   }
   for (size_t i = 0; i < mesh.morphTargets.size(); ++i)

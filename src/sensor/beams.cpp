@@ -204,8 +204,12 @@ RangeWindow widestWindow(const Sensor& sensor) {
     for (size_t channel = 0; channel < sensor.channels.size() && sensor.columns > 0; ++channel)
       include(rangeWindowOf(sensor, channel * sensor.columns));
   } else {
-    for (uint64_t scan = 0; scan < sensor.patterns.size(); ++scan)
-      for (size_t beam = 0; beam < sensor.beamCount(); ++beam) include(rangeWindowOf(sensor, beam, scan));
+    for (const BeamList& list : sensor.patterns) {
+      const auto least = std::min_element(list.rangeMin.begin(), list.rangeMin.end());
+      const auto most = std::max_element(list.rangeMax.begin(), list.rangeMax.end());
+      include({least == list.rangeMin.end() ? sensor.rangeMin : *least,
+               most == list.rangeMax.end() ? sensor.rangeMax : *most});
+    }
   }
   return widest.most > 0 ? widest : RangeWindow{sensor.rangeMin, sensor.rangeMax};
 }

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
@@ -192,7 +193,7 @@ std::vector<float> floats(const Source& source, const json& value, const std::st
   std::vector<float> list;
   for (const double number : numbers(source, value, what)) {
     if (!(std::abs(number) <= std::numeric_limits<float>::max()))
-      source.refuse("'" + what + "' has " + std::to_string(number) + ", which is no range");
+      source.refuse("'" + what + "' has " + numberText(number) + ", which is no range");
     list.push_back(static_cast<float>(number));
   }
   return list;

@@ -6,10 +6,13 @@
 #include <cstring>
 #include <utility>
 
+#include "base/decimal_point.hpp"
+
 namespace gnosphere::vulkan {
 namespace {
 
 std::string mebibytes(uint64_t bytes) {
+  const DecimalPoint point;
   char text[32];
   std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
   return text;

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "base/decimal_point.hpp"
+
 namespace gnosphere::vulkan {
 namespace {
 
@@ -164,6 +166,7 @@ void Commands::readTrace(const std::function<void(const std::string&)>& receive)
   const std::vector<uint64_t> ticks = readTicks();
   for (size_t i = 0; i < ticks.size(); ++i) {
     if (stamps_[i].step.empty()) continue;
+    const DecimalPoint point;
     char time[32] = "";
     if (i > 0)
       std::snprintf(time, sizeof time, "%10.4f ms  ", device_.capabilities().elapsedMs(ticks[i - 1], ticks[i]));

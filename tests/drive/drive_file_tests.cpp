@@ -335,15 +335,30 @@ TEST_CASE("the pose of the vehicle is told a hundred times a second, and to the 
     json["rate"] = rate;
     json["duration"] = 2 / rate;
     const drive::Drive drive = folder.read(json);
-    CHECK(drive::poseTimes(drive, 0).size() == count);
-    const std::vector<double> last = drive::poseTimes(drive, 1);
+    CHECK(drive::poseTimes(drive, 0, false).size() == count);
+    const std::vector<double> last = drive::poseTimes(drive, 1, true);
     CHECK(last.front() == drive.start + 1 / rate);
     double end = 0;
-    for (const drive::PlannedScan& scan : drive::scansOf(drive, 1))
-      end = std::max(end, scan.time + drive.sensors[scan.sensor].sensor.rotationPeriod);
+    for (uint64_t frame = 0; frame < 2; ++frame)
+      for (const drive::PlannedScan& scan : drive::scansOf(drive, frame))
+        end = std::max(end, scan.time + drive.sensors[scan.sensor].sensor.rotationPeriod);
     CHECK(last.back() >= end);
     CHECK(last.back() < std::max(end, drive.start + 2 / rate) + 0.011);
   }
+  // A scan of an earlier frame that ends last, and a frame that is much longer than the drive.
+  Json json = smallDrive();
+  json["duration"] = 0.5;
+  json["sensors"][0]["rate"] = 1;
+  json["sensors"][0]["sensor"]["rotation_period"] = 1;
+  drive::Drive drive = folder.read(json);
+  CHECK_THAT(drive::poseTimes(drive, 4, true).back(), WithinAbs(drive.start + 1, 1e-9));
+  json["rate"] = 0.001;
+  json["duration"] = 1;
+  json["sensors"][0]["rate"] = 10;
+  json["sensors"][0]["sensor"]["rotation_period"] = 0.1;
+  drive = folder.read(json);
+  CHECK(drive.frameCount() == 1);
+  CHECK(drive::poseTimes(drive, 0, true).back() < drive.start + 1.1);
 }
 
 TEST_CASE("a bag has names and times that ROS 2 knows") {

@@ -107,6 +107,8 @@ TEST_CASE("a stated reflectance is that of a Lambertian surface, unless the row 
   CHECK(near[0].gloss == 0);
   CHECK(near[1].reflectance == 0.2f);
   CHECK(near[1].gloss == opticsOf(scene.materials[1]).gloss);
+  table.rows.push_back({.name = "metal", .roughness = 0.3f});  // a second row states it
+  CHECK(opticsOf(scene, table, 905)[0].gloss == opticsOf(scene.materials[0]).gloss);
   CHECK(far[0].gloss == opticsOf(scene.materials[0]).gloss);  // nothing is stated at 1550 nm
 }
 

@@ -168,6 +168,7 @@ TEST_CASE("writers of one file do not disturb each other, and the last one that 
   const Folder folder;
   const fs::path file = folder / "same.bin";
   put(folder / "same.bin.part", "the user's");
+  put(folder / ".same.bin.part", "left by a process that was killed");
   {
     AtomicFile first(file), second(file), given(file);
     first.write("fir");

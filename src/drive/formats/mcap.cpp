@@ -93,9 +93,8 @@ class Mcap : public Format {
                           [transforms = std::move(transforms)](std::string& bytes) { appendTf(bytes, transforms); }});
     };
     if (frame.frame == 0) addTf(kTfStatic, 0, timeOf(drive_.start), mounts());
-    const std::vector<double> times = poseTimes(drive_, frame.frame);
-    uint64_t number = frame.frame * poseTimes(drive_, 0).size();
-    for (const double time : times)
+    uint64_t number = frame.frame * posesPerFrame(drive_);
+    for (const double time : poseTimes(drive_, frame.frame, frame.frame + 1 == drive_.frameCount()))
       addTf(kTf, number++, timeOf(time), {{timeOf(time), "map", "base_link", drive_.ego.at(time)}});
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;

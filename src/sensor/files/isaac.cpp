@@ -157,8 +157,8 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
   const bool renamed = !profile.contains("reportRateBaseHz") && profile.contains("patternFiringRateHz");
   const double fireRate = numberIn(source, profile, renamed ? "patternFiringRateHz" : "reportRateBaseHz");
   if (!(scanRate > 0 && fireRate >= scanRate && fireRate / scanRate < 1e9))
-    source.refuse("'reportRateBaseHz' is " + std::to_string(fireRate) + " and 'scanRateBaseHz' " +
-                  std::to_string(scanRate) + ", expected are firings and turns per second");
+    source.refuse("'reportRateBaseHz' is " + numberText(fireRate) + " and 'scanRateBaseHz' " + numberText(scanRate) +
+                  ", expected are firings and turns per second");
   Sensor& sensor = source.file.sensor;
   // A turn need not be a whole number of firings: the columns are those of one turn, and end a little before it.
   const double columns = std::floor(fireRate / scanRate);
@@ -236,8 +236,7 @@ void readIsaac(SensorSource& source, const json& root) {
   sensor.rangeMin = numberIn(source, profile, "nearRangeM", 0);
   sensor.rangeMax = numberIn(source, profile, "farRangeM");
   const double returns = numberIn(source, profile, "maxReturns", 1);
-  if (!(returns >= 1 && returns <= 5))
-    source.refuse("'maxReturns' is " + std::to_string(returns) + ", expected is 1..5");
+  if (!(returns >= 1 && returns <= 5)) source.refuse("'maxReturns' is " + numberText(returns) + ", expected is 1..5");
   sensor.maxReturns = static_cast<uint32_t>(returns);
   const std::vector<Window> windows = readRanges(source, profile);
   const std::string scanType = textIn(profile, "scanType");

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/decimal_point.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 
@@ -56,13 +57,13 @@ void readLivoxCsv(SensorSource& source) {
     if (time) list.times.push_back(value(time));
     if (!ring) continue;
     const double id = value(ring);
-    if (!(id >= 0 && id <= 65535))
-      source.refuse(where + ": the ring " + std::to_string(id) + " is not within 0..65535");
+    if (!(id >= 0 && id <= 65535)) source.refuse(where + ": the ring " + numberText(id) + " is not within 0..65535");
     list.rings.push_back(static_cast<uint16_t>(id));
   }
   // The published table of the Mid-360 counts its beams in the column "Time/s".
   const auto [least, most] = std::minmax_element(list.times.begin(), list.times.end());
   if (!list.times.empty() && (*least < 0 || *most > 10)) {
+    const DecimalPoint point;
     source.ignore("times from " + std::to_string(*least) + " to " + std::to_string(*most) +
                   " s, which are not those of one scan");
     list.times.clear();
