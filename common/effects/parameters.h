@@ -31,6 +31,7 @@ GNO_CONST uint kModeFirstStrongest = 7;
 GNO_CONST uint kModeLastStrongest = 8;
 GNO_CONST uint kModeStrongestSecondStrongest = 9;
 GNO_CONST uint kModeAll = 10;
+GNO_CONST uint kModeDual = 11;
 
 GNO_CONST uint kCauseReturned = 0;
 GNO_CONST uint kCauseNoSurface = 1;

@@ -63,6 +63,7 @@ GNO_INLINE uint chosen(Choice choice, uint mode) {
   if (mode == kModeFirstStrongest) return first | strongest;
   if (mode == kModeLastStrongest) return last | strongest;
   if (mode == kModeStrongestSecondStrongest) return strongest | secondStrongest;
+  if (mode == kModeDual) return last == strongest ? strongest | secondStrongest : last | strongest;
   return choice.detected;
 }
 

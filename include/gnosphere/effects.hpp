@@ -112,6 +112,7 @@ struct Effects {
       lastStrongest,
       strongestSecondStrongest,
       all,                     ///< up to `count` echoes in order of range
+      dual,                    ///< the last and the strongest; if these are one echo, the second strongest as well
     } mode = Mode::all;        ///< which echoes are returned
     uint32_t count = 0;        ///< only for Mode::all: largest number of returns; 0 means Sensor::maxReturns
     double separation = 0.4;   ///< m; echoes that are closer together are merged
@@ -234,8 +235,9 @@ struct MaterialTable {
 /// Error(file) or Error(format) if the file cannot be read or is invalid.
 GNOSPHERE_API MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
-/// Returns the optics of every material of the scene at `wavelength` (nm). Names in the table that no material has are
-/// appended to `unused`, if given. Throws Error(invalidArgument) if a value of the table is NaN or beyond its limit.
+/// Returns the optics of every material of the scene at `wavelength`, 905 or 1550 nm. Names in the table that no
+/// material has are appended to `unused`, if given. Throws Error(invalidArgument) for another wavelength, and if a
+/// value of the table is NaN or beyond its limit.
 GNOSPHERE_API std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
                                            std::vector<std::string>* unused = nullptr);
 

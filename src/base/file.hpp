@@ -136,28 +136,23 @@ class AtomicFile {
     if (!stream_) refuse(errno);
   }
   // Opens .NAME.part, unless another process has it, or the name would be too long, or the file system has no locks.
-  // The lock is kept until the file has been renamed, so that nobody writes over it before.
+  // The lock is kept until the file has been renamed, so that nobody writes over it before. The name is made first,
+  // because nothing removes the file if there is no memory for its name afterwards.
   bool openShared() {
-    const std::filesystem::path part = place_.file.parent_path() / ("." + place_.file.filename().string() + ".part");
-    std::FILE* const stream = std::fopen(part.c_str(), "ab");
-    if (!stream) {
-      if (errno != ENAMETOOLONG && errno != EISDIR) refuse(errno);
-      return false;
-    }
-    const int lock = ::fcntl(::fileno(stream), F_DUPFD_CLOEXEC, 0);
+    part_ = place_.file.parent_path() / ("." + place_.file.filename().string() + ".part");
+    stream_ = std::fopen(part_.c_str(), "ab");
+    if (!stream_ && errno != ENAMETOOLONG && errno != EISDIR) refuse(errno);
+    if (!stream_) return false;
+    lock_ = ::fcntl(::fileno(stream_), F_DUPFD_CLOEXEC, 0);
+    const bool locked = lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0, taken = !locked && errno == EWOULDBLOCK;
     struct stat opened, named;
-    const bool mine = lock >= 0 && ::flock(lock, LOCK_EX | LOCK_NB) == 0 && ::fstat(lock, &opened) == 0 &&
-                      ::stat(part.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-                      opened.st_dev == named.st_dev && ::ftruncate(lock, 0) == 0;
-    if (!mine) {
-      std::fclose(stream);
-      if (lock >= 0) ::close(lock);
-      return false;
-    }
-    stream_ = stream;
-    lock_ = lock;
-    part_ = part;
-    return true;
+    if (locked && ::fstat(lock_, &opened) == 0 && ::stat(part_.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+        opened.st_dev == named.st_dev && ::ftruncate(lock_, 0) == 0)
+      return true;
+    if (!locked && !taken) std::remove(part_.c_str());  // nobody can use it
+    std::fclose(std::exchange(stream_, nullptr));
+    if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+    return false;
   }
   // Processes may share a number, in containers, so that a name is free only if the system says so.
   void openUnique() {

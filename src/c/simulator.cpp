@@ -64,6 +64,8 @@ SimulatorOptions optionsOf(const gno_options* options) {
   const gno_options& from = sized(options, GNO_TYPE(gno_options));
   if (from.device) result.device = deviceByName(from.device);
   std::copy_n(from.device_uuid, 16, result.device.uuid.begin());
+  if (result.device.uuid != DeviceChoice().uuid && result.device.kind == DeviceChoice::Kind::reference)
+    result.device.kind = DeviceChoice::Kind::vulkan;  // the identifier replaces the name
   if (from.adopted) result.device = deviceOf(*from.adopted);
   result.accuracy = enumOf(from.accuracy, accuracySettings().back().accuracy, "gno_options::accuracy");
   if (from.accuracy_parts) result.accuracyParts = partsOf(from.accuracy_parts);

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "effects/material_table.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 namespace {
@@ -36,6 +37,9 @@ Optics opticsOf(const Material& material) {
 std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
                              std::vector<std::string>* unused) {
   validate(table);
+  if (wavelength != 905 && wavelength != 1550)
+    throw Error(ErrorCode::invalidArgument,
+                "opticsOf: the wavelength must be 905 or 1550 nm, is " + numberText(wavelength));
   std::multimap<std::string, size_t> materials;
   for (size_t i = 0; i < scene.materials.size(); ++i) materials.emplace(lower(scene.materials[i].name), i);
   std::vector<Optics> optics;

@@ -84,6 +84,11 @@ std::vector<size_t> Receiver::chosen(const std::vector<Bounded>& powers, bool& d
     case Mode::firstStrongest: result = {first, strongest(kNone)}; break;
     case Mode::lastStrongest: result = {last, strongest(kNone)}; break;
     case Mode::strongestSecondStrongest: result = {strongest(kNone), secondStrongest()}; break;
+    case Mode::dual: {
+      const size_t most = strongest(kNone);
+      result = {last, last == most ? secondStrongest() : most};
+      break;
+    }
     case Mode::all:
       for (size_t i = 0; i < count; ++i) result.push_back(i);
   }

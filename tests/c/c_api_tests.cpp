@@ -401,6 +401,9 @@ TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong st
   gno_options options = gno_options_init();
   options.device = "no such device";
   CHECK(fails(gno_simulator_create(scene, nullptr, 0, &options, &simulator), GNO_INVALID_ARGUMENT, "no such device"));
+  options.device = "reference";
+  options.device_uuid[3] = 7;  // of no device
+  CHECK(gno_simulator_create(scene, nullptr, 0, &options, &simulator) != GNO_OK);
   CHECK(simulator == nullptr);
 
   simulator = makeSimulator(scene, "clean", {});

@@ -109,6 +109,8 @@ TEST_CASE("a stated reflectance is that of a Lambertian surface, unless the row 
   CHECK(near[1].gloss == opticsOf(scene.materials[1]).gloss);
   table.rows.push_back({.name = "metal", .roughness = 0.3f});  // a second row states it
   CHECK(opticsOf(scene, table, 905)[0].gloss == opticsOf(scene.materials[0]).gloss);
+  for (const double wrong : {double(NAN), -1.0, 1064.0})
+    CHECK_THROWS_WITH(opticsOf(scene, table, wrong), Catch::Matchers::ContainsSubstring("must be 905 or 1550 nm, is "));
   CHECK(far[0].gloss == opticsOf(scene.materials[0]).gloss);  // nothing is stated at 1550 nm
 }
 

@@ -70,7 +70,8 @@ TEST_CASE("every mode returns the echoes of its name, in order of range") {
                       {Mode::firstStrongest, {7, 9}},
                       {Mode::lastStrongest, {9, 10}},
                       {Mode::strongestSecondStrongest, {7, 9}},
-                      {Mode::all, {7, 8, 9}}};
+                      {Mode::all, {7, 8, 9}},
+                      {Mode::dual, {9, 10}}};
   for (const Row& row : rows) {
     Effects effects;
     effects.returns.mode = row.mode;
@@ -89,8 +90,31 @@ TEST_CASE("every mode returns the echoes of its name, in order of range") {
   }
 }
 
+// Velodyne, VLP-16 user manual 63-9243: "If the strongest return is also the last return, then the second-strongest
+// return is provided."
+TEST_CASE("dual returns are the last and the strongest, or the second strongest if these are one") {
+  Effects effects;
+  effects.returns.mode = Mode::dual;
+  const auto indices = [&](std::vector<float> strengths) {
+    std::vector<gpu::Echo> echoes;
+    for (const float strength : strengths)
+      echoes.push_back(echoAt(10 * float(echoes.size() + 1), strength, uint32_t(echoes.size())));
+    const Beam beam = run(effects, gpu::kReturns | gpu::kIntensity, echoes, 0, sensorOf(2));
+    std::vector<uint32_t> found;
+    for (uint32_t j = 0; j < beam.count; ++j) found.push_back(beam.returns[j].echo);
+    return found;
+  };
+  using Found = std::vector<uint32_t>;
+  CHECK(indices({0.1f, 0.9f, 9}) == Found{1, 2});  // powers fall with the square of the range
+  CHECK(indices({0.1f, 0.2f, 9}) == Found{0, 2});
+  CHECK(indices({0.1f, 2, 9}) == Found{1, 2});
+  CHECK(indices({0.9f, 0.1f, 0.1f}) == Found{0, 2});
+  CHECK(indices({0.9f}) == Found{0});
+}
+
 TEST_CASE("a single echo is returned once in every mode of two returns, and the other return is empty") {
-  for (const Mode mode : {Mode::firstLast, Mode::lastStrongest, Mode::strongestSecondStrongest, Mode::all}) {
+  for (const Mode mode :
+       {Mode::firstLast, Mode::lastStrongest, Mode::strongestSecondStrongest, Mode::all, Mode::dual}) {
     Effects effects;
     effects.returns.mode = mode;
     const Beam beam = run(effects, gpu::kReturns, {echoAt(10, 0.2f, 0)}, 0, sensorOf(2));

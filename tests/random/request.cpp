@@ -226,7 +226,7 @@ Effects anyEffects(Draw& draw, std::ostringstream& text) {
   effects.seed = draw.below(1000);
   effects.divergence.subRays = draw.of<uint32_t>({5, 7, 19, 37});
   if (draw.often(30)) effects.divergence.profile = Effects::Divergence::Profile::uniform;
-  effects.returns.mode = static_cast<Effects::Returns::Mode>(draw.below(11));
+  effects.returns.mode = static_cast<Effects::Returns::Mode>(draw.below(12));
   effects.returns.separation = draw.magnitude(0.05, 1);
   text << ", " << effects.divergence.subRays << " sub-rays, mode " << int(effects.returns.mode);
   const auto maybe = [&](uint32_t percent, EffectUse& use, const char* name) {
