@@ -197,7 +197,7 @@ TEST_CASE("values set in C++ are checked like values read from JSON") {
   effects.fog.visibility = NAN;
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("fog.visibility must be 0..1000000 m, is nan"));
   effects = {};
-  effects.returns.mode = static_cast<Effects::Returns::Mode>(11);
+  effects.returns.mode = static_cast<Effects::Returns::Mode>(12);
   CHECK_THROWS_AS(validate(effects), Error);
   effects = {};
   effects.volumes.boxes.push_back({{0, 0, INFINITY}, {1, 1, INFINITY}, 1});
