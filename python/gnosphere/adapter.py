@@ -253,8 +253,9 @@ def laser_scan(
     scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
-    `angle_increment` is less than 0. `stamp` is the time of its first beam. Beams that fire in another order than that of
-    their azimuths are sorted by it, and have a `time_increment` of 0. A beam without a return has infinity (REP 117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
+    `angle_increment` is less than 0. `stamp` is the time of its first beam. Beams that fire in another order than that
+    of their azimuths are sorted by azimuth, and have a `time_increment` of 0. A beam without a return has infinity (REP
+    117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
     the scan does not have, and if its beams are not evenly spaced in azimuth."""
     if not 0 <= channel < scan.channels:
         raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")

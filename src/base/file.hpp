@@ -81,6 +81,13 @@ inline std::filesystem::path partOf(const std::filesystem::path& file) {
   return std::filesystem::path(file) += ".part";
 }
 
+/// Returns whether an open file still has this name: another process may have renamed or removed it meanwhile.
+inline bool isNamed(int descriptor, const std::filesystem::path& file) {
+  struct stat opened, named;
+  return ::fstat(descriptor, &opened) == 0 && ::stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+         opened.st_dev == named.st_dev;
+}
+
 /// An output file that appears only when it is complete: until then it is written in its folder as .NAME.part, or under
 /// a name of its own while another process writes that one. commit() renames it, and the destructor removes what was
 /// not committed; what a killed process has left is written over by the next one. If the file is a link, the file to
@@ -145,10 +152,7 @@ class AtomicFile {
     if (!stream_) return false;
     lock_ = ::fcntl(::fileno(stream_), F_DUPFD_CLOEXEC, 0);
     const bool locked = lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0, taken = !locked && errno == EWOULDBLOCK;
-    struct stat opened, named;
-    if (locked && ::fstat(lock_, &opened) == 0 && ::stat(part_.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-        opened.st_dev == named.st_dev && ::ftruncate(lock_, 0) == 0)
-      return true;
+    if (locked && isNamed(lock_, part_) && ::ftruncate(lock_, 0) == 0) return true;
     if (!locked && !taken) std::remove(part_.c_str());  // nobody can use it
     std::fclose(std::exchange(stream_, nullptr));
     if (lock_ >= 0) ::close(std::exchange(lock_, -1));

@@ -80,7 +80,7 @@ class Schedule {
 
 class Live {
  public:
-  /// Publishes the frames before `end`.
+  /// Makes the topics of a drive. The frames before `end` are published one after another.
   Live(const Drive& drive, const LiveOptions& options, uint64_t end, LiveReport& report)
       : drive_(drive),
         end_(end),

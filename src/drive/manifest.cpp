@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -49,7 +48,7 @@ class FileLock {
     else if (flock(descriptor_, taken == If::waited ? LOCK_EX : LOCK_EX | LOCK_NB) != 0)
       lost_ = errno == EWOULDBLOCK;
     else
-      lost_ = !(holds_ = isStill(file));
+      lost_ = !(holds_ = isNamed(descriptor_, file));
   }
   ~FileLock() {
     if (descriptor_ >= 0) close(descriptor_);
@@ -61,13 +60,6 @@ class FileLock {
   bool lost() const { return lost_; }
 
  private:
-  // Another process may have removed the file between the opening and the locking of it.
-  bool isStill(const fs::path& file) const {
-    struct stat opened, named;
-    return fstat(descriptor_, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-           opened.st_dev == named.st_dev;
-  }
-
   int descriptor_;
   bool holds_ = false, lost_ = false;
 };

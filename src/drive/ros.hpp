@@ -22,8 +22,8 @@ std::string mistakeOfTimes(const Drive& drive);
 /// Returns how many times a frame the pose of the vehicle is told: at least ten, and a hundred a second.
 uint64_t posesPerFrame(const Drive& drive);
 
-/// Returns these times of a frame, on the clock of the trajectories. The times of the `last` frame that
-/// is told reach to the end of all scans.
+/// Returns the times in a frame at which this pose is told, on the clock of the trajectories. In the `last` frame they
+/// reach to the end of all scans.
 std::vector<double> poseTimes(const Drive& drive, uint64_t frame, bool last);
 
 }  // namespace gnosphere::drive

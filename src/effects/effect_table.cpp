@@ -6,6 +6,7 @@
 
 #include "base/decimal_point.hpp"
 #include "common/effects/bits.h"
+#include "effects/formula_inputs.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -50,12 +51,10 @@ Answer countMaterials(const Scene& scene, Has has, const char* does, const char*
 Answer appliesDetection(const Question& q) {
   const auto& detection = q.effects.detection;
   if (detection.use == EffectUse::automatic && detection.range == 0) return {false, "no range is given"};
-  const double stated = q.sensor.rangeAt10Percent;
-  if (detection.range == 0 && stated > 0)
-    return {true, format("as strong as 10 %% at %.6g m, as the sensor states", stated)};
-  const double range = detection.range > 0 ? detection.range : q.sensor.rangeMax;
+  const auto [reflectance, range, stated] = weakestTarget(detection, q.sensor);
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
-  return {true, format("as strong as %.3g %% at %.6g m", 100 * detection.reflectance, range)};
+  return {true, format("as strong as %.3g %% at %.6g m", 100 * reflectance, range) +
+                    (stated ? ", as the sensor states" : "")};
 }
 
 Answer appliesDropOut(const Question& q) {

@@ -38,13 +38,6 @@ double verticalSpread(const Effects& effects, const Sensor& sensor) {
   return asked.horizontal > 0 || asked.vertical > 0 ? asked.vertical : sensor.divergenceVertical;
 }
 
-/// Power of the weakest target that is detected.
-double detectionThreshold(const Effects::Detection& detection, const Sensor& sensor) {
-  if (detection.range > 0) return detection.reflectance / (detection.range * detection.range);
-  if (sensor.rangeAt10Percent > 0) return 0.1 / (sensor.rangeAt10Percent * sensor.rangeAt10Percent);
-  return detection.reflectance / (sensor.rangeMax * sensor.rangeMax);
-}
-
 uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
   using Mode = Effects::Returns::Mode;
   if (returns.mode == Mode::all) return returns.count > 0 ? returns.count : std::max(sensor.maxReturns, 1u);
@@ -84,7 +77,8 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.intensityScale = uint32_t(effects.intensity.scale);
   p.attenuation = float(effects.intensity.attenuation);
 
-  p.threshold = float(std::max(detectionThreshold(effects.detection, sensor), 1e-30));
+  const WeakestTarget weakest = weakestTarget(effects.detection, sensor);
+  p.threshold = float(std::max(weakest.reflectance / (weakest.range * weakest.range), 1e-30));
   p.softness = float(effects.detection.softness);
 
   const Effects::DropOut& dropOut = effects.dropOut;
@@ -112,6 +106,12 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.spreadVertical = float(horizontal > 0 || vertical > 0 ? vertical : kUsualSpread);
   fillMedium(effects, sensor, planned, p);
   return p;
+}
+
+WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& sensor) {
+  if (detection.range > 0) return {detection.reflectance, detection.range, false};
+  if (sensor.rangeAt10Percent > 0) return {0.1, sensor.rangeAt10Percent, true};
+  return {detection.reflectance, sensor.rangeMax, false};
 }
 
 uint32_t keyOfFrame(uint64_t frame) {

@@ -16,6 +16,13 @@ namespace gnosphere {
 /// The members `sensor` and `frame` stay 0; the backend sets them.
 gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sensor, uint32_t planned);
 
+/// The weakest target that is detected: its reflectance, its range in metres, and whether the sensor states them.
+struct WeakestTarget {
+  double reflectance, range;
+  bool stated;
+};
+WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& sensor);
+
 /// Returns the part of the key of the random numbers that the number of a scan gives: the number itself up to 32
 /// bits.
 uint32_t keyOfFrame(uint64_t frame);

@@ -132,7 +132,7 @@ class InstanceTable {
                   uint32_t* pairs) const;
   void writeMeshes(const InViews& inViews, uint32_t* meshes) const;
 
-  /// The numbers of the triangles of all instances, as of the last choose().
+  /// Returns the numbers of the triangles of all instances, as the last choose() made them.
   const TriangleNumbers& numbers() const { return numbers_; }
   /// Writes the first triangle number of every instance, chosen or not.
   void writeNumbers(gpu::Instance* instances) const;

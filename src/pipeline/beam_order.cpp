@@ -44,7 +44,7 @@ std::vector<size_t> rowEnds(const std::vector<ListedBeam>& beams) {
     if (i < beams.size()) lowest = beams[i].elevation;
   }
   if (ends.size() <= limits::kChannels.most && ends.size() * kBeamsPerElevation <= beams.size()) return ends;
-  // A band of the sphere that is as high as a cell is wide, if the beams are spread evenly.
+  // Each row is then a band of the sphere that is as high as a cell is wide, if the beams are spread evenly.
   const auto [least, most] = std::minmax_element(
       beams.begin(), beams.end(), [](const ListedBeam& a, const ListedBeam& b) { return a.azimuth < b.azimuth; });
   const double across = std::max(most->azimuth - least->azimuth, 1e-6);

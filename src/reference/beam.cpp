@@ -208,8 +208,8 @@ Light lightOf(const Beam& beam, const SensorPlan& plan, const Receiver& receiver
   return light;
 }
 
-std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
-                           size_t index, BeamDoubt& doubt) {
+std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& light, const BeamEffects& effects,
+                           BeamDoubt& doubt) {
   const SensorPlan& plan = effects.plan;
   if (!plan.has(gpu::kFootprintEffects)) {
     const Hit hit = nearest(view, beam.axis);
@@ -219,7 +219,6 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects
     const Bounded energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : Bounded(1);
     return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
-  const Light light = lightOf(beam, plan, receiver, index);
   std::vector<Piece> pieces;
   for (size_t i = 0; i < effects.footprint.size(); ++i) {
     const FootprintRay& ray = effects.footprint[i];

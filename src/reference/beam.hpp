@@ -47,7 +47,7 @@ struct BeamDoubt {
 };
 
 /// Returns at most six echoes, in order of range.
-std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
-                           size_t index, BeamDoubt& doubt);
+std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& light, const BeamEffects& effects,
+                           BeamDoubt& doubt);
 
 }  // namespace gnosphere::reference

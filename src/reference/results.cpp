@@ -49,9 +49,10 @@ Cause Judge::judge(size_t index, Scan& scan) const {
   const SensorPlan& plan = effects_.plan;
   const bool moves = plan.has(gpu::kSensorMotion);
   const Beam beam = beamOf(view_.sensor, shot_, moves, index);
+  const Light light = lightOf(beam, plan, receiver_, index);
   BeamDoubt doubt;
   std::vector<Echo> met;
-  if (!silent_[index]) met = echoesOf(view_, beam, effects_, receiver_, index, doubt);
+  if (!silent_[index]) met = echoesOf(view_, beam, light, effects_, doubt);
   // Without the receiver a beam has one echo.
   if (!plan.signals() && !met.empty() && less(met[0].range, given(beam.least), doubt.tie)) met.clear();
   Judgement judged;
@@ -62,8 +63,7 @@ Cause Judge::judge(size_t index, Scan& scan) const {
   } else if (!met.empty()) {
     judged = {{{met[0].range, met[0].range.value, 0, 0, met[0].hit}}, Cause::returned};
   }
-  Reported reported = {beam, beam.axis.direction, lightOf(beam, plan, receiver_, index).direction,
-                       SensorFrame(shot_.pose), SensorFrame(beam.pose)};
+  Reported reported = {beam, beam.axis.direction, light.direction, SensorFrame(shot_.pose), SensorFrame(beam.pose)};
   if (plan.has(gpu::kAngleNoise) && !plan.has(gpu::kStrays)) {
     const auto [azimuth, elevation] = receiver_.angleError(index);
     reported.direction = turnedBy(reported.direction, azimuth.value, elevation.value);

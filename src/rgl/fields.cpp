@@ -80,7 +80,7 @@ bool isPadding(rgl_field_t field) {
   return field >= RGL_FIELD_PADDING_8 && field <= RGL_FIELD_PADDING_32;
 }
 
-// Whether a text is so many whole numbers with points between, and perhaps blanks behind.
+// Returns whether a text consists of so many whole numbers with points between them, and perhaps blanks at its end.
 bool isVersion(std::string_view text, size_t numbers) {
   text = text.substr(0, text.find_last_not_of(" \t") + 1);
   const auto allowed = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };

@@ -36,7 +36,7 @@ void checkProcess(pid_t process) {
       "Python with 'spawn'");
 }
 
-/// The process that has made the first publisher.
+/// Returns the process that has made the first publisher.
 pid_t publishingProcess() {
   static const pid_t kFirst = getpid();
   return kFirst;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// {"name": "...", "columns": N, "range": {"min": m, "max": m}, "divergence_mrad": [h, v], "max_returns": N,
-//  "range_at_10_percent": m,
-//  "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z], ...],
-//  "time_offset": [...], "range_min": [...], "range_max": [...], "azimuth_start_deg": d, "azimuth_span_deg": d,
+// {"name": "...", "columns": N, "range": {"min": m, "max": m}, "range_at_10_percent": m, "divergence_mrad": [h, v],
+//  "max_returns": N, "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z],
+//  ...], "time_offset": [...], "range_min": [...], "range_max": [...], "azimuth_start_deg": d, "azimuth_span_deg": d,
 //  "near_hits": "hide", "masked_beams": [...]}
 // Required are the name, columns, range and elevations. Instead of the lists, "channels": [{"elevation_deg": d,
 // "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s, "range_min": m, "range_max": m}, ...] may be given.

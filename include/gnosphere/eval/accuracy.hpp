@@ -54,7 +54,7 @@ struct AccuracyReport {
   uint64_t beams = 0;                 ///< number of beams compared with the reference, over all poses
   bool sampled = false;               ///< true if only a sample of the beams was compared
   uint32_t runs = 0;                  ///< number of timed runs per row
-  std::vector<AccuracyRow> settings;  ///< paper, draft, standard, exact
+  std::vector<AccuracyRow> settings;  ///< paper (unless it is left out), draft, standard, exact
   /// Why `paper` is not among the settings; empty if it is. The paper knows only grids of a full turn.
   std::string withoutPaper;
   std::vector<AccuracyRow> parts;  ///< `standard` with one part replaced by a less accurate one
