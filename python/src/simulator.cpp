@@ -197,7 +197,7 @@ constexpr const char* kScanBatch =
     "the frame number of the first view, which those of the others follow. Random numbers depend on the frame number. "
     "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
     "of views from call to call to have other noise. `fields` are those that the batch has beside the ranges; without "
-    "any it has all that a Scan of the sensor has. Ctrl-C is seen when the batch is done. Raises "
+    "any it has all that a Scan of the sensor has. Ctrl-C ends the batch. Raises "
     "Error(invalid_argument) that names the first shot which is not valid, before anything runs, Error(out_of_memory) "
     "if the results do not fit into the memory, and TypeError for shots of several types.";
 

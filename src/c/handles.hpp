@@ -176,6 +176,13 @@ T& the(T* pointer, const char* name) {
   return *pointer;
 }
 
+/// Writes the handle that make() returns to a place of the caller, which is checked before anything is made.
+template <class Handle, class Make>
+void giveHandle(Handle* place, const char* name, const Make& make) {
+  Handle& to = the(place, name);
+  to = make();
+}
+
 /// Refuses the size of a struct that has none, or that is of a newer version than this library.
 void checkSize(size_t given, size_t known, const char* type);
 

@@ -98,10 +98,7 @@ using namespace gnosphere::c;
 extern "C" {
 
 gno_status gno_scene_create(gno_scene* scene) {
-  return guard([&] {
-    auto& to = the(scene, "scene");
-    to = make<gno_scene>({});
-  });
+  return guard([&] { giveHandle(scene, "scene", [&] { return make<gno_scene>({}); }); });
 }
 
 gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene) {
@@ -289,8 +286,8 @@ gno_status gno_scene_get_left_out(gno_scene scene, const char** lines) {
 
 gno_status gno_material_table_load(const char* file, gno_material_table* table) {
   return guard([&] {
-    auto& to = the(table, "table");
-    to = make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable());
+    giveHandle(table, "table",
+               [&] { return make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
   });
 }
 

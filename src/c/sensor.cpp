@@ -84,10 +84,7 @@ std::vector<double> flat(const std::vector<Vec3>& vectors) {
 extern "C" {
 
 gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor) {
-  return guard([&] {
-    auto& to = the(sensor, "sensor");
-    to = checked(builtinSensor(&the(name, "name")));
-  });
+  return guard([&] { giveHandle(sensor, "sensor", [&] { return checked(builtinSensor(&the(name, "name"))); }); });
 }
 
 gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor) {
@@ -107,10 +104,8 @@ gno_status gno_sensor_read(const void* bytes, size_t size, const char* name, con
 }
 
 gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor) {
-  return guard([&] {
-    auto& to = the(sensor, "sensor");
-    to = checked(sensorFromJson(&the(json, "json"), "the text"));
-  });
+  return guard(
+      [&] { giveHandle(sensor, "sensor", [&] { return checked(sensorFromJson(&the(json, "json"), "the text")); }); });
 }
 
 gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid, gno_sensor* sensor) {
@@ -124,8 +119,7 @@ gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno
     for (const gno_channel& channel : array(from.channels, from.channel_count, "gno_grid::channels"))
       result.channels.push_back({channel.elevation_deg, channel.azimuth_offset_deg, vec3(channel.origin),
                                  channel.time_offset, channel.range_min, channel.range_max});
-    auto& to = the(sensor, "sensor");
-    to = checked(std::move(result));
+    giveHandle(sensor, "sensor", [&] { return checked(std::move(result)); });
   });
 }
 
@@ -137,8 +131,7 @@ gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno
     apply(settings, result);
     for (const gno_beam_list& list : sizedArray(patterns, pattern_count, GNO_TYPE(gno_beam_list), "patterns"))
       result.patterns.push_back(listOf(list));
-    auto& to = the(sensor, "sensor");
-    to = checked(std::move(result));
+    giveHandle(sensor, "sensor", [&] { return checked(std::move(result)); });
   });
 }
 

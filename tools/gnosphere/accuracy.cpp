@@ -46,9 +46,7 @@ void check(const Options& options) {
   if (!options.plot.empty() && std::filesystem::path(options.plot).extension() != ".svg") {
     throw Error(ErrorCode::invalidArgument, "--plot: " + options.plot + " must end in .svg");
   }
-  std::vector<std::string> inputs = inputsOf(options, options);
-  inputs.push_back(options.trajectory);
-  checkOutputFiles(files, inputs);
+  checkOutputFiles(files, inputsOf(options, options, options.trajectory));
 }
 
 void write(const std::string& file, const std::string& bytes) {

@@ -77,9 +77,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
     if (!options.image.empty()) files.push_back(fileOf(options, options.image, i));
   }
   if (!options.stats.empty() && options.stats != "-") files.push_back(options.stats);
-  std::vector<std::string> inputs = inputsOf(options, options);
-  inputs.push_back(options.trajectory);
-  checkOutputFiles(files, inputs);
+  checkOutputFiles(files, inputsOf(options, options, options.trajectory));
   return cloud;
 }
 

@@ -247,8 +247,9 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::vector<s
   }
 }
 
-std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects) {
-  return {options.scene, options.sensor, effects.effects, effects.materials};
+std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects,
+                                  const std::string& trajectory) {
+  return {options.scene, options.sensor, effects.effects, effects.materials, trajectory};
 }
 
 }  // namespace gnosphere::cli

@@ -99,6 +99,7 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 void checkOutputFiles(const std::vector<std::string>& files, const std::vector<std::string>& inputs);
 
 /// Returns the files that these options may name; a built-in name is none that exists.
-std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects);
+std::vector<std::string> inputsOf(const ScanningOptions& options, const EffectOptions& effects,
+                                  const std::string& trajectory);
 
 }  // namespace gnosphere::cli
