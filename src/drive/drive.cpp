@@ -98,6 +98,11 @@ std::string fingerprintOf(const Drive& drive, std::string_view driveFile) {
   hasher.add(drive.name);
   for (const Scene& scene : drive.scenes) add(hasher, scene);
   for (const Scene& model : drive.models) add(hasher, model);
+  for (const MaterialTable::Row& row : drive.materials.rows) {
+    hasher.add(row.name);
+    const float numbers[] = {row.reflectance905, row.reflectance1550, row.roughness, row.retro, row.transmission};
+    hasher.add(numbers, sizeof(numbers));
+  }
   hasher.add(drive.ego.stamps());
   for (const Actor& actor : drive.actors) hasher.add(actor.trajectory.stamps());
   for (const RigSensor& sensor : drive.sensors) {

@@ -72,6 +72,7 @@ struct Drive {
   std::vector<Scene> scenes;                              ///< placed in the world; their instances have their classes
   std::vector<std::optional<Animation>> sceneAnimations;  ///< by scene
   std::vector<Scene> models;                              ///< in the actor's frame
+  MaterialTable materials;                                ///< for the materials of all scenes and models
   std::vector<Actor> actors;
   Trajectory ego;
   std::vector<RigSensor> sensors;

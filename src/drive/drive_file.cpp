@@ -132,6 +132,22 @@ void DriveReader::models() {
   }
 }
 
+void DriveReader::materialTable() {
+  const json& name = memberOf(root_, "material_table");
+  if (name.is_null()) return;
+  Scene all;
+  for (const std::vector<Scene>* scenes : {&drive_.scenes, &drive_.models})
+    for (const Scene& scene : *scenes)
+      all.materials.insert(all.materials.end(), scene.materials.begin(), scene.materials.end());
+  attempt("material_table", [&] {
+    drive_.materials = loadMaterialTable(file(name));
+    std::vector<std::string> unused;
+    opticsOf(all, drive_.materials, 905, &unused);
+    for (const std::string& row : unused)
+      drive_.warnings.push_back("material_table: no scene or model has the material " + inQuotes(row));
+  });
+}
+
 void DriveReader::actors() {
   std::set<std::string> names;
   const json& list = memberOf(root_, "actors");
@@ -271,6 +287,7 @@ Drive DriveReader::read(const fs::path& file) {
   outputs();
   scenes();
   models();
+  materialTable();
   actors();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));

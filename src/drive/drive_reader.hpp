@@ -61,6 +61,7 @@ class DriveReader {
   uint16_t classNamed(const nlohmann::json& name, const std::string& path);
   void warnOfClasses(const std::set<std::string>& unknown, const std::string& path);
   void models();
+  void materialTable();
   void actors();
   void sensors();
   void times();

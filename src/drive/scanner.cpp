@@ -30,6 +30,7 @@ Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::
                  SimulatorOptions options)
     : drive_(drive), world_(world), placed_(world.scene().instances.size()) {
   for (const std::string& assignment : drive.simulator) assign(options, assignment);
+  options.materials = drive.materials;
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);

@@ -5,6 +5,7 @@
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
@@ -19,7 +20,7 @@
 using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
-using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
 TEST_CASE("points have the classes and objects of what they lie on, and objects keep their numbers") {
   const DriveFolder folder;
@@ -173,6 +174,55 @@ TEST_CASE("a folder with frames of another drive is refused, and so is this driv
   CHECK_THROWS_WITH(folder.run(json), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
   put(folder / "cube.obj", std::string(kCube) + "f 1 2 3\n");  // the drive file is the same, a model is not
   CHECK_THROWS_WITH(folder.run(smallDrive()), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
+}
+
+TEST_CASE("a material table of a drive gives reflectances to the materials of its scenes and models") {
+  const DriveFolder folder;
+  put(folder / "floor.obj", "usemtl asphalt\n" + std::string(kFloor));
+  put(folder / "cube.obj", "usemtl paint\n" + std::string(kCube));
+  Json json = smallDrive();
+  json["material_table"] = "lidar.json";
+  json["weather"] = Json::array();
+  json["duration"] = 0.1;
+  json["sensors"][0]["effects"] = {{"intensity", {{"use", "on"}}}};
+  json["outputs"] = {{{"format", "npy"}, {"sensors", {"top"}}, {"fields", "intensity,class"}}};
+  /// The intensities of points of a class, in the order of the beams.
+  const auto intensities = [&](double asphalt, double paint, uint16_t category) {
+    put(folder / "lidar.json",
+        Json{{"materials",
+              {{{"name", "asphalt"}, {"reflectance_905", asphalt}}, {{"name", "paint"}, {"reflectance_905", paint}}}}}
+            .dump());
+    const std::string out = "out-" + std::to_string(asphalt) + "-" + std::to_string(paint);
+    folder.run(json, out);
+    const std::string bytes = folder.get(out + "/npy/top/000000.npy");
+    uint16_t header = 0;
+    std::memcpy(&header, bytes.data() + 8, 2);
+    std::vector<float> chosen;
+    for (size_t at = 10 + header; at + 6 <= bytes.size(); at += 6) {
+      uint16_t own = 0;
+      std::memcpy(&own, bytes.data() + at + 4, 2);
+      if (own != category) continue;
+      chosen.emplace_back();
+      std::memcpy(&chosen.back(), bytes.data() + at, 4);
+    }
+    return chosen;
+  };
+  // A Lambertian surface has an intensity in proportion to its reflectance.
+  for (const auto& [category, factor] : {std::pair<uint16_t, float>{40, 2}, {10, 3}}) {
+    const std::vector<float> dark = intensities(0.25, 0.125, category), light = intensities(0.5, 0.375, category);
+    REQUIRE(dark.size() > 10);
+    REQUIRE(light.size() == dark.size());
+    for (size_t i = 0; i < dark.size(); ++i) CHECK_THAT(light[i], WithinRel(factor * dark[i], 1e-5f));
+  }
+
+  const std::string before = folder.read(json).fingerprint;
+  put(folder / "lidar.json", R"({"materials": [{"name": "asphalt", "roughness": 0.5}, {"name": "glas", "retro": 1}]})");
+  const drive::Drive changed = folder.read(json);
+  CHECK(changed.fingerprint != before);
+  CHECK(changed.warnings == std::vector<std::string>{"material_table: no scene or model has the material 'glas'"});
+  put(folder / "lidar.json", R"({"materials": [{"name": "asphalt", "reflectance_905": 2}]})");
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("drive.json: material_table: ") &&
+                                           ContainsSubstring("reflectance_905 must be 0..1, is 2"));
 }
 
 TEST_CASE("weather comes when the drive says so, and only to sensors that it can reach") {
