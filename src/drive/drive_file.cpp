@@ -230,10 +230,45 @@ void DriveReader::weather() {
   }
 }
 
-void DriveReader::outputs() {
+/// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs.
+void DriveReader::checkFolder(const std::string& name, const std::string& path) {
+  fs::path folder = fs::path(name).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
+  const std::string top = folder.begin()->string();
+  if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
+      top == "classes.json")
+    refuse(path, "must be a folder in the output folder, other than manifest and the files beside it");
+  const auto holds = [](const fs::path& outer, const fs::path& inner) {
+    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  };
+  for (const fs::path& other : folders_)
+    if (holds(other, folder) || holds(folder, other)) refuse(path, "another output writes there, too");
+  folders_.push_back(folder);
+}
+
+/// Returns the sensors that an output writes: those that it lists, or else all, or the first where its format has one.
+std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, const std::string& path) {
   std::vector<std::string> names;
   for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
-  std::vector<fs::path> folders;
+  const json& listed = memberOf(output, "sensors");
+  std::vector<size_t> sensors;
+  for (size_t s = 0; s < listed.size(); ++s) sensors.push_back(find(names, listed[s], entryPath(path, s)));
+  if (listed.is_null())
+    for (size_t s = 0; s < (oneSensor ? 1 : names.size()); ++s) sensors.push_back(s);
+  if (oneSensor && sensors.size() > 1) refuse(path, "KITTI has one lidar; name one sensor");
+  return sensors;
+}
+
+/// Checks that ROS 2 can play the bag of an output.
+void DriveReader::checkBag(const Output& output, const std::string& path) {
+  if (const std::string why = mistakeOfNames(drive_, output.sensors); !why.empty()) refuse(path + ".sensors", why);
+  if (const std::string why = mistakeOfTimes(drive_); !why.empty()) refuse(path + ".format", why);
+  if (drive_.epoch + drive_.start < 0)
+    refuse(path + ".format", "MCAP has no times before 1970; the drive begins at " +
+                                 shown(drive_.epoch + drive_.start) + " s: give an epoch");
+}
+
+void DriveReader::outputs() {
   for (size_t i = 0; i < root_["outputs"].size(); ++i) {
     const json& object = root_["outputs"][i];
     const std::string path = entryPath("outputs", i);
@@ -241,25 +276,8 @@ void DriveReader::outputs() {
     output.format = object["format"].get<std::string>();
     output.folder = object.value("folder", output.format);
     const FormatInfo& format = formatNamed(output.format);
-    fs::path folder = fs::path(output.folder).lexically_normal();
-    if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
-    const std::string top = folder.begin()->string();
-    if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
-        top == "classes.json")
-      refuse(path + ".folder", "must be a folder in the output folder, other than manifest and the files beside it");
-    const auto holds = [](const fs::path& outer, const fs::path& inner) {
-      return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-    };
-    for (const fs::path& other : folders)
-      if (holds(other, folder) || holds(folder, other)) refuse(path + ".folder", "another output writes there, too");
-    folders.push_back(folder);
-    const json& listed = memberOf(object, "sensors");
-    for (size_t s = 0; s < listed.size(); ++s)
-      output.sensors.push_back(find(names, listed[s], entryPath(path + ".sensors", s)));
-    if (listed.is_null())
-      for (size_t s = 0; s < (format.oneSensor ? 1 : names.size()); ++s) output.sensors.push_back(s);
-    if (format.oneSensor && output.sensors.size() > 1)
-      refuse(path + ".sensors", "KITTI has one lidar; name one sensor");
+    checkFolder(output.folder, path + ".folder");
+    output.sensors = sensorsOf(object, format.oneSensor, path + ".sensors");
     if (object.contains("fields") && !format.fields)
       refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields; }));
     if (format.fields)
@@ -267,13 +285,7 @@ void DriveReader::outputs() {
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
-    if (output.format == "mcap" && mistakes_.empty()) {
-      if (const std::string why = mistakeOfNames(drive_, output.sensors); !why.empty()) refuse(path + ".sensors", why);
-      if (const std::string why = mistakeOfTimes(drive_); !why.empty()) refuse(path + ".format", why);
-      if (drive_.epoch + drive_.start < 0)
-        refuse(path + ".format", "MCAP has no times before 1970; the drive begins at " +
-                                     shown(drive_.epoch + drive_.start) + " s: give an epoch");
-    }
+    if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     drive_.outputs.push_back(std::move(output));
   }
 }

@@ -68,11 +68,15 @@ class DriveReader {
   void simulator();
   void weather();
   void outputs();
+  void checkFolder(const std::string& name, const std::string& path);
+  std::vector<size_t> sensorsOf(const nlohmann::json& output, bool oneSensor, const std::string& path);
+  void checkBag(const Output& output, const std::string& path);
 
   std::filesystem::path folder_;
   const nlohmann::json& root_;
   Drive drive_;
   std::vector<std::string> mistakes_, classNames_, modelNames_;
+  std::vector<std::filesystem::path> folders_;  // of the outputs
 };
 
 /// Reads a list of three numbers.

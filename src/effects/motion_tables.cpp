@@ -112,6 +112,41 @@ Drift driftOf(const std::vector<glm::dvec3>& places, double toMiddle) {
   return drift;
 }
 
+/// The largest distances and angles between the frames of columns and the middle one, and between consecutive frames.
+class Extent {
+ public:
+  explicit Extent(const Frame& middle) : middle_(middle), before_(middle) {}
+
+  void add(const Frame& frame) {
+    shift = std::max(shift, glm::length(frame.place - middle_.place));
+    turn = std::max(turn, angleBetween(frame, middle_));
+    if (!places.empty()) {
+      shiftPerColumn = std::max(shiftPerColumn, glm::length(frame.place - before_.place));
+      turnPerColumn = std::max(turnPerColumn, angleBetween(frame, before_));
+    }
+    places.push_back(frame.place - middle_.place);
+    before_ = frame;
+  }
+
+  double shift = 0, turn = 0, shiftPerColumn = 0, turnPerColumn = 0;
+  std::vector<glm::dvec3> places;  // relative to the middle
+
+ private:
+  Frame middle_, before_;
+};
+
+/// Writes the velocity and the angular velocity of the lasers' centre at a time, in the frame `now` of its column.
+void writeSpeeds(const SensorMotion& motion, const Frame& now, const Vec3& centre, double time,
+                 gpu::ColumnMotion& column) {
+  const Vec3 v = velocityAt(motion, time), w = angularVelocityAt(motion, time);
+  const glm::dvec3 spin(w.x, w.y, w.z);
+  const glm::dvec3 velocity =
+      glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z) + glm::cross(spin, glm::dvec3(centre.x, centre.y, centre.z));
+  column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
+                     static_cast<float>(time)};
+  column.spin = {static_cast<float>(spin.x), static_cast<float>(spin.y), static_cast<float>(spin.z), 0};
+}
+
 }  // namespace
 
 MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool simulated,
@@ -121,10 +156,9 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   MotionTables tables;
   tables.middle = movedTo(lasers.centre, poseOf(times.middle));
   const Frame middle(tables.middle), standing(shot.pose);
-  double shift = 0, turn = 0, shiftStep = 0, turnStep = 0;
+  Extent extent(middle);
   Bend bend;
-  std::vector<glm::dvec3> places;  // relative to the middle
-  Frame before = middle, now = middle;
+  Frame now = middle;
   gpu::ColumnMotion column = {};
   tables.columns.reserve(times.count);
   for (uint32_t i = 0; i < times.used; ++i) {
@@ -137,38 +171,25 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
       now = Frame(movedTo(lasers.centre, pose));
       const Map seen(middle, now);
       const auto& stamps = shot.motion.stamps;
-      if (!stamps.empty() && time >= stamps.front().time && time <= stamps.back().time) bend.add(i, seen);
+      if (time >= stamps.front().time && time <= stamps.back().time) bend.add(i, seen);
       write(seen, column.row0, column.row1, column.row2);
       write({now, deskew ? standing : Frame(pose)}, column.report0, column.report1, column.report2);
     }
-    const Vec3 v = velocityAt(shot.motion, time), w = angularVelocityAt(shot.motion, time);
-    const glm::dvec3 spin(w.x, w.y, w.z), centre(lasers.centre.x, lasers.centre.y, lasers.centre.z);
-    const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z) + glm::cross(spin, centre);
-    column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
-                       static_cast<float>(time)};
-    column.spin = {static_cast<float>(spin.x), static_cast<float>(spin.y), static_cast<float>(spin.z), 0};
+    writeSpeeds(shot.motion, now, lasers.centre, time, column);
     column.bends = {static_cast<float>(bend.allShifts), static_cast<float>(bend.allTurns), 0, 0};
     tables.columns.push_back(column);
-    if (!moves) continue;
-    shift = std::max(shift, glm::length(now.place - middle.place));
-    turn = std::max(turn, angleBetween(now, middle));
-    if (i > 0) {
-      shiftStep = std::max(shiftStep, glm::length(now.place - before.place));
-      turnStep = std::max(turnStep, angleBetween(now, before));
-    }
-    places.push_back(now.place - middle.place);
-    before = now;
+    if (moves) extent.add(now);
   }
   tables.columns.resize(times.count, column);
   const double toMiddle = times.halfway;
-  const Drift drift = driftOf(places, toMiddle);
+  const Drift drift = driftOf(extent.places, toMiddle);
   const double order = times.step < 0 ? -1 : 1;  // a clockwise head fires its last column first
   const glm::dvec3 perColumn = moves ? glm::transpose(middle.turn) * (order * drift.perColumn) : glm::dvec3(0);
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {.shift = up(shift + lasers.distance),
-                   .turn = up(turn),
-                   .shiftPerColumn = up(shiftStep),
-                   .turnPerColumn = up(turnStep),
+  tables.bounds = {.shift = up(extent.shift + lasers.distance),
+                   .turn = up(extent.turn),
+                   .shiftPerColumn = up(extent.shiftPerColumn),
+                   .turnPerColumn = up(extent.turnPerColumn),
                    .origins = up(lasers.distance),
                    .forward = up(lasers.forward),
                    .left = up(lasers.left),

@@ -158,47 +158,75 @@ Bytes GltfArrays::view(int index, const std::string& user) {
   return bufferRange(view.buffer, view.byteOffset, view.byteLength, user + ", bufferView " + std::to_string(index));
 }
 
+namespace {
+
+/// An array of EXT_meshopt_compression: `count` elements of `stride` bytes.
+struct MeshoptArray {
+  std::string mode, filter;
+  size_t count = 0, stride = 0;
+
+  MeshoptArray(const tinygltf::Value& extension) {
+    const auto text = [&](const char* key, const char* otherwise) {
+      return extension.Has(key) ? extension.Get(key).Get<std::string>() : std::string(otherwise);
+    };
+    mode = text("mode", "");
+    filter = text("filter", "NONE");
+    count = sizeIn(extension, "count");
+    stride = sizeIn(extension, "byteStride");
+  }
+
+  static size_t sizeIn(const tinygltf::Value& extension, const char* key) {
+    return extension.Has(key) ? static_cast<size_t>(extension.Get(key).GetNumberAsInt()) : size_t{0};
+  }
+
+  /// Whether the extension has arrays of this mode and stride, and the filter fits them. The conditions are those that
+  /// the decoders assert.
+  bool hasValidMode() const {
+    return (mode == "ATTRIBUTES" && stride % 4 == 0 && stride > 0 && stride <= 256) ||
+           (mode == "TRIANGLES" && (stride == 2 || stride == 4) && count % 3 == 0) ||
+           (mode == "INDICES" && (stride == 2 || stride == 4));
+  }
+  bool hasValidFilter() const {
+    if (filter == "NONE") return true;
+    return mode == "ATTRIBUTES" && ((filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) ||
+                                    (filter == "QUATERNION" && stride == 8) || filter == "EXPONENTIAL");
+  }
+
+  /// Writes the elements to `to`. Returns whether the packed data are valid.
+  bool decode(uint8_t* to, Bytes packed) const {
+    int (*decoder)(void*, size_t, size_t, const unsigned char*, size_t) = meshopt_decodeVertexBuffer;
+    if (mode == "TRIANGLES") decoder = meshopt_decodeIndexBuffer;
+    if (mode == "INDICES") decoder = meshopt_decodeIndexSequence;
+    if (decoder(to, count, stride, packed.data(), packed.size()) != 0) return false;
+    if (filter == "OCTAHEDRAL") meshopt_decodeFilterOct(to, count, stride);
+    if (filter == "QUATERNION") meshopt_decodeFilterQuat(to, count, stride);
+    if (filter == "EXPONENTIAL") meshopt_decodeFilterExp(to, count, stride);
+    return true;
+  }
+};
+
+}  // namespace
+
 Bytes GltfArrays::decompress(int index, const tinygltf::Value& extension, const std::string& user) {
   if (const auto done = decompressed_.find(index); done != decompressed_.end()) return done->second;
   const std::string who = user + ", bufferView " + std::to_string(index) + " (meshopt)";
-  const auto number = [&](const char* key) {
-    return extension.Has(key) ? static_cast<size_t>(extension.Get(key).GetNumberAsInt()) : size_t{0};
-  };
-  const auto name = [&](const char* key, const char* otherwise) {
-    return extension.Has(key) ? extension.Get(key).Get<std::string>() : std::string(otherwise);
-  };
-  const size_t count = number("count"), stride = number("byteStride");
-  const std::string mode = name("mode", ""), filter = name("filter", "NONE");
+  const MeshoptArray array(extension);
+  const auto number = [&](const char* key) { return MeshoptArray::sizeIn(extension, key); };
   const Bytes packed = bufferRange(static_cast<int>(number("buffer")), number("byteOffset"), number("byteLength"), who);
-  if (count * stride != file_.model.bufferViews[static_cast<size_t>(index)].byteLength)
+  if (array.count * array.stride != file_.model.bufferViews[static_cast<size_t>(index)].byteLength)
     source_.fail(who + ": count times byteStride is not its byteLength");
-  charge(count, std::max<size_t>(stride, 1), who);
+  charge(array.count, std::max<size_t>(array.stride, 1), who);
+  if (!array.hasValidMode())
+    source_.fail(who + ": mode " + inQuotes(array.mode) + " with " + std::to_string(array.count) + " elements of " +
+                 std::to_string(array.stride) + " bytes is not one of the extension's");
+  if (!array.hasValidFilter())
+    source_.fail(who + ": filter " + inQuotes(array.filter) + " does not fit elements of " +
+                 std::to_string(array.stride) + " bytes");
 
   FileBytes bytes;
-  bytes.data = std::make_unique<uint8_t[]>(count * stride);
-  bytes.size = count * stride;
-  int problem = 0;
-  // The conditions are those that the decoders assert.
-  if (mode == "ATTRIBUTES" && stride % 4 == 0 && stride > 0 && stride <= 256)
-    problem = meshopt_decodeVertexBuffer(bytes.data.get(), count, stride, packed.data(), packed.size());
-  else if (mode == "TRIANGLES" && (stride == 2 || stride == 4) && count % 3 == 0)
-    problem = meshopt_decodeIndexBuffer(bytes.data.get(), count, stride, packed.data(), packed.size());
-  else if (mode == "INDICES" && (stride == 2 || stride == 4))
-    problem = meshopt_decodeIndexSequence(bytes.data.get(), count, stride, packed.data(), packed.size());
-  else
-    source_.fail(who + ": mode " + inQuotes(mode) + " with " + std::to_string(count) + " elements of " +
-                 std::to_string(stride) + " bytes is not one of the extension's");
-  if (problem != 0) source_.fail(who + ": its data is invalid");
-
-  if (filter == "OCTAHEDRAL" && mode == "ATTRIBUTES" && (stride == 4 || stride == 8))
-    meshopt_decodeFilterOct(bytes.data.get(), count, stride);
-  else if (filter == "QUATERNION" && mode == "ATTRIBUTES" && stride == 8)
-    meshopt_decodeFilterQuat(bytes.data.get(), count, stride);
-  else if (filter == "EXPONENTIAL" && mode == "ATTRIBUTES")
-    meshopt_decodeFilterExp(bytes.data.get(), count, stride);
-  else if (filter != "NONE")
-    source_.fail(who + ": filter " + inQuotes(filter) + " does not fit elements of " + std::to_string(stride) +
-                 " bytes");
+  bytes.size = array.count * array.stride;
+  bytes.data = std::make_unique<uint8_t[]>(bytes.size);
+  if (!array.decode(bytes.data.get(), packed)) source_.fail(who + ": its data is invalid");
   return decompressed_.emplace(index, std::move(bytes)).first->second;
 }
 

@@ -161,8 +161,27 @@ void checkRows(const SensorSource& source, const Metadata& metadata, bool nested
   source.refuse(found + "expected are " + shownNumber(rows) + ", one per pixel of a column");
 }
 
-void placeBeams(SensorSource& source, const Metadata& metadata, const std::vector<double>& altitudes,
-                const std::vector<double>& azimuths, const Vec3& origin) {
+/// The angles of the pixels of a column in degrees: the elevation and the offset in azimuth of each.
+struct PixelAngles {
+  std::vector<double> altitudes, azimuths;
+
+  bool isZero(size_t row) const { return altitudes[row] == 0 && azimuths[row] == 0; }
+};
+PixelAngles readAngles(const SensorSource& source, const Metadata& metadata) {
+  const PixelAngles angles = {metadata.numbers("beam_altitude_angles"), metadata.numbers("beam_azimuth_angles")};
+  const size_t rows = angles.altitudes.size();
+  if (rows == 0) source.refuse("'beam_altitude_angles' is empty");
+  if (rows > 65535) source.refuse("'beam_altitude_angles' has more than 65535 entries");
+  if (rows != angles.azimuths.size())
+    source.refuse("'beam_altitude_angles' has " + std::to_string(rows) + " entries, 'beam_azimuth_angles' " +
+                  std::to_string(angles.azimuths.size()));
+  const auto zero = [](double angle) { return angle == 0; };
+  if (rows > 1 && std::all_of(angles.altitudes.begin(), angles.altitudes.end(), zero))
+    source.refuse("all 'beam_altitude_angles' are 0, which is no calibration");
+  return angles;
+}
+
+void placeBeams(SensorSource& source, const Metadata& metadata, const PixelAngles& angles, const Vec3& origin) {
   Sensor& sensor = source.file.sensor;
   Matrix m = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1};
   if (metadata.find("lidar_to_sensor_transform"))
@@ -177,62 +196,43 @@ void placeBeams(SensorSource& source, const Metadata& metadata, const std::vecto
   const double turnDeg = m[4] == 0 ? (m[0] < 0 ? 180 : 0) : std::atan2(m[4], m[0]) / kDegree;
   sensor.azimuthStartDeg = turnDeg;
   sensor.azimuthSpanDeg = -360;
-  for (size_t row = 0; row < altitudes.size(); ++row) {
+  for (size_t row = 0; row < angles.altitudes.size(); ++row) {
     Channel channel;
-    channel.elevationDeg = altitudes[row];
-    channel.azimuthOffsetDeg = -azimuths[row];
-    const double c = std::cos(kDegree * azimuths[row]), s = std::sin(kDegree * azimuths[row]);
+    channel.elevationDeg = angles.altitudes[row];
+    channel.azimuthOffsetDeg = -angles.azimuths[row];
+    const double azimuth = kDegree * angles.azimuths[row], c = std::cos(azimuth), s = std::sin(azimuth);
     channel.origin = {c * origin.x - s * origin.y, s * origin.x + c * origin.y, origin.z + kMillimetre * m[11]};
     sensor.channels.push_back(channel);
   }
 }
 
-}  // namespace
-
-void readOuster(SensorSource& source, const json& root) {
-  const Metadata metadata(source, root);
-  const bool nested = checkSections(source, root);
-  const std::string product = metadata.text("prod_line");
-  const std::vector<double> altitudes = metadata.numbers("beam_altitude_angles");
-  const std::vector<double> azimuths = metadata.numbers("beam_azimuth_angles");
-  if (altitudes.empty()) source.refuse("'beam_altitude_angles' is empty");
-  if (altitudes.size() > 65535) source.refuse("'beam_altitude_angles' has more than 65535 entries");
-  if (altitudes.size() != azimuths.size())
-    source.refuse("'beam_altitude_angles' has " + std::to_string(altitudes.size()) +
-                  " entries, 'beam_azimuth_angles' " + std::to_string(azimuths.size()));
-  const auto zero = [](double angle) { return angle == 0; };
-  if (altitudes.size() > 1 && std::all_of(altitudes.begin(), altitudes.end(), zero))
-    source.refuse("all 'beam_altitude_angles' are 0, which is no calibration");
-  checkRows(source, metadata, nested, product, altitudes.size());
-
-  const std::string stated = metadata.text("lidar_mode");
-  if (stated.empty() && source.options.mode.empty()) source.refuse("'lidar_mode' is missing");
-  const Mode mode = modeOf(source, source.options.mode.empty() ? stated : source.options.mode);
-  const double statedColumns =
+/// Sets the columns and the period of the mode that the caller asks for, or else that of the file. Returns the number
+/// of columns that the file states.
+double readMode(SensorSource& source, const Metadata& metadata) {
+  const std::string stated = metadata.text("lidar_mode"), &asked = source.options.mode;
+  if (stated.empty() && asked.empty()) source.refuse("'lidar_mode' is missing");
+  const Mode mode = modeOf(source, asked.empty() ? stated : asked);
+  const double columns =
       metadata.number("columns_per_frame", stated.empty() ? mode.columns : modeOf(source, stated).columns);
-  if (!(statedColumns >= 1)) source.refuse("'columns_per_frame' must be 1 or more, is " + shownNumber(statedColumns));
-  if (source.options.mode.empty() && statedColumns != mode.columns)
-    source.refuse("'columns_per_frame' is " + shownNumber(statedColumns) + ", which does not suit the 'lidar_mode' " +
+  if (!(columns >= 1)) source.refuse("'columns_per_frame' must be 1 or more, is " + shownNumber(columns));
+  if (asked.empty() && columns != mode.columns)
+    source.refuse("'columns_per_frame' is " + shownNumber(columns) + ", which does not suit the 'lidar_mode' " +
                   stated);
+  source.file.sensor.columns = mode.columns;
+  source.file.sensor.rotationPeriod = 1 / mode.rate;
+  return columns;
+}
 
-  Sensor& sensor = source.file.sensor;
-  sensor.columns = mode.columns;
-  sensor.rotationPeriod = 1 / mode.rate;
-  placeBeams(source, metadata, altitudes, azimuths, beamOrigin(source, metadata, product));
-  std::vector<bool> masked(sensor.beamCount());
-  // Files of firmware 1.x that name no product may list pixels without a laser, which have only zeros.
-  const bool sparse = std::count_if(altitudes.begin(), altitudes.end(), zero) > 1;
-  for (size_t row = 0; sparse && row < altitudes.size(); ++row)
-    if (altitudes[row] == 0 && azimuths[row] == 0)
-      std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * sensor.columns), sensor.columns, true);
-  maskColumns(source, metadata, statedColumns, sensor, masked);
-  for (size_t beam = 0; beam < masked.size(); ++beam)
-    if (masked[beam]) sensor.maskedBeams.push_back(static_cast<uint32_t>(beam));
+/// Masks the rows of pixels without a laser. Files of firmware 1.x that name no product may list them, with zeros.
+void maskRows(const PixelAngles& angles, uint32_t columns, std::vector<bool>& masked) {
+  if (std::count(angles.altitudes.begin(), angles.altitudes.end(), 0.0) < 2) return;
+  for (size_t row = 0; row < angles.altitudes.size(); ++row)
+    if (angles.isZero(row)) std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * columns), columns, true);
+}
 
-  const std::string profile = metadata.text("udp_profile_lidar");
-  if (profile.ends_with("_DUAL")) sensor.maxReturns = 2;
+void readRanges(SensorSource& source, const Metadata& metadata, const std::string& product) {
   if (const double centimetres = metadata.number("min_range_threshold_cm", 0); centimetres > 0)
-    sensor.rangeMin = centimetres / 100;
+    source.file.sensor.rangeMin = centimetres / 100;
   const double sheet = product.starts_with("OS-0-")     ? 75
                        : product.starts_with("OS-1-")   ? 170
                        : product.starts_with("OS-2-")   ? 350
@@ -241,6 +241,28 @@ void readOuster(SensorSource& source, const json& root) {
   assumeRange(source, sheet, product.empty() ? "" : ", as the data sheet of " + product + " states");
   source.ignore(
       "that Ouster counts ranges from the lidar's axis: they are larger than ours by the radius of the origins");
+}
+
+}  // namespace
+
+void readOuster(SensorSource& source, const json& root) {
+  const Metadata metadata(source, root);
+  const bool nested = checkSections(source, root);
+  const std::string product = metadata.text("prod_line");
+  const PixelAngles angles = readAngles(source, metadata);
+  checkRows(source, metadata, nested, product, angles.altitudes.size());
+  const double statedColumns = readMode(source, metadata);
+  placeBeams(source, metadata, angles, beamOrigin(source, metadata, product));
+
+  Sensor& sensor = source.file.sensor;
+  std::vector<bool> masked(sensor.beamCount());
+  maskRows(angles, sensor.columns, masked);
+  maskColumns(source, metadata, statedColumns, sensor, masked);
+  for (size_t beam = 0; beam < masked.size(); ++beam)
+    if (masked[beam]) sensor.maskedBeams.push_back(static_cast<uint32_t>(beam));
+
+  if (metadata.text("udp_profile_lidar").ends_with("_DUAL")) sensor.maxReturns = 2;
+  readRanges(source, metadata, product);
   for (const char* key : {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier"})
     if (metadata.find(key)) source.ignore(key);
 }
