@@ -4,6 +4,7 @@
 
 #include <rgl/api/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnosphere::rgl {
@@ -57,6 +58,10 @@ struct Mat {
   }
 };
 static_assert(sizeof(Mat) == sizeof(rgl_mat3x4f) && sizeof(Vec) == sizeof(rgl_vec3f));
+
+inline bool isFinite(const rgl_mat3x4f& matrix) {
+  return std::all_of(&matrix.value[0][0], &matrix.value[0][0] + 12, [](float value) { return std::isfinite(value); });
+}
 
 inline Mat matOf(const rgl_mat3x4f& from) {
   Mat to;

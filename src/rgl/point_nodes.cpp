@@ -268,6 +268,7 @@ RGL_API rgl_status_t rgl_node_points_transform(rgl_node_t* node, const rgl_mat3x
   return call(__func__, taped(out(node), arrayOf(transform, 1)), [&] {
     RGL_CHECK(node != nullptr);
     RGL_CHECK(transform != nullptr);
+    RGL_CHECK(isFinite(*transform));
     createOrUpdate<TransformPointsNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
   });
 }

@@ -194,8 +194,7 @@ RGL_API rgl_status_t rgl_node_rays_transform(rgl_node_t* node, const rgl_mat3x4f
   return call(__func__, taped(out(node), arrayOf(transform, 1)), [&] {
     RGL_CHECK(node != nullptr);
     RGL_CHECK(transform != nullptr);
-    for (const auto& row : transform->value)
-      for (const float value : row) RGL_CHECK(std::isfinite(value));
+    RGL_CHECK(isFinite(*transform));
     createOrUpdate<TransformRaysNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
   });
 }

@@ -108,6 +108,7 @@ RGL_API rgl_status_t rgl_mesh_set_restposes(rgl_mesh_t mesh, const rgl_mat3x4f* 
     RGL_CHECK(mesh != nullptr);
     RGL_CHECK(restposes != nullptr);
     RGL_CHECK(bones_count > 0);
+    RGL_CHECK(std::all_of(restposes, restposes + bones_count, isFinite));
     MeshObject& to = *scene().meshes.at(mesh);
     to.restPoses.resize(bones_count);
     std::transform(restposes, restposes + bones_count, to.restPoses.begin(), matOf);
@@ -149,8 +150,7 @@ RGL_API rgl_status_t rgl_entity_set_transform(rgl_entity_t entity, const rgl_mat
     RGL_CHECK(entity != nullptr);
     RGL_CHECK(transform != nullptr);
     EntityObject& to = *scene().entities.at(entity);
-    for (const auto& row : transform->value)
-      for (const float value : row) RGL_CHECK(std::isfinite(value));
+    RGL_CHECK(isFinite(*transform));
     move(to, matOf(*transform));
   });
 }
@@ -160,6 +160,7 @@ RGL_API rgl_status_t rgl_entity_set_pose_world(rgl_entity_t entity, const rgl_ma
     RGL_CHECK(entity != nullptr);
     RGL_CHECK(pose != nullptr);
     RGL_CHECK(bones_count > 0);
+    RGL_CHECK(std::all_of(pose, pose + bones_count, isFinite));
     EntityObject& to = *scene().entities.at(entity);
     const MeshObject& mesh = *to.mesh;
     if (mesh.weights.empty() || mesh.restPoses.empty())

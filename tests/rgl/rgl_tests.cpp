@@ -289,6 +289,13 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
   OK(rgl_mesh_set_restposes(mesh, rest, 2));
   OK(rgl_entity_set_pose_world(moving, pose, 2));
   CHECK(distances()[0] == Approx(5.5));
+
+  rgl_mat3x4f broken[] = {matrix(0, 0, 4), matrix(1, 0, 6)};
+  broken[1].value[2][3] = std::nanf("");
+  CHECK(rgl_entity_set_pose_world(moving, broken, 2) == RGL_INVALID_ARGUMENT);
+  CHECK(rgl_mesh_set_restposes(mesh, broken, 2) == RGL_INVALID_ARGUMENT);
+  CHECK(rgl_entity_set_transform(moving, &broken[1]) == RGL_INVALID_ARGUMENT);
+  CHECK(distances()[0] == Approx(5.5));
   OK(rgl_cleanup());
 }
 
