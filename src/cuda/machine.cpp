@@ -54,7 +54,7 @@ class CudaMachine final : public Machine {
     return std::make_unique<CudaMemory>(name, bytes, kind);
   }
   void prepare(std::span<const Variant>) override {}
-  size_t framesInFlight() const override { return 1; }
+  size_t slots() const override { return 1; }
   void wait(size_t) override {}
   void readTimings(size_t, Timings& timings) override { stopwatch_.read(timings); }
 

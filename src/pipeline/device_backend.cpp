@@ -37,7 +37,7 @@ class DeviceBackend final : public Backend {
         machine_(std::move(machine)),
         materials_(scene.materials),
         scene_(*machine_),
-        slots_(machine_->framesInFlight()),
+        slots_(machine_->slots()),
         recorded_(*machine_, scene_, mostListBytes(options_, machine_->traits())) {
     scene_.geometry().add(scene.meshes, materials_);
     for (size_t i = 0; i < scene.instances.size(); ++i)
@@ -176,7 +176,7 @@ class DeviceBackend final : public Backend {
     StillImage still;
   };
 
-  // The data of a frame in flight that do not depend on the sensor.
+  // The data of a submission in flight that do not depend on the sensor.
   struct Slot {
     PlacedArrays placed;
     uint64_t reused = 0;              // number of triangles that the still image replaces
@@ -243,75 +243,73 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  // Scans of several views have frames of their own, because their arrays are larger.
-  size_t sensorFrame(size_t slot, const Part& part) const {
-    return part.views.size() > 1 ? slots_.size() + slot : slot;
-  }
+  // Scans of several views have slots of their own in the arrays of a sensor, because their arrays are larger.
+  size_t sensorSlot(size_t slot, const Part& part) const { return part.views.size() > 1 ? slots_.size() + slot : slot; }
 
   void waitForAll() {
-    for (size_t frame = 0; frame < slots_.size(); ++frame) machine_->wait(frame);
+    for (size_t slot = 0; slot < slots_.size(); ++slot) machine_->wait(slot);
   }
 
   void submit(std::span<const Part> parts, size_t i) {
-    const size_t frame = i % slots_.size();
-    slots_[frame].start = Clock::now();
-    run(frame, parts[i]);
+    const size_t slot = i % slots_.size();
+    slots_[slot].start = Clock::now();
+    run(slot, parts[i]);
   }
 
-  // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
+  // Decides how the scan uses the still image. If another slot is making the image, waits until it is known to be
   // valid.
   StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Shot& shot, bool forgets) {
     if (still.inMaking()) {
-      machine_->wait(still.frame());
-      still.end(!sensor.cutShort(still.frame()));
+      machine_->wait(still.slot());
+      still.end(!sensor.cutShort(still.slot()));
     }
     if (!forgets) return still.next(shot, scene_.instances());
     still.forget();
     return StillImage::Use::none;
   }
 
-  void run(size_t frame, const Part& part) {
-    Slot& slot = slots_[frame];
+  void run(size_t slot, const Part& part) {
+    auto& [placed, reused, motions, start] = slots_[slot];
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     if (sensor.beams() == 0) return;
     const auto views = static_cast<uint32_t>(part.views.size());
     std::vector<Shot> copies;
     const std::span<const Shot> shots = shotsOfViews(part, copies);
     StillImage& still = sensors_[shots[0].sensor]->still;
-    slot.reused = 0;
+    reused = 0;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
       sensor.makeRoomForViews(views);
     }
-    slot.motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
+    motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
     // A submission of several views, or with motion, overwrites the farthest-range table that the still image needs.
-    const bool forgets = views > 1 || (!slot.motions.empty() && slot.motions[0].moves);
+    const bool forgets = views > 1 || (!motions.empty() && motions[0].moves);
     const StillImage::Use use = useStill(still, sensor, shots[0], forgets);
     if (views > 1) {
-      placeViews(scene_, sensor, shots, slot.motions, slot.placed);
+      placeViews(scene_, sensor, shots, motions, placed);
     } else {
-      slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-      const Pose pose = seenFrom(shots, 0, slot.motions);
+      reused = use == StillImage::Use::use ? still.triangles() : 0;
+      const Pose pose = seenFrom(shots, 0, motions);
       Selection selection = still.selection(use);
       selection.ignored = sensor.sensorPlan().ignored;
       selection.world = shots[0].world;
-      scene_.place(pose, sensor.reach() + reachOf(slot.motions), selection, slot.placed);
+      scene_.place(pose, sensor.reach() + reachOf(motions), selection, placed);
     }
-    if (!scene_.listsHold(slot.placed)) {
+    if (!scene_.listsHold(placed)) {
       waitForAll();
-      scene_.growLists(slot.placed);
+      scene_.growLists(placed);
     }
     BoundArrays arrays = {};
     scene_.bind(arrays);
-    slot.placed.bind(arrays);
+    placed.bind(arrays);
     InstanceEntries instances = {scene_.instances().count()};
-    if (views > 1) instances.inViews = slot.placed.inViews();
-    const std::vector<Step> steps = sensor.prepare(sensorFrame(frame, part), shots, part.views, part.last, slot.motions,
-                                                   instances, slot.placed.groups(), use, arrays);
+    if (views > 1) instances.inViews = placed.inViews();
+    const std::vector<Step> steps = sensor.prepare(sensorSlot(slot, part), shots, part.views, part.last, motions,
+                                                   instances, placed.groups(), use, arrays);
     const Clock::duration before = machine_->compiling();
-    machine_->submit(frame, steps, arrays);
-    slot.start += machine_->compiling() - before;
-    if (use == StillImage::Use::make) still.begin(frame);
+    machine_->submit(slot, steps, arrays);
+    start += machine_->compiling() - before;
+    if (use == StillImage::Use::make) still.begin(slot);
   }
 
   // Waits for part i, repeats it while its lists were too small, and reads its results. If the part after it was cut
@@ -320,20 +318,20 @@ class DeviceBackend final : public Backend {
     const size_t slot = i % slots_.size();
     const Part& part = parts[i];
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
-    const size_t frame = sensorFrame(slot, part), views = part.views.size();
+    const size_t ofSensor = sensorSlot(slot, part), views = part.views.size();
     Scan& result = to.scan;
     if (part.first) start_ = slots_[slot].start;
     uint64_t retries = 0;
     Timings timings;
     if (sensor.beams() > 0) {
       machine_->wait(slot);
-      sensor.checkAlive(frame);
-      for (; sensor.cutShort(frame); ++retries) {
+      sensor.checkAlive(ofSensor);
+      for (; sensor.cutShort(ofSensor); ++retries) {
         waitForAll();
-        sensor.growLists(frame);
+        sensor.growLists(ofSensor);
         run(slot, part);
         machine_->wait(slot);
-        sensor.checkAlive(frame);
+        sensor.checkAlive(ofSensor);
       }
       machine_->readTimings(slot, timings);
     }
@@ -342,7 +340,7 @@ class DeviceBackend final : public Backend {
       for (const StageTime& stage : timings.stages) result.timings.add(stage.name, stage.ms);
       result.timings.gpuMs += timings.gpuMs;
       result.counters.retries += retries;
-      finishBatch(part, slot, frame, to);
+      finishBatch(part, slot, ofSensor, to);
       return;
     }
     const double waited = millisecondsSince(start_) / static_cast<double>(part.shots.size());
@@ -360,7 +358,7 @@ class DeviceBackend final : public Backend {
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
       if (sensor.beams() > 0) {
-        DeviceResults results = sensor.results(frame, static_cast<uint32_t>(view));
+        DeviceResults results = sensor.results(ofSensor, static_cast<uint32_t>(view));
         if (views > 1) results.inViews = slots_[slot].placed.inViews();
         readResults(workers_, sensor.sensorPlan(), results, scene_.instances(), shot,
                     motionOf(slots_[slot].motions, view), result);
@@ -375,10 +373,10 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  void finishBatch(const Part& part, size_t slot, size_t frame, const Destination& to) {
+  void finishBatch(const Part& part, size_t slot, size_t ofSensor, const Destination& to) {
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     if (sensor.beams() > 0) {
-      readHits(workers_, sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shots,
+      readHits(workers_, sensor.sensorPlan(), sensor.results(ofSensor), scene_.instances(), part.shots,
                slots_[slot].motions, to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
       to.scan.counters.reused += slots_[slot].reused;
       to.scan.counters.culledByCluster -= slots_[slot].reused;

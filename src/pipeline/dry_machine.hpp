@@ -24,7 +24,7 @@ class DryMachine final : public Machine {
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const override {
     machine_.describe(variant, pipeline);
   }
-  size_t framesInFlight() const override { return machine_.framesInFlight(); }
+  size_t slots() const override { return machine_.slots(); }
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {}
   void wait(size_t) override {}
   void readTimings(size_t, Timings&) override {}

@@ -41,16 +41,16 @@ class Machine {
   virtual void describe(const Variant& /*variant*/, Plan::Pipeline& /*pipeline*/) const {}
   /// Called after the last of a series of prepare() calls.
   virtual void prepared() {}
-  /// Number of scans that may run at a time.
-  virtual size_t framesInFlight() const = 0;
+  /// Number of submissions that may be in flight together. Each has a slot, numbered from 0.
+  virtual size_t slots() const = 0;
   /// How long submit() and record() have compiled kernels until now.
   virtual std::chrono::steady_clock::duration compiling() const { return {}; }
-  /// Starts the steps as frame in flight `frame`. wait() must have been called for its previous scan.
-  virtual void submit(size_t frame, std::span<const Step> steps, const BoundArrays& arrays) = 0;
-  /// Waits until the frame is done; returns at once if it is not running.
-  virtual void wait(size_t frame) = 0;
-  /// Adds the stage times of the frame to `timings`; call wait() first.
-  virtual void readTimings(size_t frame, Timings& timings) = 0;
+  /// Starts the steps in a slot. wait() must have been called for its previous submission.
+  virtual void submit(size_t slot, std::span<const Step> steps, const BoundArrays& arrays) = 0;
+  /// Waits until the slot is done; returns at once if it is not running.
+  virtual void wait(size_t slot) = 0;
+  /// Adds the stage times of the slot to `timings`; call wait() first.
+  virtual void readTimings(size_t slot, Timings& timings) = 0;
   /// Throws Error(device) with the messages of the validation layer, if it is on and there are any.
   virtual void throwOnMessages() {}
 

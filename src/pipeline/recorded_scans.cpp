@@ -26,15 +26,15 @@ void check(const Recording::Range& range, uint64_t least, size_t sensor, const c
 }  // namespace
 
 void RecordedScans::forget(size_t sensor) {
-  for (Slots& slots : frames_) slots.erase(sensor);
+  for (Scans& scans : frames_) scans.erase(sensor);
   runs_.erase(sensor);
 }
 
 uint64_t RecordedScans::bytes() const {
   uint64_t sum = vertices_.bytes();
-  for (const Slots& slots : frames_)
-    for (const auto& [sensor, slot] : slots)
-      for (const Run& run : slot.runs) sum += run.placed.bytes() + run.transforms.bytes();
+  for (const Scans& scans : frames_)
+    for (const auto& [sensor, own] : scans)
+      for (const Run& run : own.runs) sum += run.placed.bytes() + run.transforms.bytes();
   for (const Classes& classes : classes_)
     if (classes.runs) sum += classes.instances->bytes() + classes.runs->bytes();
   return sum;
@@ -51,30 +51,30 @@ void RecordedScans::load(const ClassTable::Packed& table, Classes& classes) {
 // result.
 void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
-  for (auto& [number, slot] : frames_[frame]) {
-    if (slot.scans.empty()) continue;
+  for (auto& [number, own] : frames_[frame]) {
+    if (own.scans.empty()) continue;
     SensorArrays& sensor = *sensors[number];
-    const size_t lastRun = slot.scans.back().lastRun;
-    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(slot.runs[lastRun].index));
-    gnosphere::makeRoom(results_[frame], results_[frame].size() + slot.scans.size());
-    for (const Recorded& scan : slot.scans) {
+    const size_t lastRun = own.scans.back().lastRun;
+    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(own.runs[lastRun].index));
+    gnosphere::makeRoom(results_[frame], results_[frame].size() + own.scans.size());
+    for (const Recorded& scan : own.scans) {
       bool complete = true;
       for (size_t run = scan.firstRun; run <= scan.lastRun; ++run)
-        complete = complete && !sensor.cutShort(slot.runs[run].index);
+        complete = complete && !sensor.cutShort(own.runs[run].index);
       results_[frame].push_back(
-          {number, scan.frame, complete, nonFinite, degenerate, slot.runs[scan.firstRun].transforms.unplaced()});
+          {number, scan.frame, complete, nonFinite, degenerate, own.runs[scan.firstRun].transforms.unplaced()});
     }
-    slot.scans.clear();
-    for (const Run& run : std::span(slot.runs).first(lastRun + 1))
+    own.scans.clear();
+    for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (!sensor.cutShort(run.index)) sensor.noteEnough(run.index, run.views, run.moves);
-    for (const Run& run : std::span(slot.runs).first(lastRun + 1))
+    for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }
 }
 
 // Nothing that this frame has recorded will run. Results that were read before stay.
 void RecordedScans::undo(size_t frame) noexcept {
-  for (auto& [sensor, slot] : frames_[frame]) slot.scans.clear();
+  for (auto& [sensor, own] : frames_[frame]) own.scans.clear();
   vertices_.abandon(frame);
   machine_.abandonRecording(frame);
 }
@@ -117,10 +117,10 @@ std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording&
 // Makes room for the views of each part, and for its run in a frame in flight.
 void RecordedScans::makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame) {
   for (const ShotsOfSensor& of : all) {
-    Slot& slot = frames_[frame][of.number];
-    gnosphere::makeRoom(slot.scans, of.shots.size());
-    while (slot.runs.size() < of.parts.size()) {
-      slot.runs.push_back({runs_[of.number]});
+    SensorScans& own = frames_[frame][of.number];
+    gnosphere::makeRoom(own.scans, of.shots.size());
+    while (own.runs.size() < of.parts.size()) {
+      own.runs.push_back({runs_[of.number]});
       ++runs_[of.number];
     }
     for (const Part& part : of.parts)
@@ -154,16 +154,16 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
     machine_.beginRecording(recording.commands, recording.ring, frame);
     vertices_.record(frame);
     for (const ShotsOfSensor& of : all) {
-      Slot& slot = frames_[frame][of.number];
+      SensorScans& own = frames_[frame][of.number];
       for (size_t i = 0; i < of.parts.size(); ++i) {
         const Part& part = of.parts[i];
-        record(recording, of, part, slot.runs[i]);
-        recording.mayOverflow |= !of.sensor->hadEnough(slot.runs[i].views, slot.runs[i].moves);
+        record(recording, of, part, own.runs[i]);
+        recording.mayOverflow |= !of.sensor->hadEnough(own.runs[i].views, own.runs[i].moves);
         for (const Shot& shot : part.shots) {
           if (part.first)
-            slot.scans.push_back({shot.frame, i, i});
+            own.scans.push_back({shot.frame, i, i});
           else
-            slot.scans.back().lastRun = i;
+            own.scans.back().lastRun = i;
         }
       }
     }

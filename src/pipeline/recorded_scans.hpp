@@ -39,7 +39,7 @@ class RecordedScans {
  private:
   /// The arrays of a run of the stages that do not depend on the sensor. Each part of a sensor's shots has a run.
   struct Run {
-    size_t index;                                       // as the sensor's arrays know the run
+    size_t index;                                       // of its slot in the sensor's arrays
     std::unique_ptr<DeviceMemory> addresses = nullptr;  // gpu::Addresses
     PlacedArrays placed = {};
     RecordedTransforms transforms = {};
@@ -52,11 +52,11 @@ class RecordedScans {
     size_t firstRun, lastRun;
   };
   /// One sensor's scans in one frame in flight.
-  struct Slot {
+  struct SensorScans {
     std::vector<Run> runs;
     std::vector<Recorded> scans;  // whose outcome is not known yet
   };
-  using Slots = std::map<size_t, Slot>;  // by sensor
+  using Scans = std::map<size_t, SensorScans>;  // by sensor
   /// The classes of surfaces in one frame in flight.
   struct Classes {
     std::unique_ptr<DeviceMemory> instances, runs;
@@ -84,7 +84,7 @@ class RecordedScans {
   SceneArrays& scene_;
   uint64_t listBytes_;
   RecordedVertices vertices_;
-  std::vector<Slots> frames_;
+  std::vector<Scans> frames_;
   std::vector<Classes> classes_;   // by frame
   std::map<size_t, size_t> runs_;  // by sensor: how many runs all frames have
   // By frame: results that were read, but that no call has returned yet, because it failed.

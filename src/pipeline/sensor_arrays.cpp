@@ -73,7 +73,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
     }
   if (keepsRecords()) makeRecordTables();
   makeFirstLists(triangles);
-  addFrame();
+  addSlot();
 }
 
 void SensorArrays::prepareKernels() {
@@ -226,10 +226,10 @@ uint64_t SensorArrays::entriesOf(uint32_t views) const {
   return std::max(uint64_t{beams()} * views, uint64_t{plan_.sensor.beamCount()} * shotsIn(views));
 }
 
-void SensorArrays::addFrame() {
-  Frame frame;
+void SensorArrays::addSlot() {
+  Slot slot;
   const auto allocate = [&](Array array, uint64_t bytes, MemoryKind kind) {
-    frame.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
+    slot.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
   };
   if (keepsRecords())
     allocate(Array::rangeCounts, gpu::kShellBuckets * sizeof(uint32_t), MemoryKind::readback);
@@ -238,7 +238,7 @@ void SensorArrays::addFrame() {
       allocate(output.array, entriesOf(1) * output.bytesPerBeam, MemoryKind::readback);
   allocate(Array::counters, sizeof(gpu::Counters), MemoryKind::readback);
   allocate(Array::frame, sizeof(gpu::Frame), MemoryKind::upload);
-  frames_.push_back(std::move(frame));
+  slots_.push_back(std::move(slot));
 }
 
 gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const {
@@ -251,29 +251,29 @@ gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const
   return frame;
 }
 
-void SensorArrays::load(Frame& frame, const std::vector<ArrayContent>& arrays) {
+void SensorArrays::load(Slot& slot, const std::vector<ArrayContent>& arrays) {
   for (const ArrayContent& array : arrays)
-    gnosphere::load(machine_, array.array, array.bytes, array.content, frame.arrays[static_cast<size_t>(array.array)]);
+    gnosphere::load(machine_, array.array, array.bytes, array.content, slot.arrays[static_cast<size_t>(array.array)]);
 }
 
 std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, std::span<const View> views,
                                         bool last, ShotMotions motions, const InstanceEntries& instances,
                                         const PlacedGroups& placed, StillImage::Use still, BoundArrays& arrays) {
-  Frame& frame = frameAt(index);
+  Slot& slot = slotAt(index);
   const uint32_t number = views[0].group->set;
   const std::vector<BeamTables>& set = beamSets_.sets[number];
   const auto count = static_cast<uint32_t>(views.size());
-  frame.capacities = capacities_;
-  frame.views.assign(views.begin(), views.end());
-  frame.tables.clear();
-  for (const View& view : views) frame.tables.push_back(&set[view.group->table]);
-  const BeamTables& tables = *frame.tables[0];
+  slot.capacities = capacities_;
+  slot.views.assign(views.begin(), views.end());
+  slot.tables.clear();
+  for (const View& view : views) slot.tables.push_back(&set[view.group->table]);
+  const BeamTables& tables = *slot.tables[0];
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
-  if (count > 1) makeRoomForViews(frame, count);
-  if (count > 1 && tables.listed) load(frame, {viewTables(views)});
-  if (set.size() > 1 && !tables.startFarthest.empty()) load(frame, {startFarthest(frame.tables)});
+  if (count > 1) makeRoomForViews(slot, count);
+  if (count > 1 && tables.listed) load(slot, {viewTables(views)});
+  if (set.size() > 1 && !tables.startFarthest.empty()) load(slot, {startFarthest(slot.tables)});
   gpu::Frame content = frameOf(tables, count);
   content.instanceCount = instances.count;
   content.projectedCapacity = capacities_.projected;
@@ -286,37 +286,37 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   content.shellHint = shellHint_;
   content.shellCount = shells_;
-  load(frame, {arrayOf(Array::frame, std::array{content})});
-  if (!plan_.bare()) load(frame, shotArrays(plan_, shots, motions, instances));
+  load(slot, {arrayOf(Array::frame, std::array{content})});
+  if (!plan_.bare()) load(slot, shotArrays(plan_, shots, motions, instances));
 
   const auto bind = [&](const OwnArrays& own) {
     for (size_t i = 0; i < own.size(); ++i)
       if (own[i]) arrays[i] = own[i].get();
   };
   bind(arrays_);
-  bind(frame.arrays);
+  bind(slot.arrays);
   bind(setArrays_[number]);
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
   const auto ofShots = static_cast<uint32_t>(views.back().shot - views[0].shot + 1);
   std::vector<Step> result = steps(tables, content, placed, still, moves, ofShots, last);
-  frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
+  slot.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
     return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
   });
   return mostWork_ > 0 ? inSubmissions(result, mostWork_) : result;
 }
 
 void SensorArrays::checkAlive(size_t index) {
-  Frame& frame = frames_[index];
-  if (frame.signsOfLife && counters(frame).alive != gpu::kAlive)
+  Slot& slot = slots_[index];
+  if (slot.signsOfLife && counters(slot).alive != gpu::kAlive)
     throw Error(ErrorCode::device,
                 "the device '" + machine_.traits().info.name +
                     "' reports a scan as done, but has run no kernel of it; its driver only pretends "
                     "to work");
 }
 
-SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
-  while (frames_.size() <= index) addFrame();
-  return frames_[index];
+SensorArrays::Slot& SensorArrays::slotAt(size_t index) {
+  while (slots_.size() <= index) addSlot();
+  return slots_[index];
 }
 
 void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::span<const RecordSpace> spaces,
@@ -338,13 +338,13 @@ void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::s
     plans.push_back(content);
     buffers.push_back(spaces[i].buffers);
   }
-  load(frameAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers)});
+  load(slotAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers)});
 }
 
 // The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.
 float SensorArrays::recordedHint(size_t index) {
   constexpr uint32_t kLeast = 64;
-  DeviceMemory& memory = *frameAt(index).arrays[static_cast<size_t>(Array::rangeCounts)];
+  DeviceMemory& memory = *slotAt(index).arrays[static_cast<size_t>(Array::rangeCounts)];
   memory.invalidate();
   const std::span counts(static_cast<const uint32_t*>(memory.host()), gpu::kShellBuckets);
   const uint64_t all = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
@@ -356,31 +356,31 @@ float SensorArrays::recordedHint(size_t index) {
   return std::bit_cast<float>((first + bucket) << gpu::kBucketShift);
 }
 
-const gpu::Counters& SensorArrays::counters(Frame& frame) const {
-  DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::counters)];
+const gpu::Counters& SensorArrays::counters(Slot& slot) const {
+  DeviceMemory& memory = *slot.arrays[static_cast<size_t>(Array::counters)];
   memory.invalidate();
   return *static_cast<const gpu::Counters*>(memory.host());
 }
 
 DeviceResults SensorArrays::results(size_t index) {
-  Frame& frame = frames_[index];
-  return DeviceResults::from(frame.tables, counters(frame), [&](Array array) -> const void* {
+  Slot& slot = slots_[index];
+  return DeviceResults::from(slot.tables, counters(slot), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
-    DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
+    DeviceMemory& memory = *slot.arrays[static_cast<size_t>(array)];
     memory.invalidate();
     return memory.host();
   });
 }
 
 DeviceResults SensorArrays::results(size_t index, uint32_t view) {
-  const Frame& frame = frames_[index];
+  const Slot& slot = slots_[index];
   DeviceResults results = this->results(index);
-  const auto views = static_cast<uint32_t>(frame.views.size());
+  const auto views = static_cast<uint32_t>(slot.views.size());
   if (views == 1) return results;
   results.tables = results.tables.subspan(view, 1);
-  const uint64_t firstBeam = uint64_t{view} * frame.tables[0]->frame.beams;
-  const uint64_t firstEntry = (frame.views[view].shot - frame.views[0].shot) * entries();
+  const uint64_t firstBeam = uint64_t{view} * slot.tables[0]->frame.beams;
+  const uint64_t firstEntry = (slot.views[view].shot - slot.views[0].shot) * entries();
   const auto move = [](auto*& output, uint64_t first) {
     if (output) output += first;
   };
@@ -395,7 +395,7 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   move(results.barycentrics, firstEntry);
   results.counters = shareOf(results.counters, view, views);
   if (!plan_.computesReturns()) return results;
-  DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::viewCauses)];
+  DeviceMemory& memory = *slot.arrays[static_cast<size_t>(Array::viewCauses)];
   memory.invalidate();
   const uint32_t* const causes = static_cast<const uint32_t*>(memory.host()) + size_t{view} * gpu::kCauses;
   if (plan_.signals())
@@ -409,23 +409,23 @@ void SensorArrays::addTo(MemoryUse& use) const {
   for (const OwnArrays& own : setArrays_)
     for (const auto& memory : own) use.sensor += memory ? memory->bytes() : 0;
   for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
-  for (const Frame& frame : frames_)
-    for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
+  for (const Slot& slot : slots_)
+    for (const auto& memory : slot.arrays) use.work += memory ? memory->bytes() : 0;
 }
 
 Plan SensorArrays::planOf(size_t shots) {
   const uint32_t ofScan = viewsOfScan(0);
   const auto views = static_cast<uint32_t>(std::clamp<size_t>(shots, 1, mostViews_ / ofScan) * ofScan);
-  Frame& frame = frameAt(0);
+  Slot& slot = slotAt(0);
   if (views > 1) {
     makeRoomForViews(views);
-    makeRoomForViews(frame, views);
+    makeRoomForViews(slot, views);
     std::vector<Variant> variants;
     for (const Step& step : largestScan(views))
       if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
     machine_.prepare(variants);
   }
-  return planWith(frame, views);
+  return planWith(slot, views);
 }
 
 // Returns the steps of a submission in which the sensor and the instances move, as far as the plan simulates that.
@@ -435,7 +435,7 @@ std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
                true);
 }
 
-Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
+Plan SensorArrays::planWith(const Slot& slot, uint32_t views) const {
   Plan plan;
   plan.views = views / viewsOfScan(0);
   plan.effects = plan_.decisions;
@@ -452,7 +452,7 @@ Plan SensorArrays::planWith(const Frame& frame, uint32_t views) const {
   };
   add(setArrays_[0]);
   add(arrays_);
-  add(frame.arrays);
+  add(slot.arrays);
   return plan;
 }
 

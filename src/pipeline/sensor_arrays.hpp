@@ -40,7 +40,7 @@ class SensorArrays {
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
-  /// triangles, which grow when a scan needs more. No frame may be running.
+  /// triangles, which grow when a scan needs more. No slot may be running.
   void makeRoomForViews(uint32_t views);
 
   /// The groups of beams that scan number `frame` fires, set by set. The views of a submission are of one set.
@@ -51,27 +51,27 @@ class SensorArrays {
   size_t mostGroups() const;
   /// Number of sets of tables.
   size_t sets() const { return beamSets_.sets.size(); }
-  /// Returns the steps of a submission as frame in flight `frame`, which must not be running, and binds the arrays of
-  /// the sensor and of the frame. `shots` has the shot of each view; `last` tells whether these are the last views of
+  /// Returns the steps of a submission in a slot, which must not be running, and binds the arrays of the sensor and of
+  /// the slot. `shots` has the shot of each view; `last` tells whether these are the last views of
   /// their shots.
-  std::vector<Step> prepare(size_t frame, std::span<const Shot> shots, std::span<const View> views, bool last,
+  std::vector<Step> prepare(size_t slot, std::span<const Shot> shots, std::span<const View> views, bool last,
                             ShotMotions motions, const InstanceEntries& instances, const PlacedGroups& placed,
                             StillImage::Use still, BoundArrays& arrays);
-  /// Throws Error(device) if the device has run nothing of the last scan of this frame.
-  void checkAlive(size_t frame);
-  /// Returns whether a list was too small for the last scan of this frame. The scan must run again after growLists().
-  bool cutShort(size_t frame);
-  /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
-  void growLists(size_t frame);
-  /// Tells that the lists were large enough for the last submission of this frame, of so many views, in which sensor or
+  /// Throws Error(device) if the device has run nothing of the last scan of this slot.
+  void checkAlive(size_t slot);
+  /// Returns whether a list was too small for the last scan of this slot. The scan must run again after growLists().
+  bool cutShort(size_t slot);
+  /// Grows the lists that were too small to the sizes that the scan has counted. No slot may be running.
+  void growLists(size_t slot);
+  /// Tells that the lists were large enough for the last submission of this slot, of so many views, in which sensor or
   /// instances moved or none did.
-  void noteEnough(size_t frame, size_t views, bool moved);
+  void noteEnough(size_t slot, size_t views, bool moved);
   /// Whether the lists, as they are now, were large enough for a submission like this one.
   bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsThatFit_ : viewsThatFit_); }
-  /// Returns the outputs of the last scan of the frame, of all its views, each of which is a shot.
-  DeviceResults results(size_t frame);
+  /// Returns the outputs of the last scan of the slot, of all its views, each of which is a shot.
+  DeviceResults results(size_t slot);
   /// Returns the outputs of the shot of a view.
-  DeviceResults results(size_t frame, uint32_t view);
+  DeviceResults results(size_t slot, uint32_t view);
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_ > 1; }
   /// Whether the results stay on the device, as records.
@@ -83,19 +83,19 @@ class SensorArrays {
   };
   /// Whether records hold the classes of surfaces, which the kernels find in the arrays of a ClassTable.
   bool recordsClasses() const { return (records_.held >> gpu::kValueClass & 1) != 0; }
-  /// Loads what the records of the next scan of this frame depend on, before prepare(): where those of each shot go.
+  /// Loads what the records of the next scan of this slot depend on, before prepare(): where those of each shot go.
   /// `classes` is the number of instances that have a class; `continues` tells whether an earlier submission has other
   /// views of these shots.
-  void loadRecords(size_t frame, std::span<const Shot> shots, std::span<const RecordSpace> spaces, uint32_t classes,
+  void loadRecords(size_t slot, std::span<const Shot> shots, std::span<const RecordSpace> spaces, uint32_t classes,
                    bool continues);
-  /// Returns a hint for setShellHint() from the records of the last scan of this frame.
-  float recordedHint(size_t frame);
+  /// Returns a hint for setShellHint() from the records of the last scan of this slot.
+  float recordedHint(size_t slot);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
   /// nothing is known.
   void setShellHint(float distance) { shellHint_ = distance; }
   void addTo(MemoryUse& use) const;
   /// Returns the plan of a scan with its decisions, stages and buffers.
-  Plan plan() const { return planWith(frames_[0], viewsOfScan(0)); }
+  Plan plan() const { return planWith(slots_[0], viewsOfScan(0)); }
   /// Makes room for a submission of so many shots, or as many as it may have, compiles its kernels and returns its
   /// plan.
   Plan planOf(size_t shots);
@@ -103,8 +103,8 @@ class SensorArrays {
  private:
   using OwnArrays = std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount>;
 
-  /// The arrays that each frame in flight has of its own; all frames share the work arrays.
-  struct Frame {
+  /// The arrays that each submission in flight has of its own; all submissions share the work arrays.
+  struct Slot {
     OwnArrays arrays;
     Capacities capacities;                  // of the lists when the scan was prepared
     bool signsOfLife = false;               // whether kernels run that leave one
@@ -129,7 +129,7 @@ class SensorArrays {
   uint32_t shotsIn(uint32_t views) const;
   uint64_t entriesOf(uint32_t views) const;
   void makeRecordTables();
-  Frame& frameAt(size_t index);
+  Slot& slotAt(size_t index);
   uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
                           StillImage::Use still, Motion motion, uint32_t shots, bool last) const;
@@ -139,10 +139,10 @@ class SensorArrays {
   void allocateByBeam(uint32_t views);
   void growArrays(uint32_t views);
   void repeat(gpu::Array array, uint32_t views);
-  void makeRoomForViews(Frame& frame, uint32_t views);
+  void makeRoomForViews(Slot& slot, uint32_t views);
   gpu::Frame frameOf(const BeamTables& tables, uint32_t views) const;
   std::vector<Step> largestScan(uint32_t views) const;
-  Plan planWith(const Frame& frame, uint32_t views) const;
+  Plan planWith(const Slot& slot, uint32_t views) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
@@ -152,9 +152,9 @@ class SensorArrays {
   void makeFirstLists(uint64_t triangles);
   void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes);
-  void addFrame();
-  void load(Frame& frame, const std::vector<ArrayContent>& arrays);
-  const gpu::Counters& counters(Frame& frame) const;
+  void addSlot();
+  void load(Slot& slot, const std::vector<ArrayContent>& arrays);
+  const gpu::Counters& counters(Slot& slot) const;
   uint64_t limit(uint64_t entryBytes) const;
   std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return arrays_[static_cast<size_t>(array)]; }
 
@@ -179,7 +179,7 @@ class SensorArrays {
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
   OwnArrays arrays_;
   std::vector<OwnArrays> setArrays_;  // tables of each set
-  std::vector<Frame> frames_;         // each one after the first is made at its first use
+  std::vector<Slot> slots_;           // each one after the first is made at its first use
 };
 
 }  // namespace gnosphere

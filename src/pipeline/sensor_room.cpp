@@ -44,7 +44,7 @@ uint64_t SensorArrays::limit(uint64_t entryBytes) const {
 }
 
 // Returns the arrays with entries per beam and view that stages pass on to each other. Results that stay on the device
-// are among them, so all frames share them.
+// are among them, so all slots share them.
 std::vector<ArrayContent> SensorArrays::arraysByBeam(uint32_t views) const {
   const uint64_t beams = uint64_t{this->beams()} * views;
   const bool lists = binning_ == gpu::kBinningLists;
@@ -142,10 +142,10 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   makeLists(room);
 }
 
-// Makes room for the results of views in a frame.
-void SensorArrays::makeRoomForViews(Frame& frame, uint32_t views) {
+// Makes room for the results of views in a slot.
+void SensorArrays::makeRoomForViews(Slot& slot, uint32_t views) {
   const auto room = [&](Array array, uint64_t bytes) {
-    makeRoom(machine_, array, bytes, MemoryKind::readback, frame.arrays[static_cast<size_t>(array)]);
+    makeRoom(machine_, array, bytes, MemoryKind::readback, slot.arrays[static_cast<size_t>(array)]);
   };
   if (!keepsRecords())
     for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
@@ -213,13 +213,13 @@ void SensorArrays::makeLists(const Capacities& room) {
 }
 
 bool SensorArrays::cutShort(size_t index) {
-  const gpu::Counters& needed = counters(frames_[index]);
-  const Capacities& had = frames_[index].capacities;
+  const gpu::Counters& needed = counters(slots_[index]);
+  const Capacities& had = slots_[index].capacities;
   return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
 }
 
 void SensorArrays::noteEnough(size_t index, size_t views, bool moved) {
-  const Capacities& had = frames_[index].capacities;
+  const Capacities& had = slots_[index].capacities;
   // If growLists() has failed since then, the lists are smaller than those of the submission.
   if (had.projected > capacities_.projected || had.tiles > capacities_.tiles || had.candidates > capacities_.candidates)
     return;
@@ -230,7 +230,7 @@ void SensorArrays::noteEnough(size_t index, size_t views, bool moved) {
 // If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists. The
 // lists of footprints grow together, because another run takes long.
 void SensorArrays::growLists(size_t index) {
-  gpu::Counters needed = counters(frames_[index]);
+  gpu::Counters needed = counters(slots_[index]);
   const uint64_t projected = projectedCount(needed);
   Capacities room = capacities_;
   if (plan_.footprint() && binning_ != gpu::kBinningLists && projected > room.projected) {

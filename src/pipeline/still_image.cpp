@@ -46,8 +46,8 @@ Selection StillImage::selection(Use use) const {
   return use == Use::none ? Selection{} : Selection{moving_, use == Use::make};
 }
 
-void StillImage::begin(size_t frame) {
-  frame_ = frame;
+void StillImage::begin(size_t slot) {
+  slot_ = slot;
   state_ = State::inMaking;
 }
 

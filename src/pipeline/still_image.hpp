@@ -32,10 +32,10 @@ class StillImage {
   /// Usable triangles of the still instances.
   uint64_t triangles() const { return triangles_; }
 
-  /// Notes that the scan that makes the image runs as frame in flight `frame`. end() must report whether it succeeded.
-  void begin(size_t frame);
+  /// Notes that the scan that makes the image runs in a slot. end() must report whether it succeeded.
+  void begin(size_t slot);
   bool inMaking() const { return state_ == State::inMaking; }
-  size_t frame() const { return frame_; }
+  size_t slot() const { return slot_; }
   void end(bool succeeded);
 
  private:
@@ -45,7 +45,7 @@ class StillImage {
 
   bool on_;
   State state_ = State::missing;
-  size_t frame_ = 0;
+  size_t slot_ = 0;
   std::optional<Pose> pose_;     // pose of the last scan
   std::vector<uint8_t> moving_;  // by instance: 1 if it has moved since the first scan from that pose
   uint64_t seen_ = 0;            // InstanceTable::changes() at the last scan

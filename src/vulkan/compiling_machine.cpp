@@ -26,7 +26,7 @@ class CompilingMachine final : public Machine {
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const override {
     kernels_.describe(variant, pipeline);
   }
-  size_t framesInFlight() const override { return 1; }
+  size_t slots() const override { return 1; }
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {
     throw std::logic_error("a simulator that only compiles was asked to scan");
   }

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Number of scans submitted at a time: the device works on one while the host receives the one before.
-constexpr size_t kFramesInFlight = 2;
+constexpr size_t kSlots = 2;
 
 // Records the steps of scans.
 class StepRecorder {
@@ -147,25 +147,25 @@ class VulkanMachine final : public Machine {
   }
   void prepared() override { lent_->cache.save(warn_); }
   Clock::duration compiling() const override { return compiling_; }
-  size_t framesInFlight() const override { return kFramesInFlight; }
-  void wait(size_t frame) override {
-    if (frame < frames_.size()) lent_->watched([&] { frames_[frame].commands.wait(); });
+  size_t slots() const override { return kSlots; }
+  void wait(size_t slot) override {
+    if (slot < slots_.size()) lent_->watched([&] { slots_[slot].commands.wait(); });
   }
-  void readTimings(size_t frame, Timings& timings) override {
-    frames_[frame].commands.readTimings(timings);
-    if (trace_) frames_[frame].commands.readTrace(trace_);
+  void readTimings(size_t slot, Timings& timings) override {
+    slots_[slot].commands.readTimings(timings);
+    if (trace_) slots_[slot].commands.readTrace(trace_);
   }
   void throwOnMessages() override { device_.throwOnMessages(); }
 
   void submit(size_t index, std::span<const Step> steps, const BoundArrays& arrays) override {
-    while (frames_.size() <= index) frames_.emplace_back(device_);
-    Frame& frame = frames_[index];
-    writeAddresses(arrays, frame.addresses.mapped());
-    frame.addresses.flush();
-    Commands& commands = frame.commands;
+    while (slots_.size() <= index) slots_.emplace_back(device_);
+    Slot& slot = slots_[index];
+    writeAddresses(arrays, slot.addresses.mapped());
+    slot.addresses.flush();
+    Commands& commands = slot.commands;
     const auto stamps = timesStages_ ? std::count_if(steps.begin(), steps.end(), isStamp) : 0;
     commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : stamps));
-    StepRecorder recorder(kernels_, commands.buffer(), frame.addresses.address(), arrays, steps);
+    StepRecorder recorder(kernels_, commands.buffer(), slot.addresses.address(), arrays, steps);
     noteCompiling(recorder.record([&](const Step& step) {
       if (isStamp(step) && !timesStages_) return;
       if (step.kind == Step::Kind::start) return commands.start();
@@ -211,8 +211,8 @@ class VulkanMachine final : public Machine {
     compiling_ += time;
   }
 
-  struct Frame {
-    explicit Frame(const Device& device)
+  struct Slot {
+    explicit Slot(const Device& device)
         : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device) {}
     Buffer addresses;
     Commands commands;  // last member, destroyed first: its destructor waits for the device
@@ -227,7 +227,7 @@ class VulkanMachine final : public Machine {
   Clock::duration compiling_ = {};
   Transfer transfer_{device_, traits_.info.maxBufferBytes};
   Recordings recordings_{device_, traits_.info.maxBufferBytes};
-  std::deque<Frame> frames_;
+  std::deque<Slot> slots_;
   // While a recording is under way: the command buffer, and the commands of a ring; null if the buffer is the caller's.
   CommandBuffer recorded_;
   Commands* streamed_ = nullptr;

@@ -23,7 +23,7 @@ class RecordingMachine : public Machine {
     return lanes_->allocate(name, bytes, kind);
   }
   void prepare(std::span<const Variant> variants) override { lanes_->prepare(variants); }
-  size_t framesInFlight() const override { return 1; }
+  size_t slots() const override { return 1; }
   void wait(size_t) override {}
   void readTimings(size_t, Timings&) override {}
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {}

@@ -47,7 +47,7 @@ class CountingMachine final : public Machine {
     return std::make_unique<HostMemory>(name, bytes);
   }
   void prepare(std::span<const Variant>) override {}
-  size_t framesInFlight() const override { return 1; }
+  size_t slots() const override { return 1; }
   void submit(size_t, std::span<const Step>, const BoundArrays& arrays) override {
     auto& counters = *static_cast<gpu::Counters*>(arrays[static_cast<size_t>(gpu::Array::counters)]->host());
     counters.candidates = candidates_;

@@ -142,7 +142,7 @@ class NotingMachine final : public Machine {
     return std::make_unique<HostMemory>(name, bytes);
   }
   void prepare(std::span<const Variant> variants) override { variants_.insert(variants.begin(), variants.end()); }
-  size_t framesInFlight() const override { return 1; }
+  size_t slots() const override { return 1; }
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {}
   void wait(size_t) override {}
   void readTimings(size_t, Timings&) override {}
