@@ -106,6 +106,11 @@ Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
     Channel channel{elevations[i], azimuths[i]};
     channel.origin = {kMilli * figures.radius * std::cos(kDegree * azimuths[i]),
                       kMilli * (left[i] - figures.radius * std::sin(kDegree * azimuths[i])), kMilli * up[i]};
+    if (figures.tilted) {
+      const double elevation = kDegree * elevations[i];
+      channel.origin.x -= kMilli * up[i] * std::sin(elevation);
+      channel.origin.z = kMilli * up[i] * std::cos(elevation);
+    }
     channel.timeOffset = kMicro * times[i];
     channel.azimuthOffsetDeg += degreesPerSecond * channel.timeOffset;  // the head turns on
     sensor.channels.push_back(channel);

@@ -20,9 +20,10 @@ struct HeadFigures {
   const char *elevations, *azimuthOffsets;  ///< degrees, counter-clockwise
   const char* times;                        ///< microseconds after the column's
   double radius;          ///< millimetres from the axis to the beams' origin, towards the column's azimuth
-  const char *left, *up;  ///< millimetres
+  const char *left, *up;  ///< millimetres; a head of Velodyne with `tilted` has `up` at right angles to the beam
   /// 1 for a laser that rests in columns 0, 2, 4 ..., 2 for one that rests in the others, 0 for one that always fires.
   const char* rests = "";
+  bool tilted = false;
 };
 
 // clang-format off
@@ -118,7 +119,8 @@ inline constexpr HeadFigures kHeads[] = {
    "200.04 204.58 205.12 200.66 201.33 205.86 206.3 201.91 202.57 210.97 211.61 207.21 207.8 212.22 212.83 208.39 "
    "209.05 108.12 108.59 121.48 122.13 109.19 109.91 105.38 105.94 110.47 111.39 106.67 107.54 115.68 116.2 "
    "112.06 112.53 116.7 117.29 113.09 113.7 117.97 118.56 114.24 115.02 122.59 123.2 119.34 119.83 123.62 124.23 "
-   "120.47 120.86"},
+   "120.47 120.86",
+   "", true},
   {"HDL-64E-S3", "Velodyne HDL-64E S3",
    "HDL-64E S3 User Manual 63-HDL64ES3: upper block in steps of 1/3 degree, lower block of 1/2, 120 m, 2 returns; "
    "ros-drivers/velodyne, driver.cc: 2,222,220 points per second of both returns, 57.6 us per sequence",
@@ -513,10 +515,11 @@ inline constexpr HeadFigures kHeads[] = {
    28.92, "",
    ""},
   {"TiM781", "SICK TiM781",
-   "Isaac Sim profile SICK_tim781.json: 270 degrees in 811 beams, 82.203 us apart, 15 Hz, 0.05 to 25 m",
-   "One layer; it turns counter-clockwise, as SICK's drivers count. Range at 10 %: not stated (5 m at 5 %). "
-   "Divergence: not stated there.",
-   "811x15", 82.203, -135, 270.333333333333, 0.05, 25, 0, "", 1, false,
+   "Isaac Sim profile SICK_tim781.json: 270 degrees in 811 beams, 15 Hz, 0.05 to 25 m; telegrams of the TiM state "
+   "16,200 measurements a second, 61.728 us apart, because the mirror goes on for 90 degrees without one",
+   "One layer; it turns counter-clockwise, as SICK's drivers count. The Isaac Sim profile spreads the beams over the "
+   "whole turn. Range at 10 %: not stated (5 m at 5 %). Divergence: not stated there.",
+   "811x15", 61.7283950617284, -135, 270.333333333333, 0.05, 25, 0, "", 1, false,
    "0",
    "",
    "",
@@ -525,8 +528,9 @@ inline constexpr HeadFigures kHeads[] = {
   {"Waymo-Top", "Waymo Open Dataset, the lidar on the roof",
    "Sun et al., Scalability in Perception for Autonomous Driving, 2020, Table 2: 64 beams, -17.6 to 2.4 degrees, "
    "75 m, 2 returns; range images of 64 x 2650",
-   "Like the head of the data set: evenly spread, where the real inclinations differ from vehicle to vehicle.",
-   "2650x10", 0, 0, -360, 0, 75, 0, "", 2, false,
+   "Like the head of the data set: evenly spread, where the real inclinations differ from vehicle to vehicle; column "
+   "0 is the rear's, as in the range images.",
+   "2650x10", 0, 180 - 180.0 / 2650, -360, 0, 75, 0, "", 2, false,
    "2.4..-17.6/64",
    "",
    "",
@@ -539,7 +543,7 @@ inline constexpr HeadFigures kHeads[] = {
    "20Hz", 46.08, 0, -360, 0, 70, 0, "", 1, false,
    "-30.67..10.67/32",
    "",
-   "",
+   "0..34.56/16 1.152..35.712/16",
    0, "",
    ""},
 };

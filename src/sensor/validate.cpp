@@ -41,6 +41,9 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuseIts("time offset", "within -1..1 s, is " + numberText(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})
     if (!(range >= 0) || !std::isfinite(range)) refuseIts("range", "finite and at least 0, is " + numberText(range));
+  if (channel.rangeMax > 0 && channel.rangeMin > channel.rangeMax)
+    refuseIts("range min",
+              "at most its range max, " + numberText(channel.rangeMax) + ", is " + numberText(channel.rangeMin));
 }
 
 void checkGrid(const Sensor& sensor) {
@@ -96,6 +99,10 @@ void Pattern::check() const {
   const auto isRange = [](float range) { return range >= 0 && std::isfinite(range); };
   checkEach("range min", list.rangeMin, isRange, "finite and at least 0");
   checkEach("range max", list.rangeMax, isRange, "finite and at least 0");
+  for (size_t i = 0; i < std::min(list.rangeMin.size(), list.rangeMax.size()); ++i)
+    if (list.rangeMin[i] > list.rangeMax[i])
+      refuse("range min of beam " + std::to_string(i) + " must be at most its range max, " +
+             numberText(double{list.rangeMax[i]}) + ", is " + numberText(double{list.rangeMin[i]}));
   checkLength("rings", list.rings);
   if ((list.width > 0 || list.height > 0) && uint64_t{list.width} * list.height != list.size())
     refuse("an organised cloud of " + std::to_string(list.width) + " x " + std::to_string(list.height) +

@@ -143,6 +143,12 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
     CHECK(sensor.rangeMax == 170);
   }
   CHECK(readSensorFile(kOusterNested, "os.json").sensor.maxReturns == 2);
+  std::string mounted(kOusterNested);
+  mounted.insert(mounted.rfind('}'),
+                 R"(, "ouster-sdk": {"extrinsic": [0,-1,0,1, 1,0,0,2, 0,0,1,3, 0,0,0,1]}, "return_order": "x")");
+  const SensorFile file = readSensorFile(mounted, "os.json");
+  CHECK(lists(file.ignored, "the extrinsic"));
+  CHECK(lists(file.ignored, "return_order"));
 }
 
 TEST_CASE("Ouster metadata: every mode, and windows of columns are masked beams") {
@@ -433,6 +439,15 @@ TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
   CHECK_THAT(elevationDeg(sensor, 1200), WithinAbs(-7.5, 1e-9));
   CHECK_THAT(timeOf(sensor, 0, 0), WithinAbs(4.96e-6, 1e-18));
   CHECK_THAT(timeOf(sensor, 1200, 1), WithinAbs(7e-6, 1e-18));
+
+  put(folder / "times.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,-4960,500\n2,0,7000\n");
+  const SensorFile early = readSensorFile(bytes, "atx.dat", {.fireTimes = folder / "times.csv"});
+  CHECK(timeOf(early.sensor, 0, 0) == 0);
+  CHECK_THAT(timeOf(early.sensor, 1200, 1), WithinAbs(11.96e-6, 1e-18));
+  CHECK(lists(early.assumed, "4.96 us before its first column"));
+  put(folder / "times.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,-,500\n2,0,7000\n");
+  CHECK_THAT(problemOf(bytes, "atx.dat", {.fireTimes = folder / "times.csv"}),
+             ContainsSubstring("channel 1 does not fire"));
 }
 
 TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
@@ -452,7 +467,7 @@ TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
 
 TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of beams") {
   const SensorFile file = readSensorFile("Time/s,Azimuth/deg,Zenith/deg\n0,10,90\n0.00001,350,60\n\n", "l.csv");
-  CHECK(file.family == "Livox pattern");
+  CHECK(file.family == "beam table");
   REQUIRE(file.sensor.patterns.size() == 1);
   CHECK_THAT(azimuthDeg(file.sensor, 0), WithinAbs(10, 1e-12));
   CHECK_THAT(azimuthDeg(file.sensor, 1), WithinAbs(-10, 1e-12));
@@ -476,6 +491,33 @@ TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of b
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,1,200\n", "l.csv"), ContainsSubstring("no angles of a beam"));
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n", "l.csv"), ContainsSubstring("the pattern has no beam"));
   CHECK_THAT(problemOf("Azimuth/deg,Zenith/deg,ring\n0,1,65536\n", "l.csv"), ContainsSubstring("0..65535"));
+}
+
+TEST_CASE("beam tables: stated firing times, origins, windows and patterns, and columns of other names") {
+  const std::string timed = "Time/us,Azimuth/deg,Zenith/deg\n5,10,90\n6,20,80\n7,10,90\n9,20,80\n";
+  const SensorFile cut = readSensorFile(timed, "l.csv", {.scanRate = 20, .beamsPerScan = 2});
+  REQUIRE(cut.sensor.patterns.size() == 2);
+  CHECK_THAT(timeOf(cut.sensor, 0, 0), WithinAbs(0, 1e-15));
+  CHECK_THAT(timeOf(cut.sensor, 1, 0), WithinAbs(1e-6, 1e-15));
+  CHECK_THAT(timeOf(cut.sensor, 1, 1), WithinAbs(2e-6, 1e-15));
+  CHECK(lists(cut.ignored, "the scan rate"));
+
+  const SensorFile file = readSensorFile(
+      "index,azimuth_deg,elevation_deg,origin_x,origin_y,origin_z,range_min,range_max,pattern,foo\n"
+      "0,10,5,0.1,0.2,0.3,5,60,0,1\n0,20,5,0,0,0,6,70,1,1\n",
+      "b.csv");
+  REQUIRE(file.sensor.patterns.size() == 2);
+  checkOrigin(originOf(file.sensor, 0, 0), {0.1, 0.2, 0.3});
+  CHECK_THAT(azimuthDeg(file.sensor, 0, 1), WithinAbs(20, 1e-12));
+  CHECK(rangeWindowOf(file.sensor, 0, 0).least == 5);
+  CHECK(rangeWindowOf(file.sensor, 0, 1).most == 70);
+  CHECK(file.sensor.rangeMax == 70);
+  CHECK(file.ignored == std::vector<std::string>{"the column 'foo'"});
+  CHECK_THAT(problemOf("azimuth,elevation,origin_x\n0,0,0\n", "b.csv"), ContainsSubstring("origin_y and origin_z"));
+  CHECK_THAT(problemOf("azimuth,elevation,range_max\n0,0,0\n", "b.csv"), ContainsSubstring("range_min and range_max"));
+  CHECK_THAT(problemOf("azimuth,elevation,range_min,range_max\n0,0,60,50\n", "b.csv"),
+             ContainsSubstring("range min of beam 0 must be at most its range max, 50, is 60"));
+  CHECK_THAT(problemOf("azimuth,elevation,pattern\n0,0,1\n", "b.csv"), ContainsSubstring("directions are empty"));
 }
 
 TEST_CASE("NumPy arrays: angles, directions and poses, in either order of bytes and of indices") {
@@ -686,11 +728,37 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   checkOrigin(originOf(sensor, 937), {0.2, -0.1, 0.3});
   CHECK(sensor.divergenceVertical == 0.0007);
   CHECK(sensor.maxReturns == 2);
+  CHECK(lists(file.assumed, "the first of the pulse rates 18750,300"));
+  CHECK(lists(file.ignored, "wavelength_nm"));
   CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
   CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "als"}),
              ContainsSubstring("'als' has oscillating optics and one line"));
   CHECK_THAT(problemOf("<document><assets/></document>", "scene.xml"),
              ContainsSubstring("is XML of <document>, not of a lidar"));
+
+  const auto changed = [&](std::string_view from, const std::string& to) {
+    std::string other = text;
+    return other.replace(other.find(from), from.size(), to);
+  };
+  // Local turns are about axes that have been turned: z is then that of the tilted beam, so y goes to -x of HELIOS++.
+  const Sensor local =
+      readSensorFile(changed(R"(z="0.3"><rot axis="x" angle_deg="1"/><rot axis="z" angle_deg="30"/>)",
+                             R"(z="0" rotations="local"><rot axis="x" angle_deg="30"/><rot axis="z" angle_deg="90"/>)"),
+                     "s.xml")
+          .sensor;
+  CHECK_THAT(elevationDeg(local, 937), WithinAbs(0, 1e-9));
+  CHECK_THAT(azimuthDeg(local, 937), WithinAbs(90, 1e-9));
+  const SensorFile own = readSensorFile(
+      changed(R"(<channel id="1">)", R"(<channel id="1" rangeMin_m="7" beamDivergence_rad="0.001">)"), "s.xml");
+  CHECK(rangeWindowOf(own.sensor, 0).least == 0.01);
+  CHECK(rangeWindowOf(own.sensor, 937).least == 7);
+  CHECK(rangeWindowOf(own.sensor, 937).most == 100);
+  CHECK(lists(own.ignored, "beamDivergence_rad of the channel '1'"));
+  CHECK_THAT(
+      problemOf(changed(R"(headRotatePerSecMax_deg="7200")", R"(scanFreqMax_Hz="600")"), "s.xml", {.scanRate = 9}),
+      ContainsSubstring("'vlp16' has a mirror that turns and a head that does not"));
+  CHECK_THAT(problemOf(changed("<channels>", R"(<headRotateAxis x="0" y="1" z="0"/><channels>)"), "s.xml"),
+             ContainsSubstring("does not turn about z"));
 }
 
 TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
@@ -816,6 +884,36 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   CHECK(livox.rangeMax == 260);
   CHECK_THAT(problemOf(yaml, "puck.yaml", {.head = "HDL-32E"}), ContainsSubstring("has 16 channels"));
   CHECK_THROWS_WITH(readSensorFile(yaml, "puck.yaml", {.head = "Pucks"}), ContainsSubstring("no built-in sensor"));
+  // The same number of columns in the same time turns by 360 degrees in a little more.
+  const Sensor whole = readSensorFile(yaml, "puck.yaml", {.head = "Puck", .columns = head.columns}).sensor;
+  CHECK_THAT(whole.rotationPeriod, WithinAbs(0.1, 1e-12));
+
+  std::string angleTable = "Channel,Elevation,Azimuth\n", times = "Channel,fire time(us)\n";
+  for (int id = 1; id <= 128; ++id) {
+    angleTable += std::to_string(id) + "," + std::to_string(id - 64) + ",0\n";
+    times += std::to_string(id) + "," + std::to_string(id - 1) + "\n";
+  }
+  const Sensor resting = readSensorFile(angleTable, "qt.csv", {.head = "QT128"}).sensor;
+  CHECK(resting.maskedBeams == builtinSensor("QT128").maskedBeams);
+  const Sensor fewer = readSensorFile(angleTable, "qt.csv", {.head = "QT128", .columns = 10}).sensor;
+  CHECK(fewer.maskedBeams.size() * 4 == fewer.beamCount());
+  // A firing time of 0 is stated as well.
+  const Folder folder;
+  put(folder / "times.csv", times);
+  const Sensor timed = readSensorFile(angleTable, "p.csv", {.head = "OT128", .fireTimes = folder / "times.csv"}).sensor;
+  CHECK(timed.channels[0].timeOffset == 0);
+  CHECK_THAT(timed.channels[5].timeOffset, WithinAbs(5e-6, 1e-18));
+  CHECK_THROWS_WITH(readSensorFile(angleTable, "p.csv", {.mode = "2"}), ContainsSubstring("--fire-times"));
+}
+
+TEST_CASE("the built-in HDL-64E-S2 starts its beams where the calibration that it comes from starts them") {
+  // A vertical offset is at right angles to the beam, as the reader of calibrations has it.
+  for (const Channel& channel : builtinSensor("HDL-64E-S2").channels) {
+    const double e = channel.elevationDeg / kDegrees;
+    CHECK_THAT(channel.origin.x * std::cos(e) + channel.origin.z * std::sin(e), WithinAbs(0, 1e-15));
+    CHECK_THAT(std::abs(channel.origin.y), WithinAbs(0.026, 1e-15));
+    CHECK(std::hypot(channel.origin.x, channel.origin.z) > 0.1);
+  }
 }
 
 TEST_CASE("SHA-256 of texts that Python's hashlib has hashed") {

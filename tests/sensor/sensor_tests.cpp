@@ -12,6 +12,7 @@
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
+#include "sensor/beams.hpp"
 
 using namespace gnosphere;
 using Catch::Matchers::ContainsSubstring;
@@ -328,7 +329,19 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(builtinSensor("Pandar64:20Hz").columns == 900);
   CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);
   CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-9);
-  CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 * 82.203e-6) < 1e-12);
+  CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 / 16200.0) < 1e-12);
+  // A range image of Waymo's has the azimuth pi (1 - (2 c + 1) / columns) in column c.
+  const Sensor waymo = builtinSensor("Waymo-Top");
+  for (const size_t c : {0, 1324, 1325, 2649})
+    CHECK(std::abs(std::remainder(azimuthOf(waymo, c) - std::numbers::pi * (1 - (2 * double(c) + 1) / 2650),
+                                  2 * std::numbers::pi)) < 1e-9);
+  // The lidar of nuScenes is an HDL-32E, whose lasers its list has from below.
+  const Sensor nuscenes = builtinSensor("nuScenes"), hdl = builtinSensor("HDL-32E:20Hz");
+  REQUIRE(nuscenes.beamCount() == hdl.beamCount());
+  for (size_t beam = 0; beam < hdl.beamCount(); beam += 101) {
+    CHECK(std::abs(timeOf(nuscenes, beam) - timeOf(hdl, beam)) < 1e-12);
+    CHECK(std::abs(std::remainder(azimuthOf(nuscenes, beam) - azimuthOf(hdl, beam), 2 * std::numbers::pi)) < 1e-9);
+  }
   CHECK(builtinSensor("HDL-64E-S2").channels[0].elevationDeg < -24.8);
   const Sensor ruby = builtinSensor("RS-Ruby-Plus");
   CHECK(ruby.channels[0].elevationDeg == -25);

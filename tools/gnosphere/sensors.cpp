@@ -105,6 +105,7 @@ void describe(const SensorFile& file) {
   say("origins", "x " + all.x.text(" m") + ", y " + all.y.text(" m") + ", z " + all.z.text(" m"));
   say("times", all.time.text(" us"));
   say("range", "from " + all.least.text(" m") + ", up to " + all.most.text(" m"));
+  say("at 10 %", sensor.rangeAt10Percent > 0 ? formatted("%g m", sensor.rangeAt10Percent) : "not stated");
   if (sensor.divergenceHorizontal > 0 || sensor.divergenceVertical > 0)
     say("divergence",
         formatted("%.4g x %.4g mrad", 1000 * sensor.divergenceHorizontal, 1000 * sensor.divergenceVertical));
@@ -125,7 +126,6 @@ void describe(const CatalogueHead& head) {
   std::string modes;
   for (const std::string& mode : head.modes) modes += (modes.empty() ? "" : ", ") + mode;
   say("modes", modes + (head.modes.size() > 1 ? " (the first is the default)" : ""));
-  say("at 10 %", head.rangeAt10Percent > 0 ? formatted("%g m", head.rangeAt10Percent) : "not stated");
   say("source", head.source);
   if (!head.remarks.empty()) say("remarks", head.remarks);
 }
@@ -222,7 +222,7 @@ Action addSensors(CLI::App& app) {
   app.add_option("--mode", options->file.mode,
                  "A lidar mode (Ouster), the id of a lidar (CARLA), an operational state (firing times of Hesai)");
   app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them")
-      ->check(CLI::Range(1e-3, 1e6));
+      ->check(CLI::Range(0.1, 1e6));
   app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them")
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")

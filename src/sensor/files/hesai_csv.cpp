@@ -111,9 +111,7 @@ void applyFireTimes(SensorSource& source, const FireTimes& times) {
   for (const std::vector<double>& kind : times)
     for (const double t : kind)
       if (t < first) first = t;
-  if (first < 0)
-    source.assume("that a scan starts when its first beam fires, " + std::to_string(-1e6 * first) +
-                  " us before its first column");
+  if (first < 0) source.assume(startText(first));
   BeamList list;
   list.width = sensor.columns;
   list.height = static_cast<uint32_t>(sensor.channels.size());
@@ -175,7 +173,13 @@ void readHesaiCsv(SensorSource& source) {
   }
   setTurn(source, 0);
   assumeRange(source, 200);
-  if (source.options.fireTimes.empty()) return;
+  if (source.options.fireTimes.empty()) {
+    if (!source.options.mode.empty())
+      throw Error(ErrorCode::invalidArgument, source.name +
+                                                  ": --mode is an operational state of --fire-times, which is "
+                                                  "missing");
+    return;
+  }
   if (static_cast<double>(source.file.sensor.columns) * static_cast<double>(channels.size()) > 1e8)
     source.refuse("there are more than 100 million beams");
   applyFireTimes(source, readFireTimes(source, channels.size()));

@@ -130,8 +130,16 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
     const double part = step - static_cast<double>(i);
     return (1 - part) * adjustments[i] + part * adjustments[i + 1];
   };
-  FireTimes times;
-  if (!source.options.fireTimes.empty()) times = readFireTimes(source, channels);
+  const FireTimes times = source.options.fireTimes.empty() ? FireTimes() : readFireTimes(source, channels);
+  double first = 0;
+  for (const std::vector<double>& kind : times)
+    for (size_t channel = 0; channel < kind.size(); ++channel) {
+      if (std::isnan(kind[channel]))
+        source.refuse("channel " + std::to_string(channel + 1) +
+                      " does not fire in the file of firing times, but every channel of an ATX fires");
+      first = std::min(first, kind[channel]);
+    }
+  if (first < 0) source.assume(startText(first));
   for (size_t kind = 0; kind < azimuths.size(); ++kind) {
     BeamList list = emptyList(channels);
     for (size_t channel = 0; channel < channels; ++channel)
@@ -139,7 +147,7 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
         const double azimuth = kFirstDeg + kStepDeg * column + azimuths[kind][channel];
         list.directions.push_back(
             directionOfAngles(source, 90 - azimuth, elevations[channel] + adjustment(azimuth), list.size()));
-        if (!times.empty()) list.times.push_back(std::max(0.0, times[kind % times.size()][channel]));
+        if (!times.empty()) list.times.push_back(times[kind % times.size()][channel] - first);
         list.rings.push_back(static_cast<uint16_t>(channel));
       }
     source.file.sensor.patterns.push_back(std::move(list));

@@ -107,6 +107,10 @@ Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vec
 
 }  // namespace
 
+std::string startText(double first) {
+  return "that a scan starts when its first beam fires, " + numberText(-1e6 * first) + " us before its first column";
+}
+
 FireTimes readFireTimes(SensorSource& angles, size_t channels) {
   const std::string bytes = readWholeFile(angles.options.fireTimes, size_t{16} << 20);
   SensorSource source{bytes, angles.options.fireTimes.string(), angles.options, angles.file};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recognises the family of a sensor file by its content, and calls its reader.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 
@@ -49,10 +50,13 @@ std::string_view firstLine(std::string_view bytes) {
   return bytes.substr(0, std::min({bytes.find('\n'), bytes.size(), size_t{1000}}));
 }
 
-/// Whether the first rows of a CSV file are three numbers, as in an angle correction without a header.
+/// Whether the header of a CSV file is that of an angle correction: a channel and its angles.
 bool isAngleTable(std::string_view bytes) {
-  const std::string_view line = firstLine(bytes);
-  return (containsWord(line, "elevation") && containsWord(line, "azimuth") && !containsWord(line, "time")) ||
+  const std::string_view line = firstLine(bytes), channel = cellsOf(line)[0];
+  const auto has = [&](const char* word) { return containsWord(line, word); };
+  const bool angles =
+      has("elevation") && has("azimuth") && !containsWord(channel, "elevation") && !containsWord(channel, "azimuth");
+  return (angles && !has("time") && !has("origin") && !has("range_") && !has("pattern")) ||
          (containsWord(line, "eeff") && containsWord(bytes.substr(0, 2000), "elevation"));
 }
 
@@ -165,7 +169,7 @@ const std::vector<Family>& families() {
        plain(readHesaiCsv)},
       {"Hesai firing times", ".csv ", 0, false, bytesOnly(isFireTable), refuseFireTimes},
       {"RoboSense angles", ".csv ", kCalibration, false, bytesOnly(isAnglePairs), plain(readRobosenseCsv)},
-      {"Livox pattern", ".csv ", kPattern, false, bytesOnly(isRayTable), plain(readLivoxCsv)},
+      {"beam table", ".csv ", kPattern, false, bytesOnly(isRayTable), plain(readBeamCsv)},
       {"Velodyne calibration", ".yaml .yml ", kCalibration, false,
        bytesOnly([](std::string_view bytes) { return bytes.find("lasers:") != bytes.npos; }), plain(readVelodyneYaml)},
       {"ray matrices", ".mat3x4f ", kPattern, false, bytesOnly(isRayMatrices), plain(readRayMatrices)},
@@ -236,6 +240,16 @@ void checkOptions(const SensorSource& source, const Family& family) {
                                                 " columns is more than a million, the most that are read");
 }
 
+/// Masks the lasers of a grid that rest in every second column of a built-in head.
+void maskRestingLasers(Sensor& sensor, const Sensor& from) {
+  std::vector<bool> rests(from.beamCount());
+  for (const uint32_t beam : from.maskedBeams) rests[beam] = true;
+  for (size_t row = 0; row < sensor.channels.size(); ++row)
+    for (uint32_t column = 0; column < sensor.columns; ++column)
+      if (rests[row * from.columns + column % 2])
+        sensor.maskedBeams.push_back(static_cast<uint32_t>(row * sensor.columns + column));
+}
+
 /// Applies the values of a built-in head that a calibration or a pattern does not state.
 void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   Sensor& sensor = source.file.sensor;
@@ -248,9 +262,14 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
       sensor.azimuthSpanDeg = from.azimuthSpanDeg;
       sensor.rotationPeriod = from.rotationPeriod;
     }
-    for (size_t row = 0; row < sensor.channels.size(); ++row)
-      if (sensor.channels[row].timeOffset == 0 && sensor.rotationPeriod > 0)
+    const auto delayed = [](const Channel& channel) { return channel.timeOffset != 0; };
+    const bool statesTimes =
+        !source.options.fireTimes.empty() || std::any_of(sensor.channels.begin(), sensor.channels.end(), delayed);
+    if (!statesTimes && sensor.rotationPeriod > 0) {
+      for (size_t row = 0; row < sensor.channels.size(); ++row)
         delay(sensor.channels[row], from.channels[row].timeOffset, sensor.azimuthSpanDeg / sensor.rotationPeriod);
+      if (sensor.maskedBeams.empty() && !from.maskedBeams.empty()) maskRestingLasers(sensor, from);
+    }
   }
   sensor.rangeMin = from.rangeMin;
   sensor.rangeMax = from.rangeMax;
@@ -271,7 +290,8 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   if (!options.head.empty()) {
     from = builtinSensor(options.head);
     if (settings.columns == 0) settings.columns = from.columns;
-    if (settings.scanRate == 0 && from.rotationPeriod > 0) settings.scanRate = 1 / from.rotationPeriod;
+    if (settings.scanRate == 0 && from.rotationPeriod > 0)  // the columns of a head need not fill a whole turn
+      settings.scanRate = (from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / from.rotationPeriod;
     if (settings.beamsPerScan == 0 && !from.isGrid()) settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
   }
   SensorSource source{bytes, name, settings, file};

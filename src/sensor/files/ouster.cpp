@@ -24,8 +24,8 @@ using Matrix = std::array<double, 16>;  // row by row, millimetres
 class Metadata {
  public:
   Metadata(const SensorSource& source, const json& root) : source_(source) {
-    for (const char* section :
-         {"sensor_info", "beam_intrinsics", "lidar_intrinsics", "lidar_data_format", "data_format", "config_params"})
+    for (const char* section : {"sensor_info", "beam_intrinsics", "lidar_intrinsics", "lidar_data_format",
+                                "data_format", "config_params", "ouster-sdk"})
       if (const auto found = root.find(section); found != root.end() && found->is_object()) parts_.push_back(&*found);
     parts_.push_back(&root);
   }
@@ -263,8 +263,12 @@ void readOuster(SensorSource& source, const json& root) {
 
   if (metadata.text("udp_profile_lidar").ends_with("_DUAL")) sensor.maxReturns = 2;
   readRanges(source, metadata, product);
-  for (const char* key : {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier"})
+  for (const char* key :
+       {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier", "return_order", "azimuth_window"})
     if (metadata.find(key)) source.ignore(key);
+  if (metadata.find("extrinsic") &&
+      metadata.matrix("extrinsic") != Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1})
+    source.ignore("the extrinsic: give the pose of the sensor's mounting with each scan");
 }
 
 }  // namespace gnosphere

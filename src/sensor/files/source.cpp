@@ -62,9 +62,12 @@ Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double ele
 void setBeams(SensorSource& source, BeamList list) {
   Sensor& sensor = source.file.sensor;
   const size_t count = list.size(), size = source.options.beamsPerScan;
+  const bool timed = !list.times.empty();
+  if (timed && source.options.scanRate > 0 && source.options.head.empty())
+    source.ignore("the scan rate, because the file has firing times");
   if (count == 0) source.refuse("the pattern has no beam");
   if (size == 0 || size == count) {
-    if (source.options.scanRate > 0 && list.times.empty())
+    if (source.options.scanRate > 0 && !timed)
       for (size_t i = 0; i < count; ++i)
         list.times.push_back(static_cast<double>(i) / (static_cast<double>(count) * source.options.scanRate));
     sensor.patterns.push_back(std::move(list));
@@ -73,7 +76,7 @@ void setBeams(SensorSource& source, BeamList list) {
   if (size > count)
     source.refuse("has " + std::to_string(count) + " beams, not " + std::to_string(size) + " for a scan");
   const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
-  if (source.options.scanRate == 0) source.assume("10 scans per second; --rate sets another number");
+  if (source.options.scanRate == 0 && !timed) source.assume("10 scans per second; --rate sets another number");
   for (size_t first = 0; first + size <= count; first += size) {
     BeamList& part = sensor.patterns.emplace_back();
     const auto cut = [&](auto& to, const auto& from) {
@@ -84,7 +87,13 @@ void setBeams(SensorSource& source, BeamList list) {
     cut(part.directions, list.directions);
     cut(part.origins, list.origins);
     cut(part.rings, list.rings);
-    for (size_t i = 0; i < size; ++i) part.times.push_back(static_cast<double>(i) / (static_cast<double>(size) * rate));
+    cut(part.rangeMin, list.rangeMin);
+    cut(part.rangeMax, list.rangeMax);
+    cut(part.times, list.times);
+    for (size_t i = 0; i < size && !timed; ++i)
+      part.times.push_back(static_cast<double>(i) / (static_cast<double>(size) * rate));
+    const double start = *std::min_element(part.times.begin(), part.times.end());
+    for (double& time : part.times) time -= start;
   }
   if (count % size > 0) source.ignore("the last " + std::to_string(count % size) + " beams, which fill no scan");
 }

@@ -44,7 +44,7 @@ void readCarla(SensorSource& source, const nlohmann::json& root);
 void readHesaiCsv(SensorSource& source);
 void readHesaiDat(SensorSource& source);
 void readRobosenseCsv(SensorSource& source);
-void readLivoxCsv(SensorSource& source);
+void readBeamCsv(SensorSource& source);
 void readNpy(SensorSource& source);
 void readRayMatrices(SensorSource& source);
 
@@ -59,6 +59,8 @@ void fromVelodyneLasers(SensorSource& source, std::vector<VelodyneLaser> lasers,
 /// Columns take the kinds in turn.
 using FireTimes = std::vector<std::vector<double>>;
 FireTimes readFireTimes(SensorSource& source, size_t channels);
+/// Tells when a scan starts whose first beam fires at `first`, a negative time in seconds.
+std::string startText(double first);
 
 // Steps that several readers take.
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <pugixml.hpp>
+#include <set>
+#include <vector>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -69,10 +71,14 @@ Angles anglesOf(const SensorSource& source, const pugi::xml_node& node) {
   return angles;
 }
 
-/// The direction to which turns about axes, one after the other, lead the y axis of HELIOS++, in our axes.
+/// The direction to which turns about axes lead the y axis of HELIOS++, in our axes. The axes are the scanner's, or if
+/// the rotations are local, those that the turns before have turned.
 Vec3 turned(const SensorSource& source, const pugi::xml_node& origin) {
   Vec3 d = {0, 1, 0};
-  for (const pugi::xml_node& rot : origin.children("rot")) {
+  const auto children = origin.children("rot");
+  std::vector<pugi::xml_node> turns(children.begin(), children.end());
+  if (sameWord(origin.attribute("rotations").value(), "local")) std::reverse(turns.begin(), turns.end());
+  for (const pugi::xml_node& rot : turns) {
     const double angle = kDegree * attribute(source, rot, "angle_deg", 0), c = std::cos(angle), s = std::sin(angle);
     const std::string axis = lower(rot.attribute("axis").value());
     if (axis == "x")
@@ -85,6 +91,13 @@ Vec3 turned(const SensorSource& source, const pugi::xml_node& origin) {
       source.refuse("the axis of <rot> is '" + axis + "', expected is x, y or z");
   }
   return {d.y, -d.x, d.z};
+}
+
+/// Lists the attributes of a node that are not read.
+void ignoreOthers(SensorSource& source, const pugi::xml_node& node, const std::set<std::string>& read,
+                  const std::string& where) {
+  for (const pugi::xml_attribute& attribute : node.attributes())
+    if (!read.contains(attribute.name())) source.ignore(attribute.name() + where);
 }
 
 }  // namespace
@@ -129,8 +142,11 @@ void readSdf(SensorSource& source) {
   if (range.child("resolution")) source.ignore("resolution of the ranges");
 }
 
-void readHelios(SensorSource& source) {
-  const pugi::xml_document document = parse(source);
+namespace {
+
+/// The one of HELIOS++'s scanners that the options ask for, or the first of several channels. Refuses one that is no
+/// spinning head.
+pugi::xml_node chooseHead(SensorSource& source, const pugi::xml_document& document) {
   std::vector<pugi::xml_node> all, several;
   for (const pugi::xpath_node& found : document.select_nodes("//scanner")) {
     all.push_back(found.node());
@@ -138,38 +154,63 @@ void readHelios(SensorSource& source) {
   }
   if (all.empty()) source.refuse("has no <scanner>, as HELIOS++ has");
   const pugi::xml_node node = choose(source, source.options.mode.empty() && !several.empty() ? several : all, "id");
-  const std::string id = node.attribute("id").value(), optics = node.attribute("optics").value();
+  const std::string optics = node.attribute("optics").value();
+  const std::string which = "the scanner '" + std::string(node.attribute("id").value()) + "'";
   if (!node.child("channels") || !sameWord(optics, "rotating"))
-    source.refuse("the scanner '" + id + "' has " + optics + " optics" +
-                  (node.child("channels") ? "" : " and one line") +
+    source.refuse(which + " has " + optics + " optics" + (node.child("channels") ? "" : " and one line") +
                   "; only spinning heads of several <channels> are read");
+  if (attribute(source, node, "headRotatePerSecMax_deg", 0) == 0 && attribute(source, node, "scanFreqMax_Hz", 0) > 0)
+    source.refuse(which + " has a mirror that turns and a head that does not; only spinning heads are read");
+  const pugi::xml_node axis = node.child("headRotateAxis");
+  const auto along = [&](const char* name) { return attribute(source, axis, name, 0); };
+  if (axis && !(along("x") == 0 && along("y") == 0 && along("z") > 0))
+    source.refuse(which + " has a head that does not turn about z");
+  if (!node.child("channels").child("channel")) source.refuse(which + " has no <channel>");
+  return node;
+}
+
+/// The channel of a spinning head of HELIOS++. Values that it does not state are the scanner's.
+Channel channelOf(SensorSource& source, const pugi::xml_node& scanner, const pugi::xml_node& node) {
+  const pugi::xml_node origin = node.child("beamOrigin") ? node.child("beamOrigin") : scanner.child("beamOrigin");
+  const Vec3 d = turned(source, origin);
+  Channel channel;
+  channel.elevationDeg = std::asin(std::clamp(d.z, -1.0, 1.0)) / kDegree;
+  channel.azimuthOffsetDeg = std::atan2(d.y, d.x) / kDegree;
+  // An origin's x points along its beam's azimuth.
+  const double c = std::cos(kDegree * channel.azimuthOffsetDeg), s = std::sin(kDegree * channel.azimuthOffsetDeg);
+  const double x = attribute(source, origin, "y", 0), y = -attribute(source, origin, "x", 0);
+  channel.origin = {c * x + s * y, c * y - s * x, attribute(source, origin, "z", 0)};
+  if (node.attribute("rangeMin_m") || node.attribute("rangeMax_m")) {
+    channel.rangeMin = attribute(source, node, "rangeMin_m", source.file.sensor.rangeMin);
+    channel.rangeMax = attribute(source, node, "rangeMax_m", source.file.sensor.rangeMax);
+  }
+  ignoreOthers(source, node, {"id", "rangeMin_m", "rangeMax_m"},
+               " of the channel '" + std::string(node.attribute("id").value()) + "'");
+  return channel;
+}
+
+}  // namespace
+
+void readHelios(SensorSource& source) {
+  const pugi::xml_document document = parse(source);
+  const pugi::xml_node node = chooseHead(source, document);
   const double turns = source.options.scanRate > 0 ? source.options.scanRate
                                                    : attribute(source, node, "headRotatePerSecMax_deg", 0) / 360;
-  const double pulses = attribute(source, node, "pulseFreqs_Hz", 0);
   if (!(turns > 0)) source.refuse("'headRotatePerSecMax_deg' is missing, and --rate is not given");
+  if (source.options.scanRate == 0) source.assume("the head's largest speed; --rate sets another");
+  const double pulses = attribute(source, node, "pulseFreqs_Hz", 0);
+  if (const std::string rates = node.attribute("pulseFreqs_Hz").value(); rates.find(',') != rates.npos)
+    source.assume("the first of the pulse rates " + rates);
   const double columns = std::floor(pulses / turns + 1e-9);
   if (!(columns >= 1 && columns <= 1e6))
     source.refuse("'pulseFreqs_Hz' gives " + shownNumber(columns) + " columns in a turn");
 
   Sensor& sensor = source.file.sensor;
-  sensor.name = id;
+  sensor.name = node.attribute("id").value();
   sensor.columns = static_cast<uint32_t>(columns);
   sensor.rotationPeriod = columns / pulses;
   sensor.azimuthStartDeg = 0;
   sensor.azimuthSpanDeg = std::min(360 * columns * turns / pulses, 360.0);
-  for (const pugi::xml_node& channel : node.child("channels").children("channel")) {
-    const pugi::xml_node origin = channel.child("beamOrigin") ? channel.child("beamOrigin") : node.child("beamOrigin");
-    const Vec3 d = turned(source, origin);
-    Channel& made = sensor.channels.emplace_back();
-    made.elevationDeg = std::asin(std::clamp(d.z, -1.0, 1.0)) / kDegree;
-    made.azimuthOffsetDeg = std::atan2(d.y, d.x) / kDegree;
-    // An origin's x points along its beam's azimuth.
-    const double c = std::cos(kDegree * made.azimuthOffsetDeg), s = std::sin(kDegree * made.azimuthOffsetDeg);
-    const double x = attribute(source, origin, "y", 0), y = -attribute(source, origin, "x", 0);
-    made.origin = {c * x + s * y, c * y - s * x, attribute(source, origin, "z", 0)};
-  }
-  if (sensor.channels.empty()) source.refuse("the scanner '" + id + "' has no <channel>");
-  if (sensor.channels.size() > 65535) source.refuse("there are more than 65535 channels");
   // HELIOS++ states one angle, to 1/e^2.
   sensor.divergenceHorizontal = sensor.divergenceVertical = attribute(source, node, "beamDivergence_rad", 0);
   sensor.maxReturns = static_cast<uint32_t>(std::clamp(attribute(source, node, "maxNOR", 1), 1.0, 5.0));
@@ -178,9 +219,13 @@ void readHelios(SensorSource& source) {
     sensor.rangeMax = attribute(source, node, "rangeMax_m", 0);
   else
     assumeRange(source, 200);
-  if (source.options.scanRate == 0) source.assume("the head's largest speed; --rate sets another");
-  for (const char* name : {"accuracy_m", "pulseLength_ns", "wavelength_nm"})
-    if (node.attribute(name)) source.ignore(name);
+  for (const pugi::xml_node& channel : node.child("channels").children("channel"))
+    sensor.channels.push_back(channelOf(source, node, channel));
+  if (sensor.channels.size() > 65535) source.refuse("there are more than 65535 channels");
+  ignoreOthers(source, node,
+               {"id", "name", "optics", "headRotatePerSecMax_deg", "pulseFreqs_Hz", "beamDivergence_rad", "maxNOR",
+                "rangeMin_m", "rangeMax_m"},
+               "");
 }
 
 void refuseXml(SensorSource& source) {
