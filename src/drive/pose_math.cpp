@@ -11,6 +11,11 @@ Quaternion operator*(const Quaternion& a, const Quaternion& b) {
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
+double angleBetween(const Quaternion& a, const Quaternion& b) {
+  const Quaternion turn = Quaternion{-a.x, -a.y, -a.z, a.w} * b;
+  return 2 * std::atan2(std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z), std::abs(turn.w));
+}
+
 Quaternion normalized(const Quaternion& q) {
   const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   return {q.x / length, q.y / length, q.z / length, q.w / length};

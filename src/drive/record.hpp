@@ -26,7 +26,7 @@ struct RecordedScan {
   PlannedScan planned;
   double duration = 0;      ///< seconds
   Pose pose;                ///< of the sensor in the world at the start
-  bool sensorMoves = true;  ///< whether the sensor moves during the scan, as its effects say
+  bool sensorMoves = true;  ///< whether the sensor moves during the scan, as its plan says
   bool actorsMove = true;   ///< whether actors do
   bool deskewed = false;    ///< whether points are in the frame of `pose`, rather than in that of their own time
   Scan scan;                ///< Scan::instances are numbers of objects, see World

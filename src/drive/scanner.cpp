@@ -2,6 +2,7 @@
 #include "drive/scanner.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "gnosphere/options.hpp"
 #include "sensor/beams.hpp"
@@ -34,6 +35,7 @@ Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);
+  for (size_t s = 0; s < requests.size(); ++s) motions_.push_back(motionsOf(simulator_->plan(s)));
   for (size_t i = 0; i < placed_.size(); ++i) placed_[i] = world.scene().instances[i].transform;
 }
 
@@ -44,6 +46,14 @@ void Scanner::scan(FrameRecord& record) {
     record.scans[i].planned = planned[i];
     scan(record.scans[i]);
   }
+}
+
+Scanner::Motions Scanner::motionsOf(const Plan& plan) {
+  const auto isIn = [&](const char* effect) {
+    const auto decision = std::ranges::find(plan.effects, effect, &Plan::Decision::effect);
+    return decision != plan.effects.end() && decision->in;
+  };
+  return {isIn("sensor-motion"), isIn("object-motion")};
 }
 
 SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {
@@ -75,8 +85,8 @@ void Scanner::scan(RecordedScan& recorded) {
   const RigSensor& rigged = drive_.sensors[sensor];
   recorded.duration = durationOf(rigged.sensor, number);
   recorded.pose = drive_.sensorPose(sensor, time);
-  recorded.sensorMoves = recorded.duration > 0 && rigged.effects.sensorMotion.use != EffectUse::off;
-  recorded.actorsMove = recorded.duration > 0 && rigged.effects.objectMotion.use != EffectUse::off;
+  recorded.sensorMoves = recorded.duration > 0 && motions_[sensor].ofSensor;
+  recorded.actorsMove = recorded.duration > 0 && motions_[sensor].ofActors;
   recorded.deskewed = rigged.effects.sensorMotion.deskew;
   Shot shot;
   shot.pose = recorded.pose;
@@ -96,15 +106,26 @@ void Scanner::scan(RecordedScan& recorded) {
 }
 
 SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
-  constexpr int kIntervals = 16;
+  constexpr double kSagitta = 1e-4, kMostPieces = 1000;  // m
   const double begin = recorded.planned.time, end = begin + recorded.duration;
   std::vector<double> times = drive_.ego.timesWithin(begin, end);
-  for (int i = 0; i <= kIntervals; ++i) times.push_back(begin + recorded.duration * i / kIntervals);
+  times.insert(times.end(), {begin, end});
   std::sort(times.begin(), times.end());
+  const Vec3& arm = drive_.sensors[recorded.planned.sensor].mount.position;
+  const double length = std::sqrt(dot(arm, arm));
   SensorMotion motion;
-  for (double time : times)
+  const auto add = [&](double time) {
     if (motion.stamps.empty() || time - begin > motion.stamps.back().time)
       motion.stamps.push_back({time - begin, drive_.sensorPose(recorded.planned.sensor, time)});
+  };
+  for (size_t i = 0; i < times.size(); ++i) {
+    if (i > 0) {  // a chord of the angle a is off its arc by length * a^2 / 8
+      const double angle = angleBetween(drive_.ego.at(times[i - 1]).orientation, drive_.ego.at(times[i]).orientation);
+      const double pieces = std::clamp(std::ceil(angle * std::sqrt(length / (8 * kSagitta))), 1.0, kMostPieces);
+      for (double k = 1; k < pieces; ++k) add(times[i - 1] + (times[i] - times[i - 1]) * k / pieces);
+    }
+    add(times[i]);
+  }
   return motion;
 }
 

@@ -275,6 +275,70 @@ TEST_CASE("a sensor keeps its dust, and its own fog, rain and snow where the wea
   CHECK((cloud(rain, dry, "replaced") == empty));
 }
 
+/// The bounds along x in the header of a file of LAS 1.4.
+std::pair<double, double> boundsOfX(const std::string& las) {
+  double bounds[2];  // the largest, then the least
+  std::memcpy(bounds, las.data() + 179, sizeof(bounds));
+  return {bounds[1], bounds[0]};
+}
+
+TEST_CASE("points and boxes are where a scan finds them if the accuracy leaves out motion within it") {
+  needVulkan();  // the reference leaves nothing out
+  const DriveFolder folder;
+  put(folder / "wall.obj", "v 6 -3 -3\nv 6 3 -3\nv 6 3 3\nv 6 -3 3\nf 1 2 3\nf 1 3 4\n");
+  Json json = smallDrive();
+  json["scenes"] = {{{"file", "wall.obj"}}};
+  json["actors"] = {json["actors"][0]};
+  json["actors"][0]["trajectory"] = {{"waypoints", {waypoint(0, 0, 3, 1.5), waypoint(1, 10, 3, 1.5)}}};
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0), waypoint(1, 30, 0, 0)}}};
+  json["weather"] = Json::array();
+  json["duration"] = 0.1;
+  json["outputs"] = {{{"format", "las"}, {"sensors", {"top"}}}, {{"format", "boxes"}, {"sensors", {"top"}}}};
+  for (const char* accuracy : {"standard", "exact"}) {
+    INFO(accuracy);
+    json["accuracy"] = accuracy;
+    json["sensors"][0]["effects"] = {{"object-motion", {{"use", "auto"}}}, {"divergence", {{"use", "off"}}}};
+    const std::string out = accuracy;
+    drive::RunOptions options;
+    options.out = folder / out;
+    options.simulator = vulkanOptions();
+    run(folder.read(json), options);
+    Json box;
+    std::istringstream(folder.get(out + "/boxes/top/000000.jsonl")) >> box;
+    const bool moves = out == "standard";
+    const double seenAt = box["time"];
+    CHECK((seenAt > 0) == moves);
+    // The car is at 10 t, and the sensor at 30 t, if they move within the scan.
+    CHECK_THAT(box["sensor_frame"]["position"][0].get<double>(), WithinAbs(-20 * seenAt, 1e-6));
+    const auto [least, most] = boundsOfX(folder.get(out + "/las/top/000000.las"));
+    CHECK_THAT(most, WithinAbs(6, 0.002));
+  }
+}
+
+TEST_CASE("a sensor beside the middle of a vehicle that turns goes along an arc within a scan") {
+  const DriveFolder folder;
+  put(folder / "wall.obj", "v 6 -9 -3\nv 6 9 -3\nv 6 9 3\nv 6 -9 3\nf 1 2 3\nf 1 3 4\n");
+  Json json = smallDrive();
+  json["scenes"] = {{{"file", "wall.obj"}}};
+  json["actors"] = Json::array();
+  Json end = waypoint(1, 0, 0, 0);
+  end["yaw_deg"] = 170;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0), end}}};
+  json["rate"] = 1;
+  json["duration"] = 1;
+  json["weather"] = Json::array();
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"]["rotation_period"] = 1;
+  json["sensors"][0]["sensor"]["columns"] = 720;
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}};
+  json["sensors"][0]["mount"] = {{"position", {3, 0, 0}}};
+  json["outputs"] = {{{"format", "las"}}};
+  folder.run(json);
+  const auto [least, most] = boundsOfX(folder.get("out/las/top/000000.las"));
+  CHECK_THAT(least, WithinAbs(6, 0.0011));
+  CHECK_THAT(most, WithinAbs(6, 0.0011));
+}
+
 TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
   for (const bool deskew : {false, true}) {
     INFO("deskew " << deskew);
