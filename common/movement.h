@@ -9,7 +9,7 @@
 namespace gnosphere::gpu {
 #endif
 
-// The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
+// The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1), for points of the mesh frame.
 struct InstanceMotion {
   vec4 row0, row1, row2;
   // x: largest distance in metres that any of its points moves during the scan; y: largest change of a vector between

@@ -26,7 +26,8 @@ vec2 boundOf(uint instance) {
   return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.xy : vec2(0.0);
 }
 
-// Returns the largest distance in metres that a point of a box moves with an instance that is not deformed meanwhile.
+// Returns the largest distance in metres that a point of a box in the mesh frame moves with an instance that is not
+// deformed meanwhile.
 // The velocity is affine, so it is largest at a corner. 1e-6 of each term covers rounding.
 float farthestMove(InstanceMotion moving, vec3 low, vec3 high) {
   vec3 middle = 0.5 * (low + high), extent = 0.5 * (high - low);
@@ -37,11 +38,12 @@ float farthestMove(InstanceMotion moving, vec3 low, vec3 high) {
   return length(most) * motion.seconds * 1.00001;
 }
 
-void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
+// Widens a box in the sensor's frame by how far its content moves; `meshLow` and `meshHigh` are the box in the mesh frame.
+void widenByMotion(uint instance, vec3 meshLow, vec3 meshHigh, inout vec3 low, inout vec3 high) {
   float reach = boundOf(instance).x;
   // The bound is that of the whole instance, and of one whose vertices only the device knows it is no bound at all.
   if (reach > 0.0 && instanceMotions.at[instance].bound.z == 0.0)
-    reach = min(reach, farthestMove(instanceMotions.at[instance], low, high));
+    reach = min(reach, farthestMove(instanceMotions.at[instance], meshLow, meshHigh));
   low -= reach;
   high += reach;
 }

@@ -84,16 +84,22 @@ void deformedBox(Deformer deformer, uint cluster, out vec3 low, out vec3 high) {
   high = leastHigh + left * high;
 }
 
-// Returns the velocity of a vertex of a moving instance, m/s in the sensor's axes; `corner` is where it is at the start
-// of the scan, in the sensor's frame, and `vertex` its entry in `positions`. The instance moves as InstanceMotion says,
-// and to that comes what the deformation adds, as the instance stands at the end.
-vec3 vertexVelocity(InstanceMotion moving, uint instance, vec3 corner, uint cluster, uint vertex) {
-  vec3 velocity = velocityOf(moving, corner);
-  if (DEFORMED == kDeformsNothing || moving.bound.z == 0.0) return velocity;
+// Returns where a vertex of a cluster is in the mesh frame at the start of the scan.
+vec3 startOf(Deformer deformer, uint cluster, uint vertex) {
+  return isDeformable(deformer) ? deformedPosition(deformer, cluster, vertex, false) : positions.at[vertex];
+}
+
+// Returns the velocity of a vertex of a moving instance, m/s in the sensor's axes; `vertex` is its entry in `positions`.
+// The instance moves as InstanceMotion says, and to that comes what the deformation adds, as the instance stands at the
+// end.
+vec3 vertexVelocity(InstanceMotion moving, uint instance, uint cluster, uint vertex) {
+  if (DEFORMED == kDeformsNothing) return velocityOf(moving, positions.at[vertex]);
   Deformer deformer = deformers.at[instanceMeshes.at[instance]];
-  vec3 start = deformedPosition(deformer, cluster, vertex, false);
+  vec3 start = startOf(deformer, cluster, vertex);
+  vec3 velocity = velocityOf(moving, start);
+  if (moving.bound.z == 0.0) return velocity;
   precise vec3 change = deformedPosition(deformer, cluster, vertex, true) - start;
   vec3 seen = rotated(instances.at[instance].row0, instances.at[instance].row1, instances.at[instance].row2, change);
-  precise vec3 sum = velocity + seen * moving.bound.w + rotated(moving.row0, moving.row1, moving.row2, seen);
+  precise vec3 sum = velocity + seen * moving.bound.w + rotated(moving.row0, moving.row1, moving.row2, change);
   return sum;
 }

@@ -84,9 +84,9 @@ Echo loadEcho(uint k) {
   return Echo(echo.x, echo.y, echo.z, echo.w, k);
 }
 
-// Returns the velocity of the point of a deformed triangle that the beam meets, in the column's frame; `point` is as
-// seen from the laser.
-vec3 deformedVelocityAt(uvec2 owner, vec3 point) {
+// Returns the velocity of the point of a moving triangle that the beam meets, in the column's frame; `point` is as seen
+// from the laser.
+vec3 surfaceVelocityAt(uvec2 owner, vec3 point) {
   Surface surface = surfaceOf(owner, beamMotion, beamOrigin);
   vec2 shares = barycentricsOf(surface.corners, point);
   precise vec3 velocity = surface.velocities.a + (surface.velocities.b - surface.velocities.a) * shares.x +
@@ -106,14 +106,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    vec3 point = lightDirection * range + beamOrigin;
-    if (owner.x != kNone && motion.instances != 0) {
-      InstanceMotion moving = instanceMotions.at[owner.y];
-      if (DEFORMED != kDeformsNothing && moving.bound.z != 0.0)
-        velocity = deformedVelocityAt(owner, point - beamOrigin);
-      else
-        velocity = velocityAt(moving, beamMotion, point);
-    }
+    if (owner.x != kNone && motion.instances != 0) velocity = surfaceVelocityAt(owner, lightDirection * range);
     radial = radialSpeed(lightDirection, velocity, laserVelocity());
     velocity = reportedDirection(beamMotion, velocity);
   }

@@ -19,6 +19,7 @@ vec3 rotated(vec4 row0, vec4 row1, vec4 row2, vec3 d) {
 
 vec3 inColumn(ColumnMotion column, vec3 p) { return through(column.row0, column.row1, column.row2, p); }
 
+// Returns the velocity of a point of a mesh, which moves with its instance, in the sensor's axes.
 vec3 velocityOf(InstanceMotion moving, vec3 p) { return through(moving.row0, moving.row1, moving.row2, p); }
 
 // Returns the position of a moving corner when the column fires, in the column's frame.
@@ -95,24 +96,4 @@ vec4 seenPlane(ColumnMotion at, vec3 laser, vec4 plane) {
   vec3 origin = fromColumn(at, laser);
   precise float offset = plane.x * origin.x + plane.y * origin.y + plane.z * origin.z + plane.w;
   return vec4(rotated(at.row0, at.row1, at.row2, plane.xyz), offset);
-}
-
-// Returns the velocity of the point of an instance that is at `p` when the column fires; both are in the column's
-// frame.
-vec3 velocityAt(InstanceMotion moving, ColumnMotion at, vec3 p) {
-  vec3 now = fromColumn(at, p);
-  // The velocity v depends on where the point was at the start of the scan: v = A (now - v t) + b, with the time t and
-  // the linear part A and the shift b of velocityOf(). So (I + t A) v = A now + b, which Cramer's rule solves.
-  float time = at.velocity.w;
-  precise vec3 a = vec3(1.0, 0.0, 0.0) + time * moving.row0.xyz, b = vec3(0.0, 1.0, 0.0) + time * moving.row1.xyz,
-               c = vec3(0.0, 0.0, 1.0) + time * moving.row2.xyz;
-  vec3 velocity = velocityOf(moving, now);
-  float determinant = dotOf(a, crossOf(b, c));
-  if (abs(determinant) > 1e-6) {  // at this time the instance is not flat
-    precise float share = quotient(1.0, determinant);
-    precise vec3 solved =
-        (velocity.x * crossOf(b, c) + velocity.y * crossOf(c, a) + velocity.z * crossOf(a, b)) * share;
-    velocity = solved;
-  }
-  return rotated(at.row0, at.row1, at.row2, velocity);
 }

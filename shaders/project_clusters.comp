@@ -68,7 +68,7 @@ bool seen(uint number, Instance instance, Deformer deformer, uint cluster, out f
     meshHigh = box.high;
   }
   sensorBox(instance, meshLow, meshHigh, low, high);
-  if (MOTION) widenByMotion(number, low, high);
+  if (MOTION) widenByMotion(number, meshLow, meshHigh, low, high);
   nearest = nearestPoint(low, high);
   bool inShell = !(nearest < shellMin) && !(nearest >= shellMax);
   // The cone is tested last because then most clusters do not have to load it.
@@ -169,7 +169,7 @@ void main() {
         sensorBox(loadedInstance(entry.x), group.low, group.high, low, high);
         middle = length(0.5 * (low + high));
         setView(entry.x);
-        if (MOTION) widenByMotion(entry.x, low, high);
+        if (MOTION) widenByMotion(entry.x, group.low, group.high, low, high);
         keep = pass.occluders == 0 || !outOfSight(low, high);
         if (keep) run = uvec2(group.clusterFirst, group.clusterCount);
         goesOn = pass.last == 0 && run.y > 1 && farthestPoint(low, high) >= shellMax;

@@ -57,7 +57,7 @@ void listGroups() {
       Group group = loadedGroup(pair.y);
       sensorBox(loadedInstance(pair.x), group.low, group.high, low, high);
       setView(pair.x);
-      if (MOTION) widenByMotion(pair.x, low, high);
+      if (MOTION) widenByMotion(pair.x, group.low, group.high, low, high);
       keep = !outOfSight(low, high);
       float nearest = nearestPoint(low, high);
       entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));

@@ -205,8 +205,9 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
   } else if (BOUNDS != kBoundsPaper) {
     fate = culledEarly(a, b, c, isOneSided(loaded));
   }
-  // No beam hits a triangle that a deformation has reduced to a line.
-  if (DEFORMED != kDeformsNothing && (a == b || b == c || c == a)) fate = kBetween;
+  // No beam hits a triangle that a deformation has reduced to a line, unless it grows within the scan.
+  bool grows = MOTION && loaded.bound.x > 0.0;
+  if (DEFORMED != kDeformsNothing && !grows && (a == b || b == c || c == a)) fate = kBetween;
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
@@ -247,9 +248,10 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
     projected.moves = survivor.moves;
     if (MOTION && projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
-      projected.velocities = mat3(vertexVelocity(moving, survivor.instance, a, survivor.cluster, survivor.vertices.x),
-                                  vertexVelocity(moving, survivor.instance, b, survivor.cluster, survivor.vertices.y),
-                                  vertexVelocity(moving, survivor.instance, c, survivor.cluster, survivor.vertices.z));
+      uvec3 vertices = survivor.vertices;
+      projected.velocities = mat3(vertexVelocity(moving, survivor.instance, survivor.cluster, vertices.x),
+                                  vertexVelocity(moving, survivor.instance, survivor.cluster, vertices.y),
+                                  vertexVelocity(moving, survivor.instance, survivor.cluster, vertices.z));
     }
     fate = movingBox(survivor.corners, survivor.moves, interval, projected, box, rangeMin);
   } else if (BOUNDS == kBoundsPaper) {
@@ -301,7 +303,7 @@ bool isHiddenByNow(uvec2 pair, uint material, uint vertexCount, out FewBeams few
   Group box = loadedBox(pair.y);
   sensorBox(instance, box.low, box.high, low, high);
   setView(pair.x);
-  if (MOTION) widenByMotion(pair.x, low, high);
+  if (MOTION) widenByMotion(pair.x, box.low, box.high, low, high);
   setSeeming(0.0);
   float nearest = seemFromSensor(low, high);
   if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;

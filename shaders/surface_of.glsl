@@ -30,10 +30,10 @@ vec3 normalOf(Corners t) {
 }
 
 // Returns the velocities of the corners of a triangle that moves, m/s in the sensor's axes.
-Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uint cluster, uvec3 vertices) {
-  return Corners(vertexVelocity(moving, instance, t.a, cluster, vertices.x),
-                 vertexVelocity(moving, instance, t.b, cluster, vertices.y),
-                 vertexVelocity(moving, instance, t.c, cluster, vertices.z));
+Corners velocitiesOf(InstanceMotion moving, uint instance, uint cluster, uvec3 vertices) {
+  return Corners(vertexVelocity(moving, instance, cluster, vertices.x),
+                 vertexVelocity(moving, instance, cluster, vertices.y),
+                 vertexVelocity(moving, instance, cluster, vertices.z));
 }
 
 struct Surface {
@@ -73,7 +73,7 @@ Surface placedSurfaceOf(uvec2 owner) {
   if (!MOTION)
     surface.normal = normalOf(surface.corners);
   else if (motion.instances != 0)
-    surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, surface.corners, cluster, vertices);
+    surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, cluster, vertices);
   surface.material = clusters.at[cluster].material;
   return surface;
 }

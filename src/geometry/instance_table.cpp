@@ -434,11 +434,12 @@ void InstanceTable::writeTransformSources(const Pose& pose, gpu::TransformSource
   }
 }
 
-// With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.
+// A change of vectors between vertices that nothing bounds: a triangle may face either way.
+constexpr float kAnyChange = 1e15f;
+
 double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMotion> motions,
                                   const std::map<size_t, double>& changes, double period, MovingInstances& to) const {
   const glm::dmat3 toSensor = rotationToSensor(pose);
-  const glm::dvec3 sensor = positionOf(pose);
   double farthest = 0;
   for (const InstanceMotion& motion : motions) {
     const Placement& placement = placements_[motion.instance];
@@ -446,8 +447,8 @@ double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMoti
     const Vec3 end = motion.end * mesh.origin;
     const glm::dmat3 turning = (linear(motion.end) - placement.toWorld) / period;
     const glm::dvec3 shift = (glm::dvec3(end.x, end.y, end.z) - placement.position) / period;
-    const glm::dmat3 a = toSensor * turning * placement.fromWorld * glm::transpose(toSensor);
-    const glm::dvec3 b = toSensor * (turning * placement.fromWorld * (sensor - placement.position) + shift);
+    const glm::dmat3 a = toSensor * turning;
+    const glm::dvec3 b = toSensor * shift;
     const auto row = [&](int r) {
       return gpu::vec4{static_cast<float>(a[0][r]), static_cast<float>(a[1][r]), static_cast<float>(a[2][r]),
                        static_cast<float>(b[r])};
@@ -458,9 +459,16 @@ double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMoti
                          (corner & 4) ? mesh.high.z : mesh.low.z);
       most = std::max(most, glm::length(turning * x + shift) * period);
     }
-    const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
+    const glm::dmat3 change = turning * placement.fromWorld;
+    const double bend =
+        std::sqrt(glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2]));
+    const bool flat = placement.fromWorld == glm::dmat3(0);
     to[static_cast<uint32_t>(motion.instance)] = {
-        row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
+        row(0),
+        row(1),
+        row(2),
+        {static_cast<float>(most * 1.00001),
+         flat ? kAnyChange : std::min(kAnyChange, static_cast<float>(bend * period * 1.00001)), 0, 0}};
     // Instances that may be anywhere are placed in any case.
     if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
   }
@@ -473,8 +481,6 @@ double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMoti
     const glm::dmat3 end = moved == motions.end() ? placements_[i].toWorld : linear(moved->end);
     const double stretch = std::sqrt(glm::dot(end[0], end[0]) + glm::dot(end[1], end[1]) + glm::dot(end[2], end[2]));
     const double most = to[i].bound.x + change->second * stretch * 1.00001;
-    // Nothing bounds how the vectors between vertices change, so a triangle may face either way.
-    constexpr float kAnyChange = 1e15f;
     to[i].bound = {static_cast<float>(most * 1.00001), kAnyChange, 1, static_cast<float>(1 / period)};
     farthest = std::max(farthest, most);
   }

@@ -3,6 +3,7 @@
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
 
+#include "deformable.hpp"
 #include "effects/scan_support.hpp"
 #include "lists/list_sensors.hpp"
 #include "town/town.hpp"
@@ -426,6 +427,60 @@ TEST_CASE("culling hidden geometry hides nothing from a moving sensor") {
 
 // In the middle of the scan, or at its start, the sensor is behind each of these one-sided walls, whose back it does
 // not see.
+TEST_CASE("an instance that is flat or a line at the start of a scan turns and grows within it") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool deforms = GENERATE(false, true);
+  INFO(device << ", beside a mesh that deforms: " << deforms);
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.meshes.emplace_back();
+  scene.meshes[0].indices = {0, 1, 2, 0, 2, 3};
+  scene.meshes[0].parts = {{0, 2, 0}};
+  scene.instances = {{"", 0, {}}};
+  if (deforms) {
+    Random random(1);
+    scene.meshes.push_back(limb(random, 2, 1, 0));
+    scene.instances.push_back({"", 1, translation(0, 500, 0)});
+  }
+  BeamList beams;
+  Shot shot;
+  std::vector<double> expected;  // NaN for no hit
+  const double none = std::nan("");
+  SECTION("a decal without thickness turns by 90 degrees") {
+    scene.meshes[0].positions = {0, -5, -5, 0, 5, -5, 0, 5, 5, 0, -5, 5};
+    scene.instances[0].transform.rows = {0, 0, 0, 10, 0, 1, 0, 2, 0, 0, 1, 0};
+    shot.instanceMotions = {{0, {{0, -1, 0, 10, 0, 0, 0, 2, 0, 0, 1, 0}}}};
+    for (int i = 0; i < 9; ++i) {
+      const double part = 0.1 * i, v = -2 / (1 - part);  // where y = 2 + (1 - part) v is 0
+      beams.directions.push_back({1, 0, 0});
+      expected.push_back(v < -5 ? none : 10 - part * v);
+    }
+    expected[6] = none;  // v is -5: the beam passes the edge
+  }
+  SECTION("a wall pops up") {
+    scene.meshes[0].positions = {0, -5, 0, 0, 5, 0, 0, 5, 4, 0, -5, 4};
+    scene.instances[0].transform.rows = {1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 0, 0};
+    shot.instanceMotions = {{0, translation(10, 0, 0)}};
+    for (int i = 0; i < 9; ++i) {
+      beams.directions.push_back({10 / std::hypot(10.0, 1.0), 0, 1 / std::hypot(10.0, 1.0)});
+      expected.push_back(4 * 0.1 * i < 1 ? none : std::hypot(10.0, 1.0));
+    }
+  }
+  for (size_t i = 0; i < expected.size(); ++i) beams.times.push_back(0.01 * double(i));
+  Sensor sensor = listSensor("beams", beams, 50);
+  sensor.rotationPeriod = kPeriod;
+  const Scan scan = scanned(device, scene, sensor, shot);
+  for (size_t i = 0; i < expected.size(); ++i) {
+    INFO("beam " << i);
+    if (std::isnan(expected[i])) {
+      if (i != 6) CHECK_FALSE(scan.hit(i));
+      continue;
+    }
+    REQUIRE(scan.hit(i));
+    CHECK(scan.ranges[i] == Approx(expected[i]).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("the front of a wall is seen if motion brings it to the sensor") {
   needVulkan();
   const Sensor sensor = spinning();

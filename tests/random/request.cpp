@@ -297,7 +297,9 @@ std::vector<Step> anySteps(Draw& draw, const Request& request, bool moving, bool
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
       if (changing && draw.often(30)) step.transforms.push_back({i, moved(i, true)});
       if (changing && draw.often(5)) step.added.push_back({"", scene.instances[i].mesh, moved(i, true)});
-      if (moving && !changing && draw.often(15)) shot.instanceMotions.push_back({i, moved(i, turning)});
+      if (!moving || changing || !draw.often(15)) continue;
+      if (turning && draw.often(20)) step.transforms.push_back({i, scene.instances[i].transform * scaling(1, 0, 1)});
+      shot.instanceMotions.push_back({i, moved(i, turning)});
     }
     for (uint32_t i = 0; i < scene.meshes.size(); ++i) {
       const Mesh& mesh = scene.meshes[i];
