@@ -70,8 +70,10 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wa
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
   vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
-  // Kernels load vectors of 16 bytes.
-  requirements.alignment = std::max<VkDeviceSize>(requirements.alignment, 16);
+  // Ranges of memory that is flushed consist of whole atoms.
+  requirements.size =
+      (requirements.size + MemoryBlocks::kAlignment - 1) / MemoryBlocks::kAlignment * MemoryBlocks::kAlignment;
+  requirements.alignment = std::max(requirements.alignment, MemoryBlocks::kAlignment);
   std::vector<uint32_t> types = device.memoryTypes(requirements.memoryTypeBits, wanted);
   if (types.empty())
     throw Error(ErrorCode::device, "the device '" + device.capabilities().info.name + "' has no suitable memory");
@@ -106,7 +108,7 @@ VkResult Buffer::take(const VkMemoryRequirements& requirements, uint32_t type, b
   if (adopted && adopted->allocator.allocate) {
     const Allocation allocation = adopted->allocator.allocate(requirements, type);
     if (allocation.memory == VK_NULL_HANDLE) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-    memory_ = {adopted->allocator, allocation};
+    memory_ = {adopted->allocator, allocation, requirements.size};
     if (visible && !allocation.mapped) return VK_ERROR_MEMORY_MAP_FAILED;
   } else {
     MemoryBlocks::Piece piece;
@@ -131,12 +133,11 @@ void Buffer::need(VkResult result) const {
   throw Error(ErrorCode::outOfMemory, text + "has " + mebibytes(device_->heapBytes()) + " in all");
 }
 
-// The caller's allocator aligns its memory to the size of the device's atoms, as the Vulkan Memory Allocator does.
 VkMappedMemoryRange Buffer::mappedRange() const {
   VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
   range.memory = memory_.memory();
   range.offset = memory_.offset();
-  range.size = memory_.size() > 0 ? memory_.size() : bytes_;
+  range.size = memory_.size();
   return range;
 }
 

@@ -49,7 +49,10 @@ class Buffer {
   class Taken {
    public:
     Taken() = default;
-    Taken(const Allocator& from, const Allocation& allocation) : from_(&from), allocation_(allocation) {}
+    Taken(const Allocator& from, const Allocation& allocation, VkDeviceSize size)
+        : from_(&from),
+          allocation_(allocation),
+          piece_{allocation.memory, allocation.offset, size, static_cast<std::byte*>(allocation.mapped)} {}
     Taken(MemoryBlocks& blocks, const MemoryBlocks::Piece& piece) : blocks_(&blocks), piece_(piece) {}
     ~Taken() {
       if (from_) from_->release(allocation_);
@@ -60,11 +63,10 @@ class Buffer {
       Taken(std::move(other)).swap(*this);
       return *this;
     }
-    VkDeviceMemory memory() const { return from_ ? allocation_.memory : piece_.memory; }
-    VkDeviceSize offset() const { return from_ ? allocation_.offset : piece_.offset; }
-    /// Bytes that may be flushed; 0 if the caller's allocator knows.
+    VkDeviceMemory memory() const { return piece_.memory; }
+    VkDeviceSize offset() const { return piece_.offset; }
     VkDeviceSize size() const { return piece_.size; }
-    void* mapped() const { return from_ ? allocation_.mapped : piece_.mapped; }
+    void* mapped() const { return piece_.mapped; }
 
    private:
     void swap(Taken& other) noexcept {

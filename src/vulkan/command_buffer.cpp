@@ -12,10 +12,14 @@ void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushC
 
 void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                              uint32_t workgroupsX, uint32_t workgroupsY) {
-  bind(kernel, layout, constants);
-  if (workgroupsX <= mostGroups_) return vk_->vkCmdDispatch(commands_, workgroupsX, workgroupsY, 1);
-  for (uint32_t first = 0; first < workgroupsX; first += std::min(mostGroups_, workgroupsX - first))
-    vk_->vkCmdDispatchBase(commands_, first, 0, 0, std::min(mostGroups_, workgroupsX - first), workgroupsY, 1);
+  // Of kernels that cannot be divided no step has so many workgroups.
+  const uint32_t most = constants.pass.groups > 0 ? mostGroups_ : workgroupsX;
+  PushConstants part = constants;
+  for (uint32_t first = 0; first < workgroupsX; first += std::min(most, workgroupsX - first)) {
+    part.pass.firstGroup = constants.pass.firstGroup + first;
+    bind(kernel, layout, part);
+    vk_->vkCmdDispatch(commands_, std::min(most, workgroupsX - first), workgroupsY, 1);
+  }
 }
 
 void CommandBuffer::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,

@@ -135,10 +135,16 @@ void Device::makeOwn() {
 }
 
 std::vector<uint32_t> Device::memoryTypes(uint32_t typeBits, std::span<const VkMemoryPropertyFlags> wanted) const {
+  // Buffers may only lie in such memory with features that the library does not ask for, or not at all.
+  constexpr VkMemoryPropertyFlags kUnusable =
+      VK_MEMORY_PROPERTY_PROTECTED_BIT | VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT |
+      VK_MEMORY_PROPERTY_DEVICE_COHERENT_BIT_AMD | VK_MEMORY_PROPERTY_DEVICE_UNCACHED_BIT_AMD |
+      VK_MEMORY_PROPERTY_RDMA_CAPABLE_BIT_NV;
   std::vector<uint32_t> types;
   for (const VkMemoryPropertyFlags flags : wanted)
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
       if ((typeBits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & flags) == flags &&
+          (memory_.memoryTypes[i].propertyFlags & kUnusable) == 0 &&
           std::find(types.begin(), types.end(), i) == types.end())
         types.push_back(i);
   return types;

@@ -30,7 +30,6 @@ namespace gnosphere::vulkan {
   FUNCTION(vkCmdBindPipeline) \
   FUNCTION(vkCmdCopyBuffer) \
   FUNCTION(vkCmdDispatch) \
-  FUNCTION(vkCmdDispatchBase) \
   FUNCTION(vkCmdDispatchIndirect) \
   FUNCTION(vkCmdEndDebugUtilsLabelEXT) \
   FUNCTION(vkCmdFillBuffer) \

@@ -264,9 +264,58 @@ TEST_CASE("a mesh changes and another one comes before one recording") {
   CHECK(recorded.scan({}) == rows);
 }
 
-TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {
+namespace {
+
+/// A table between the library and the loader: no memory of the device is coherent, and its atoms have 64 bytes.
+struct Incoherent {
+  static constexpr VkDeviceSize kAtom = 64;
+  PFN_vkGetInstanceProcAddr instance = nullptr;
+  PFN_vkGetDeviceProcAddr device = nullptr;
+  PFN_vkGetPhysicalDeviceMemoryProperties memory = nullptr;
+  PFN_vkFlushMappedMemoryRanges flush = nullptr;
+  int flushed = 0;
+} incoherent;
+
+VKAPI_ATTR VkResult VKAPI_CALL checkedFlush(VkDevice device, uint32_t count, const VkMappedMemoryRange* ranges) {
+  for (uint32_t i = 0; i < count; ++i) {
+    CHECK(ranges[i].offset % Incoherent::kAtom == 0);
+    CHECK(ranges[i].size % Incoherent::kAtom == 0);
+  }
+  ++incoherent.flushed;
+  return incoherent.flush(device, count, ranges);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL incoherentDevice(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction real = incoherent.device(device, name);
+  if (std::string(name) != "vkFlushMappedMemoryRanges") return real;
+  incoherent.flush = reinterpret_cast<PFN_vkFlushMappedMemoryRanges>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(checkedFlush);
+}
+
+VKAPI_ATTR void VKAPI_CALL incoherentMemory(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties* to) {
+  incoherent.memory(physical, to);
+  for (VkMemoryType& type : to->memoryTypes)
+    type.propertyFlags &= ~VkMemoryPropertyFlags{VK_MEMORY_PROPERTY_HOST_COHERENT_BIT};
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL incoherentInstance(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction real = incoherent.instance(instance, name);
+  if (std::string(name) == "vkGetDeviceProcAddr") {
+    incoherent.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(incoherentDevice);
+  }
+  if (std::string(name) != "vkGetPhysicalDeviceMemoryProperties") return real;
+  incoherent.memory = reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(incoherentMemory);
+}
+
+}  // namespace
+
+TEST_CASE("all memory comes from the caller's allocator, is flushed in whole atoms, and goes back") {
   needVulkan();
-  VulkanApp app;
+  incoherent = {};
+  incoherent.instance = loaderLookUp();
+  VulkanApp app("", incoherentInstance);
   vulkan::AdoptedDevice device = app.adopted();
   std::vector<std::unique_ptr<int>> given;
   size_t alive = 0;
@@ -298,6 +347,7 @@ TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {
     Recorded recorded(app, boxes(), {gridSensor(90, 8, -18, 9), Effects::none()}, plainOptions(), pointLayout());
     CHECK(alive > 20);
     CHECK(recorded.scan({}).size() == 720 * pointLayout().stride);
+    CHECK(incoherent.flushed > 0);
   }
   app.setAdopted(device);  // ends what the application holds of the library
   CHECK(alive == 0);

@@ -43,19 +43,19 @@ struct FewWorkgroups {
   PFN_vkGetInstanceProcAddr instance = nullptr;
   PFN_vkGetDeviceProcAddr device = nullptr;
   PFN_vkGetPhysicalDeviceProperties properties = nullptr;
-  PFN_vkCmdDispatchBase dispatch = nullptr;
-  int divided = 0;  // dispatches that do not begin at the first workgroup
+  PFN_vkCmdDispatch dispatch = nullptr;
+  int full = 0;  // dispatches of as many workgroups as are allowed
 } few;
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fewOfDevice(VkDevice device, const char* name) {
   const PFN_vkVoidFunction real = few.device(device, name);
-  if (std::string(name) != "vkCmdDispatchBase") return real;
-  few.dispatch = reinterpret_cast<PFN_vkCmdDispatchBase>(real);
-  const PFN_vkCmdDispatchBase counting = [](VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z,
-                                            uint32_t workgroupsX, uint32_t workgroupsY, uint32_t groupsZ) {
-    few.divided += x > 0;
+  if (std::string(name) != "vkCmdDispatch") return real;
+  few.dispatch = reinterpret_cast<PFN_vkCmdDispatch>(real);
+  const PFN_vkCmdDispatch counting = [](VkCommandBuffer commands, uint32_t workgroupsX, uint32_t workgroupsY,
+                                        uint32_t workgroupsZ) {
+    few.full += workgroupsX == FewWorkgroups::kMost;
     CHECK(workgroupsX <= FewWorkgroups::kMost);
-    few.dispatch(commands, x, y, z, workgroupsX, workgroupsY, groupsZ);
+    few.dispatch(commands, workgroupsX, workgroupsY, workgroupsZ);
   };
   return reinterpret_cast<PFN_vkVoidFunction>(counting);
 }
@@ -89,7 +89,7 @@ TEST_CASE("a list of more beams than a dispatch has workgroups for loses none") 
   TestOptions options = vulkanOptions();
   options.tuning.binning = Binning::lists;
   requireSameRows(app, classifiedRoom(), {sensor, Effects::none()}, options, layout, {shotOf(false)});
-  CHECK(few.divided > 0);
+  CHECK(few.full > 0);
 }
 
 TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every accuracy", "[second-driver]") {

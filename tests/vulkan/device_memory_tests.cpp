@@ -128,6 +128,16 @@ TEST_CASE("memory types are tried in the order of the wishes, each once") {
   std::sort(sorted.begin(), sorted.end());
   CHECK(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end());
   CHECK(device.memoryTypes(0, wanted).empty());
+
+  // AMD's drivers list all types twice, the second time coherent between caches, for which a feature is needed.
+  auto& memory = const_cast<VkPhysicalDeviceMemoryProperties&>(device.memory());
+  memory = {};
+  for (const VkMemoryPropertyFlags flags : {VkMemoryPropertyFlags{VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT}, kVisible})
+    memory.memoryTypes[memory.memoryTypeCount++].propertyFlags = flags;
+  for (uint32_t i = 0; i < 2; ++i)
+    memory.memoryTypes[memory.memoryTypeCount++].propertyFlags =
+        memory.memoryTypes[i].propertyFlags | VK_MEMORY_PROPERTY_DEVICE_COHERENT_BIT_AMD;
+  CHECK(device.memoryTypes(~0u, wanted) == std::vector<uint32_t>{1, 0});
 }
 
 namespace {

@@ -239,24 +239,26 @@ TEST_CASE("a dispatch of more workgroups than the device allows is divided") {
   needVulkan();
   vulkan::Device device({}, false);
   const_cast<vulkan::Capabilities&>(device.capabilities()).mostGroups = 100;
-  static std::vector<std::array<uint32_t, 3>> dispatches;
+  static std::vector<std::array<uint32_t, 3>> dispatches;  // first workgroup, and numbers of workgroups
+  static uint32_t firstGroup;
   dispatches.clear();
-  functionsOf(device).vkCmdDispatchBase = [](VkCommandBuffer, uint32_t x, uint32_t, uint32_t, uint32_t workgroupsX,
-                                             uint32_t workgroupsY, uint32_t) {
-    dispatches.push_back({x, workgroupsX, workgroupsY});
-  };
   functionsOf(device).vkCmdDispatch = [](VkCommandBuffer, uint32_t workgroupsX, uint32_t workgroupsY, uint32_t) {
-    dispatches.push_back({0, workgroupsX, workgroupsY});
+    dispatches.push_back({firstGroup, workgroupsX, workgroupsY});
   };
   functionsOf(device).vkCmdBindPipeline = [](VkCommandBuffer, VkPipelineBindPoint, VkPipeline) {};
   functionsOf(device).vkCmdPushConstants = [](VkCommandBuffer, VkPipelineLayout, VkShaderStageFlags, uint32_t, uint32_t,
-                                              const void*) {};
+                                              const void* constants) {
+    firstGroup = static_cast<const vulkan::PushConstants*>(constants)->pass.firstGroup;
+  };
   vulkan::CommandBuffer commands(device, VK_NULL_HANDLE);
   using Dispatches = std::vector<std::array<uint32_t, 3>>;
-  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, {}, 100, 7);
+  vulkan::PushConstants constants = {};
+  constants.pass.groups = 1000;
+  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, constants, 100, 7);
   CHECK(std::exchange(dispatches, {}) == Dispatches{{0, 100, 7}});
-  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, {}, 250, 1);
-  CHECK(dispatches == Dispatches{{0, 100, 1}, {100, 100, 1}, {200, 50, 1}});
+  constants.pass.firstGroup = 500;  // as of a part of a step
+  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, constants, 250, 1);
+  CHECK(dispatches == Dispatches{{500, 100, 1}, {600, 100, 1}, {700, 50, 1}});
 }
 
 TEST_CASE("the queue is one for compute alone where there is one") {
