@@ -83,18 +83,20 @@ class DeviceBackend final : public Backend {
 
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override {
     waitForAll();
-    std::unique_ptr<SensorState> sensor;
+    std::shared_ptr<SensorState> sensor;
+    const std::shared_ptr<SensorState> before = index < sensors_.size() ? sensors_[index] : nullptr;
     if (plan) {
       if (!plan->layout.empty()) checkLayout(*plan);
       if (plan->surfaces() || plan->speeds()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
-      sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().mostTriangles(),
+      sensor = std::make_shared<SensorState>(*machine_, std::move(plan), options_, scene_.instances().mostTriangles(),
                                              scene_.deformed());
+      if (before && sensor->arrays.keepsRecords()) sensor->arrays.growListsAs(before->arrays);
       machine_->prepared();
     }
     machine_->throwOnMessages();
     sensors_.resize(std::max(sensors_.size(), index + 1));
-    recorded_.forget(index);
+    if (before) recorded_.replace(index, {before, &before->arrays});
     sensors_[index] = std::move(sensor);
   }
 
@@ -392,7 +394,7 @@ class DeviceBackend final : public Backend {
   std::unique_ptr<Machine> machine_;
   std::vector<Material> materials_;
   SceneArrays scene_;
-  std::vector<std::unique_ptr<SensorState>> sensors_;  // null for a removed sensor
+  std::vector<std::shared_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
   Clock::time_point start_;  // of the scan that is being finished
   Workers workers_;

@@ -25,8 +25,9 @@ void check(const Recording::Range& range, uint64_t least, size_t sensor, const c
 
 }  // namespace
 
-void RecordedScans::forget(size_t sensor) {
-  for (Scans& scans : frames_) scans.erase(sensor);
+void RecordedScans::replace(size_t sensor, std::shared_ptr<SensorArrays> before) {
+  for (Scans& scans : frames_)
+    if (const auto own = scans.find(sensor); own != scans.end() && !own->second.replaced) own->second.replaced = before;
   runs_.erase(sensor);
 }
 
@@ -48,12 +49,12 @@ void RecordedScans::load(const ClassTable::Packed& table, Classes& classes) {
 }
 
 // Reads the counters of the frame's scans. A scan counts as read only when its result is kept, so an exception loses no
-// result.
+// result. Lists that were too small grow, unless the sensor has other arrays since.
 void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
   for (auto& [number, own] : frames_[frame]) {
     if (own.scans.empty()) continue;
-    SensorArrays& sensor = *sensors[number];
+    SensorArrays& sensor = own.replaced ? *own.replaced : *sensors[number];
     const size_t lastRun = own.scans.back().lastRun;
     if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(own.runs[lastRun].index));
     gnosphere::makeRoom(results_[frame], results_[frame].size() + own.scans.size());
@@ -65,11 +66,13 @@ void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& 
           {number, scan.frame, complete, nonFinite, degenerate, own.runs[scan.firstRun].transforms.unplaced()});
     }
     own.scans.clear();
+    if (own.replaced) continue;
     for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (!sensor.cutShort(run.index)) sensor.noteEnough(run.index, run.views, run.moves);
     for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }
+  std::erase_if(frames_[frame], [](const auto& entry) { return entry.second.replaced != nullptr; });
 }
 
 // Nothing that this frame has recorded will run. Results that were read before stay.

@@ -28,8 +28,9 @@ class RecordedScans {
   /// The commands of the frame's last recording will never run. Throws Error(invalidArgument) if another frame has been
   /// recorded since, because its commands build on these.
   void abandon(size_t frame);
-  /// Must be called before the arrays of a sensor are destroyed.
-  void forget(size_t sensor);
+  /// The sensor has other arrays from now on, or is gone. `before` is what it had; the scans in flight keep it until
+  /// their frame comes again.
+  void replace(size_t sensor, std::shared_ptr<SensorArrays> before);
   /// Must be called when the vertices of a mesh come from a buffer of the caller.
   void takeVertices() { vertices_.prepare(); }
   /// Must be called when transforms of instances come from a buffer of the caller.
@@ -54,7 +55,8 @@ class RecordedScans {
   /// One sensor's scans in one frame in flight.
   struct SensorScans {
     std::vector<Run> runs;
-    std::vector<Recorded> scans;  // whose outcome is not known yet
+    std::vector<Recorded> scans;             // whose outcome is not known yet
+    std::shared_ptr<SensorArrays> replaced;  // what has recorded them, if the sensor has other arrays since
   };
   using Scans = std::map<size_t, SensorScans>;  // by sensor
   /// The classes of surfaces in one frame in flight.

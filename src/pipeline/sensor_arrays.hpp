@@ -63,6 +63,8 @@ class SensorArrays {
   bool cutShort(size_t slot);
   /// Grows the lists that were too small to the sizes that the scan has counted. No slot may be running.
   void growLists(size_t slot);
+  /// Grows the lists to those of a sensor with another plan of the same scene, whose scans they have held.
+  void growListsAs(const SensorArrays& other);
   /// Tells that the lists were large enough for the last submission of this slot, of so many views, in which sensor or
   /// instances moved or none did.
   void noteEnough(size_t slot, size_t views, bool moved);

@@ -251,4 +251,13 @@ void SensorArrays::growLists(size_t index) {
   makeLists(room);
 }
 
+void SensorArrays::growListsAs(const SensorArrays& other) {
+  if (other.binning_ != binning_) return;
+  Capacities room = capacities_;
+  room.projected = std::max(room.projected, within(other.capacities_.projected, mostProjected()));
+  room.tiles = std::max(room.tiles, other.capacities_.tiles);
+  room.candidates = std::max(room.candidates, within(other.capacities_.candidates, mostCandidates()));
+  if (tilesBehind(room) + room.tiles <= limit(kTileBytes)) makeLists(room);
+}
+
 }  // namespace gnosphere

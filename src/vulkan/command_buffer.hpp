@@ -14,8 +14,8 @@ class CommandBuffer {
       : vk_(&device.vk()), commands_(commands), mostGroups_(device.capabilities().mostGroups) {}
 
   VkCommandBuffer handle() const { return commands_; }
-  /// More workgroups than a dispatch may have become several dispatches, whose first workgroups their constants name, if
-  /// the constants say that the kernel can be divided.
+  /// More workgroups than a dispatch may have become several dispatches, whose first workgroups their constants name,
+  /// if the constants say that the kernel can be divided.
   void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t workgroupsX,
                 uint32_t workgroupsY);
   /// Reads the number of workgroups from a buffer.

@@ -3,6 +3,8 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <numeric>
+#include <optional>
 #include <thread>
 
 #include "deformable.hpp"
@@ -236,6 +238,47 @@ TEST_CASE("meshes, instances and sensors come and go while frames are in flight"
     if (round == 2) bytes = use.scene + use.sensor + use.work;
     if (round > 2) REQUIRE(use.scene + use.sensor + use.work <= bytes);
   }
+}
+
+TEST_CASE("scans in flight are told of though the scene changes the plan of their sensor, whose lists stay large") {
+  needVulkan();
+  const CommonApp common;
+  Scene scene = boxes();
+  Material glass;
+  glass.transmission = 0.9f;
+  scene.materials.push_back(glass);
+  MeshBuilder pane;
+  pane.quad({0, -1, -1}, {0, 2, 0}, {0, 0, 2}, 2);
+  scene.meshes.push_back(pane.take());
+  scene.meshes.back().parts[0].material = static_cast<uint32_t>(scene.materials.size() - 1);
+  const auto mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
+  // As in the test of lists that are too small: the first scans find out.
+  for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
+  Recorded recorded(common.app, scene, {listSensor("rosette", rosette(3000, 1.5)), Effects()}, slabOptions(),
+                    pointLayout());
+  Simulator& simulator = recorded.simulator();
+  std::vector<uint64_t> told;
+  size_t incomplete = 0, pieces = 0;
+  std::optional<size_t> window;
+  for (uint64_t frame = 0; frame < 24; ++frame) {
+    if (frame % 5 == 4) {  // glass comes and goes
+      if (window) simulator.removeInstance(*window);
+      window = window ? std::optional<size_t>() : simulator.addInstance(mesh, translation(2, 0, 0));
+      ++pieces;
+    }
+    Shot shot;
+    shot.frame = frame;
+    for (const vulkan::RecordedScan& scan : recorded.submit(shot)) {
+      told.push_back(scan.frame);
+      if (frame > 8) incomplete += !scan.complete;  // both plans have had time to grow
+    }
+  }
+  std::vector<uint64_t> all(told.size());
+  std::iota(all.begin(), all.end(), uint64_t{0});
+  CHECK(told == all);
+  CHECK(told.size() >= 20);
+  CHECK(pieces == 4);
+  CHECK(incomplete == 0);
 }
 
 TEST_CASE("a mesh changes and another one comes before one recording") {
