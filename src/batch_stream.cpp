@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/limits.hpp"
+#include "base/maker_process.hpp"
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/recording.hpp"
@@ -30,6 +31,8 @@ uint64_t roundedUp(uint64_t value, uint64_t to) {
 
 class BatchStream::Impl {
  public:
+  const MakerProcess& maker() const { return maker_; }
+
   Impl(Simulator& simulator, const BatchStreamOptions& options) : simulator_(simulator), options_(options) {
     if (options.views == 0 || options.views > limits::kMostNumber)
       refuse("a BatchStream is made for 1 to " + std::to_string(limits::kMostNumber) + " views, not for " +
@@ -177,6 +180,7 @@ class BatchStream::Impl {
 
   Simulator& simulator_;
   BatchStreamOptions options_;
+  const MakerProcess maker_;
   uint64_t bytes_ = 0;  // of a result buffer
   uint64_t next_ = 0;   // number of the next batch
   std::vector<Batch> batches_;
@@ -185,9 +189,16 @@ class BatchStream::Impl {
 
 BatchStream::BatchStream(Simulator& simulator, const BatchStreamOptions& options)
     : impl_(std::make_unique<Impl>(simulator, options)) {}
-BatchStream::~BatchStream() = default;
+BatchStream::~BatchStream() {
+  if (impl_ && impl_->maker().isParent()) static_cast<void>(impl_.release());  // as a Simulator
+}
 BatchStream::BatchStream(BatchStream&&) noexcept = default;
-BatchStream& BatchStream::operator=(BatchStream&&) noexcept = default;
+BatchStream& BatchStream::operator=(BatchStream&& other) noexcept {
+  if (this == &other) return *this;
+  const BatchStream before(std::move(*this));
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 uint64_t BatchStream::submit(std::span<const Shot> shots) {
   return impl_->submit(shots);

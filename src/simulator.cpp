@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/index_pool.hpp"
+#include "base/maker_process.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 #include "gnosphere/error.hpp"
@@ -52,6 +53,8 @@ void checkFor(Result& result, const Check& check) {
 
 class Simulator::Impl {
  public:
+  const MakerProcess& maker() const { return maker_; }
+
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
       : options_(options), planner_(options_), kept_(scene, planner_) {
     if (options.accuracyParts) validate(*options.accuracyParts);
@@ -299,6 +302,7 @@ class Simulator::Impl {
     kept_.setPlanned();
   }
 
+  const MakerProcess maker_;
   const SimulatorOptions options_;
   SensorPlanner planner_;
   KeptScene kept_;
@@ -316,9 +320,17 @@ Simulator::Simulator(const Scene& scene, const std::vector<SensorRequest>& senso
     : impl_(std::make_unique<Impl>(scene, sensors, options)) {}
 Simulator::Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options)
     : Simulator(scene, std::vector{sensor}, options) {}
-Simulator::~Simulator() = default;
+// A process that was forked from the one that has made the simulator cannot end the simulator's threads and device.
+Simulator::~Simulator() {
+  if (impl_ && impl_->maker().isParent()) static_cast<void>(impl_.release());  // left where it is
+}
 Simulator::Simulator(Simulator&&) noexcept = default;
-Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&& other) noexcept {
+  if (this == &other) return *this;
+  const Simulator before(std::move(*this));
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 Scan Simulator::scan(const Pose& pose, size_t sensor) {
   Shot shot;

@@ -52,8 +52,8 @@ struct Allocation {
 /// The caller's allocator of device memory, in the manner of the Vulkan Memory Allocator.
 struct Allocator {
   /// Returns memory of the type `memoryType` for a buffer, or an Allocation without memory if there is none left. The
-  /// memory must have been allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT. Size and alignment are multiples of the
-  /// device's nonCoherentAtomSize, so that the library may flush the whole range.
+  /// memory must have been allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT. Size and alignment are multiples of
+  /// the device's nonCoherentAtomSize, so that the library may flush the whole range.
   std::function<Allocation(const VkMemoryRequirements& requirements, uint32_t memoryType)> allocate;
   std::function<void(const Allocation& allocation)> release;
 };

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The queue of a topic, and the thread that empties it.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -14,6 +12,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/maker_process.hpp"
 #include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 #include "ros2/check.hpp"
@@ -28,17 +27,17 @@ constexpr uint32_t kLastDomain = 232;  // beyond it the ports of DDS end
   throw Error(ErrorCode::invalidArgument, "ros2::Publisher: " + why);
 }
 
-/// Refuses a process that was forked from `process`, which publishes: it does not have the threads of that one.
-void checkProcess(pid_t process) {
-  if (process == getpid()) return;
+/// Refuses a process that was forked from the one that publishes.
+void checkMaker(const MakerProcess& publishing) {
+  if (!publishing.isParent()) return;
   refusePublisher(
       "the process was forked from one that publishes, whose threads it does not have; start it anew, in "
       "Python with 'spawn'");
 }
 
 /// Returns the process that has made the first publisher.
-pid_t publishingProcess() {
-  static const pid_t kFirst = getpid();
+const MakerProcess& publishingProcess() {
+  static const MakerProcess kFirst;
   return kFirst;
 }
 
@@ -88,7 +87,7 @@ Topic topicOf(MessageType type, const std::string& name, const PublisherOptions&
   topic.name = wireName(name);
   topic.qos = options.qos;
   topic.domain = options.domain ? *options.domain : domainFromEnvironment();
-  checkProcess(publishingProcess());
+  checkMaker(publishingProcess());
   if (topic.domain > kLastDomain)
     refusePublisher("the domain is " + std::to_string(topic.domain) + "; the last one is " +
                     std::to_string(kLastDomain));
@@ -116,10 +115,10 @@ class Publisher::Queue {
   }
 
   /// Whether this process was forked from that of the publisher.
-  bool isForked() const { return process_ != getpid(); }
+  bool isForked() const { return maker_.isParent(); }
 
   void push(Message message) {
-    checkProcess(process_);
+    checkMaker(maker_);
     if (message.index() != static_cast<size_t>(type_)) refusePublisher("the topic has messages of another type");
     check(message);
     Message replaced;  // destroyed after the lock is released
@@ -137,14 +136,14 @@ class Publisher::Queue {
   }
 
   bool flush(double seconds) {
-    checkProcess(process_);
+    checkMaker(maker_);
     const std::chrono::duration<double> limit(std::clamp(seconds, 0.0, 1e6));
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return waiting_.empty() && !sending_; });
   }
 
   PublisherCounts counts() {
-    checkProcess(process_);
+    checkMaker(maker_);
     const uint32_t subscribers = wire_->subscribers();
     const std::lock_guard lock(mutex_);
     PublisherCounts now = counts_;
@@ -180,7 +179,7 @@ class Publisher::Queue {
     }
   }
 
-  const pid_t process_ = getpid();
+  const MakerProcess maker_;
   const MessageType type_;
   const size_t depth_;
   const std::unique_ptr<Wire> wire_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/ready_device.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -10,6 +8,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "base/maker_process.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -41,14 +41,14 @@ struct Settings {
 struct SharedDevice : ReadyDevice {
   explicit SharedDevice(const SimulatorOptions& options) : ReadyDevice(options), settings(options) {}
   // A process that was forked has no threads of the driver, so devices of its parent are of no use there.
-  bool isParents() const { return process != getpid(); }
+  bool isParents() const { return maker.isParent(); }
   bool takesMore() const { return !failed && !isParents() && kernels.count() <= kMostKernels; }
   // The caller's device must outlive its simulators only, so it is not kept.
   bool canBeKept() const { return takesMore() && !settings.adopted; }
   bool isIdle() const { return users == 0 && !isParents(); }
 
   Settings settings;
-  pid_t process = getpid();
+  MakerProcess maker;
   // Both are guarded by Devices::mutex.
   size_t users = 0;
   std::thread::id thread;  // on which its simulators were made

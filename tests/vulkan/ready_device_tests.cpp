@@ -6,6 +6,7 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <memory>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -86,16 +87,22 @@ TEST_CASE("a device that fails is not taken over") {
   CHECK(simulator.scan({}).counters.hits == 200);
 }
 
-TEST_CASE("a process that was forked makes simulators, too") {
+TEST_CASE("a process that was forked makes simulators, also in place of those of its parent") {
   needVulkan();
-  const auto hits = [] {
-    return scanOf(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), {}, vulkanOptions()).counters.hits;
+  const auto make = [] {
+    return makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(1800, 32, -10, 10), vulkanOptions());
   };
-  REQUIRE(hits() == 200);
+  const auto hits = [](Simulator& simulator) { return simulator.scan({}).counters.hits; };
+  std::optional<Simulator> gone = make();
+  Simulator simulator = make();
+  REQUIRE(hits(*gone) == 1800 * 32);
+  REQUIRE(hits(simulator) == 1800 * 32);
   const pid_t child = fork();
   if (child == 0) {
     alarm(100);
-    _exit(hits() == 200 ? 0 : 1);
+    gone.reset();
+    simulator = make();
+    _exit(hits(simulator) == 1800 * 32 ? 0 : 1);
   }
   int status = -1;
   REQUIRE(waitpid(child, &status, 0) == child);
