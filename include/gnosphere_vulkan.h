@@ -82,6 +82,7 @@ typedef struct gno_vulkan_range {
   VkDeviceSize bytes;
 } gno_vulkan_range;
 
+/* The header of the records of a recorded scan. */
 typedef gno_record_header gno_vulkan_record_header;
 
 /* A scan to be recorded, and the buffers for its results. */

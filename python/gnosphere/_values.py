@@ -66,7 +66,7 @@ def _make_value(kind: Any) -> None:
     setattr(kind, "__hash__", None)  # it can change
 
 
-for _module in (_gnosphere, _gnosphere._ros2):
+for _module in (_gnosphere, _gnosphere.drive, _gnosphere._ros2):
     for _kind in classes_in(_module):
         if _kind.__name__ not in _RESULTS:
             _make_value(_kind)

@@ -11,7 +11,7 @@ import fnmatch
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import Any, Optional, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ from . import primitives
 
 Array = npt.NDArray[Any]
 Fields = Union[str, Iterable[gno.Field]]
+Value = TypeVar("Value")
 
 POINT_FIELD_TYPES = {"uint8": 2, "uint16": 4, "uint32": 6, "float32": 7, "float64": 8}
 """The codes of sensor_msgs/PointField."""
@@ -68,14 +69,14 @@ class Shapes:
         uvs: Optional[npt.ArrayLike] = None,
     ) -> int:
         """Adds a mesh and returns its index. `triangles` are vertices (n, 3) in metres, and faces (m, 3); `material`
-        is the number of a material, or of one per face."""
+        is the number of a material, or of one per face. Scan.triangles are the numbers of these faces. Scans are faster
+        if faces of one material stand next to each other."""
         vertices, faces = triangles
         numbers = np.broadcast_to(self.material() if material is None else material, len(np.asarray(faces)))
-        order = np.argsort(numbers, kind="stable")
-        used, first, count = np.unique(numbers[order], return_index=True, return_counts=True)
-        parts = [gno.MeshPart(int(at), int(n), int(number)) for at, n, number in zip(first, count, used)]
-        corners = np.asarray(faces)[order] if len(used) > 1 else faces
-        self._meshes.append(gno.Mesh(vertices, corners, parts, uvs, name=name))
+        first = np.flatnonzero(np.diff(numbers, prepend=numbers[:1] + 1))
+        counts = np.diff(first, append=len(numbers))
+        parts = [gno.MeshPart(int(at), int(n), int(numbers[at])) for at, n in zip(first, counts)]
+        self._meshes.append(gno.Mesh(vertices, faces, parts, uvs, name=name))
         return len(self._meshes) - 1
 
     def instance(
@@ -196,11 +197,16 @@ def rows_of(pose: gno.Pose) -> npt.NDArray[np.float64]:
 
 
 def class_of(classes: Optional[Mapping[str, int]], *names: str) -> int:
-    """The class of the first pattern (as of a shell) that one of the names fits; 0 if none does."""
-    for pattern, number in (classes or {}).items():
-        if any(fnmatch.fnmatchcase(name, pattern) for name in names if name):
-            return number
-    return 0
+    """The class of the longest pattern (as of a shell) that one of the names fits, of the last one among equally long
+    patterns; 0 if none does."""
+    return of_longest_pattern(classes or {}, *names) or 0
+
+
+def of_longest_pattern(values: Mapping[str, Value], *names: str) -> Optional[Value]:
+    """The value of the longest pattern (as of a shell) that one of the names fits, of the last one among equally long
+    patterns; none if none does. Drive files choose their classes by the same rule."""
+    fitting = [p for p in values if any(fnmatch.fnmatchcase(name, p) for name in names if name)]
+    return values[max(reversed(fitting), key=len)] if fitting else None
 
 
 def warn_left_out(who: str, left_out: Mapping[str, int], stacklevel: int = 2) -> None:
@@ -211,19 +217,17 @@ def warn_left_out(who: str, left_out: Mapping[str, int], stacklevel: int = 2) ->
 
 
 def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:
-    """The returns of a scan as one structured array, a value of the type per field. Fields beyond x, y, z, range,
-    triangle and instance must have been asked for when the sensor was made."""
+    """The returns of a scan as one structured array, a value of the type per field, with the names that the columns of
+    write_cloud() have. Fields beyond x, y, z, range, triangle and instance must have been asked for when the sensor was
+    made."""
     chosen = gno.parse_fields(fields) if isinstance(fields, str) else tuple(fields)
     layout = gno.layout_of(chosen)
     layout.compact = True
-    names, formats = [], []
-    for field in chosen:
-        info = gno.field_info(field)
+    formats = []
+    for info in map(gno.field_info, chosen):
         kind = {"f": "float", "u": "uint"}[info.type.name[0]] + info.type.name[1:]
-        suffixes = [""] if info.components == 1 else [f"_{axis}" for axis in "xyz"[: info.components]]
-        names += [info.name + suffix for suffix in suffixes]
         formats += [kind] * info.components
-    result = np.empty(len(scan.ranges), np.dtype(list(zip(names, formats))))
+    result = np.empty(len(scan.ranges), np.dtype(list(zip(gno._column_names(chosen), formats))))
     return result[: gno.pack(scan, layout, result.view(np.uint8))]
 
 

@@ -5,7 +5,7 @@ height field.
 Each function returns (vertices, faces): float32 of shape (n, 3) in metres, and uint32 of shape (m, 3), whose corners
 turn counter-clockwise seen from outside. Shapes stand in the middle of their frame, round ones along its z axis. The
 vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres. Sizes that are
-negative or not finite are a ValueError.
+negative or not finite are a ValueError, and so is a tolerance that is not above 0, or finer than single precision.
 """
 
 from __future__ import annotations
@@ -23,10 +23,24 @@ FEWEST_SIDES = 12
 """Even a tiny curved shape has this many sides."""
 
 
-def _sides(radius: float, share: float) -> int:
-    """How many sides of a circle stay within `share` of its radius, as a cosine of half their angle."""
-    half = math.acos(min(max(share, -1.0), 1.0)) if radius > 0 else math.pi
-    count = FEWEST_SIDES if half <= 0 else max(FEWEST_SIDES, math.ceil(math.pi / half))
+def check_tolerance(tolerance: float) -> None:
+    """Raises ValueError unless a tolerance in metres is finite and above 0."""
+    if not 0 < tolerance < math.inf:
+        raise ValueError(f"the tolerance must be finite and above 0 m, not {tolerance}")
+
+
+def _sides(radius: float, tolerance: float, bends: int = 1) -> int:
+    """How many sides of a circle keep the triangles of a shape within the tolerance of its surface. The depth of a
+    facet follows from the cosine of half its angle, and if the surface bends in two directions, from the product of
+    both cosines."""
+    check_tolerance(tolerance)
+    if tolerance < 1e-7 * radius:
+        raise ValueError(
+            f"the tolerance {tolerance} m is finer than single precision at a radius of {radius} m; it must be "
+            f"{1e-7 * radius} m or more"
+        )
+    share = max(0.0, 1 - tolerance / radius) if radius > 0 else 0.0
+    count = max(FEWEST_SIDES, math.ceil(math.pi / math.acos(share ** (1 / bends))))
     return count + count % 2
 
 
@@ -98,7 +112,7 @@ def _closed(rings: npt.NDArray[np.float64], low: Sequence[float], high: Sequence
 def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     """A closed cylinder that reaches from z = -half to z = half."""
     _check("a cylinder", (radius, half), 2)
-    circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
+    circle = _around(_sides(radius, tolerance)) * radius
     rings = np.stack([np.column_stack([circle, np.full(len(circle), z)]) for z in (-half, half)])
     return _closed(rings, [0, 0, -half], [0, 0, half])
 
@@ -106,7 +120,7 @@ def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
 def cone(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     """A closed cone from z = -half, where it is widest, to its tip at z = half."""
     _check("a cone", (radius, half), 2)
-    circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
+    circle = _around(_sides(radius, tolerance)) * radius
     rings = np.column_stack([circle, np.full(len(circle), -half)])[None]
     return _closed(rings, [0, 0, -half], [0, 0, half])
 
@@ -117,7 +131,7 @@ def _unit_rings(radius: float, tolerance: float) -> npt.NDArray[np.float64]:
     A facet between two rings is farthest from the sphere at the equator: there it is at the product of the cosines of
     half its two angles, so each cosine is the root of what the tolerance leaves.
     """
-    sides = _sides(radius, math.sqrt(max(0.0, 1 - tolerance / radius)) if radius > 0 else -1.0)
+    sides = _sides(radius, tolerance, bends=2)
     sides += -sides % 4
     latitudes = math.pi * np.arange(1, sides // 2) / (sides // 2) - math.pi / 2
     circle = _around(sides)
@@ -154,9 +168,15 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
     """A block from z = -base up to heights in metres, shape (rows along y, columns along x), over a rectangle.
 
     A cell is divided from its corner of the least x and y to the opposite one. The sides have no corners below but those
-    of the base, so that the base has two triangles.
+    of the base, so that the base has two triangles. Raises ValueError for heights that are not finite, and for fewer
+    than two rows or columns.
     """
+    _check("a height field", (half_x, half_y, base), 3)
     z = np.asarray(heights, np.float64)
+    if z.ndim != 2 or min(z.shape) < 2:
+        raise ValueError(f"the heights of a height field must be two rows and columns or more, not of shape {z.shape}")
+    if not np.all(np.isfinite(z)):
+        raise ValueError("the heights of a height field must be finite")
     rows, columns = z.shape
     x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows))
     top = np.stack([x, y, z], axis=-1).reshape(-1, 3)

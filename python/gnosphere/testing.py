@@ -34,6 +34,7 @@ KINDS = {
 }
 _WRITTEN = pytest.StashKey[list[Path]]()
 _ALWAYS = ("x", "y", "z", "range", "triangle", "instance")
+_WHOSE = ("beam", "return")  # Files of several returns have a row per return, which says whose it is.
 
 
 @dataclass
@@ -100,19 +101,24 @@ class GoldenCloud:
         allowed: int = 0,
         fields: str = "",
     ) -> None:
-        """Fails unless the scan is the golden cloud `name`, golden/NAME.npy beside the test's file.
+        """Fails unless the scan is the golden cloud `name`, golden/NAME.npy beside the test's file; golden/NAME.pcd if
+        its beams have several returns. Raises ValueError for `tolerances` with a range.
 
         exact: every byte is the same; scan with Accuracy.exact, which has the same bytes on every device.
         tolerance: metres that ranges may differ, and points may be apart, if not exact; owners and the beams with a
             return must be the same.
-        tolerances: the same for other fields, by name, in their units: {"intensity": 0.01}.
+        tolerances: the same for fields other than the range, by name, in their units: {"intensity": 0.01}.
         allowed: entries that may differ in whatever way, if not exact.
         fields: more fields that the golden cloud keeps, such as "intensity,class"; those of `tolerances` are added.
         """
+        if "range" in (tolerances or {}):
+            raise ValueError("golden_cloud: `tolerances` has a range; state it as `tolerance`, in metres")
         limits = {**(tolerances or {}), "range": tolerance}
-        kept = ",".join([*_ALWAYS, *(n for n in [*fields.split(","), *limits] if n and n not in _ALWAYS)])
-        options = CloudOptions(list(dict.fromkeys(parse_fields(kept))))
-        golden = self.folder / f"{name}.npy"
+        always = _ALWAYS if scan.returns == 1 else (*_ALWAYS, *_WHOSE)
+        kept = dict.fromkeys([*always, *filter(None, fields.split(",")), *limits])  # each of them once
+        options = CloudOptions(parse_fields(",".join(kept)))
+        file = f"{name}.npy" if scan.returns == 1 else f"{name}.pcd"
+        golden = self.folder / file
         if self.update:
             golden.parent.mkdir(parents=True, exist_ok=True)
             write_cloud(scan, golden, options)
@@ -120,17 +126,19 @@ class GoldenCloud:
             return
         if not golden.exists():
             pytest.fail(f"there is no golden cloud {golden}; look at the scan, then run pytest --gnosphere-update", False)
-        made = self.pages / f"{name}.npy"
+        made = self.pages / file
         made.parent.mkdir(parents=True, exist_ok=True)
         write_cloud(scan, made, options)
         if made.read_bytes() == golden.read_bytes():
             made.unlink()
             return
         before = read_cloud(golden)
-        if (before.channels, before.columns) != (scan.channels, scan.columns) or len(before.ranges) != len(scan.ranges):
+        shapes = [(cloud.channels, cloud.columns, cloud.returns) for cloud in (before, scan)]
+        if shapes[0] != shapes[1]:
+            kept_shape, shape = (" x ".join(map(str, each)) for each in shapes)
             pytest.fail(
-                f"the golden cloud {golden} has {before.channels} x {before.columns} beams and {len(before.ranges)} "
-                f"entries, the scan {scan.channels} x {scan.columns} and {len(scan.ranges)}: another sensor",
+                f"the golden cloud {golden} has {kept_shape} channels x columns x returns, the scan {shape}: another "
+                "sensor",
                 False,
             )
         absent = [n for n in limits if n not in before]

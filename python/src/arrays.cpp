@@ -20,15 +20,6 @@ std::string lineOf(const nb::python_error& error) {
   return nb::cast<std::string>(error.type().attr("__name__")) + ": " + message.substr(0, message.find('\n'));
 }
 
-/// Makes a NumPy array. Throws Error(invalidArgument), "<name> cannot be made an array<wanted>: ...".
-nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::string& wanted) {
-  try {
-    return asArray(object);
-  } catch (const nb::python_error& error) {
-    refuse(name + " cannot be made an array" + wanted + ": " + lineOf(error));
-  }
-}
-
 /// Makes an array of shape (n, 4, 4) one of shape (n, 3, 4), which lacks the last rows. Throws Error(invalidArgument)
 /// that names the first entry whose last row is not 0, 0, 0, 1.
 nb::object withoutLastRows(const nb::object& array, const std::string& name) {
@@ -65,15 +56,41 @@ nb::object rowsOfMaps(nb::object array, const std::string& name) {
 
 }  // namespace
 
+bool hasMaskedEntries(nb::handle object) noexcept {
+  if (!nb::hasattr(object, "mask")) return false;
+  try {
+    return nb::cast<bool>(numpy().attr("ma").attr("is_masked")(object));
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 nb::object asArray(nb::handle object) {
   const bool onlyDlpack =
       nb::hasattr(object, "__dlpack__") && !nb::hasattr(object, "__array__") && !PyObject_CheckBuffer(object.ptr());
+  if (hasMaskedEntries(object)) {
+    PyErr_SetString(PyExc_ValueError, "some of its entries are masked; numpy.ma.filled() gives them values");
+    throw nb::python_error();
+  }
   return numpy().attr(onlyDlpack ? "from_dlpack" : "asarray")(object);
+}
+
+nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::string& wanted) {
+  try {
+    return asArray(object);
+  } catch (const nb::python_error& error) {
+    refuse(name + " cannot be made an array" + wanted + ": " + lineOf(error));
+  }
 }
 
 bool isSequenceOfObjects(nb::handle object) {
   if (!PySequence_Check(object.ptr()) || PyUnicode_Check(object.ptr())) return false;
-  return !nb::hasattr(object, "dtype") || text(object.attr("dtype")) == "object";
+  if (nb::hasattr(object, "dtype")) return text(object.attr("dtype")) == "object";
+  return !nb::hasattr(object, "__array__");
+}
+
+nb::object numberedFromZero(nb::handle object) {
+  return nb::hasattr(object, "__array__") ? asArray(object) : nb::borrow(object);
 }
 
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width) {

@@ -42,6 +42,8 @@ class ArrayIn {
 void checkNumbers(nb::handle array, const std::string& name, const char* type, bool integers, double largest);
 /// Rows of any one width.
 inline constexpr size_t kAnyWidth = std::numeric_limits<size_t>::max();
+/// Makes a NumPy array. Throws Error(invalidArgument), "<name> cannot be made an array<wanted>: ...".
+nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::string& wanted);
 /// Makes a NumPy array of shape (n,), or (n, width) if width is not 0. Throws Error(invalidArgument).
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width);
 nb::object contiguous(nb::handle array, const char* type);
@@ -71,14 +73,17 @@ struct SequenceOrArray {
   nb::object object;
 };
 
-/// Whether an argument is a sequence, and neither a text nor an array of numbers.
+/// Whether an argument is a sequence, and neither a text nor an array or a table of numbers.
 bool isSequenceOfObjects(nb::handle object);
+/// A sequence of which isSequenceOfObjects() is true, with the indices from 0 on. A Series of pandas has labels of its
+/// own, so an array is made of it.
+nb::object numberedFromZero(nb::handle object);
 
 /// Whether an argument is a sequence whose first entry is a `T`.
 template <typename T>
 bool firstIs(nb::handle argument) {
   if (!isSequenceOfObjects(argument) || nb::len(argument) == 0) return false;
-  return nb::isinstance<T>(nb::object(argument[nb::int_(0)]));
+  return nb::isinstance<T>(nb::object(numberedFromZero(argument)[nb::int_(0)]));
 }
 
 /// The entries of a sequence of which firstIs() says that it is one of `T`. Throws a TypeError that begins with `name`
@@ -86,11 +91,12 @@ bool firstIs(nb::handle argument) {
 template <typename T>
 std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
   const auto nameOf = [](nb::handle type) { return nb::cast<std::string>(type.attr("__name__")); };
+  const nb::object sequence = numberedFromZero(argument);
   std::vector<T> entries;
-  const size_t size = nb::len(argument);
+  const size_t size = nb::len(sequence);
   entries.reserve(size);
   for (size_t i = 0; i < size; ++i) {
-    const nb::object entry = argument[nb::int_(i)];
+    const nb::object entry = sequence[nb::int_(i)];
     if (!nb::isinstance<T>(entry))
       throw nb::type_error((name + ": entry 0 is of the type " + nameOf(nb::type<T>()) + ", but entry " +
                             std::to_string(i) + " of the type " + nameOf(entry.type()) + "; all must be of one type")

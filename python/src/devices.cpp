@@ -50,54 +50,24 @@ void bindAccuracy(nb::module_& m) {
   bindWords<ReflectingFaces>(m, "ReflectingFaces", optionNamed("faces"));
 }
 
-Culling cullingIn(nb::handle value) {
-  if (!nb::isinstance<Culling>(value))
-    throw nb::type_error(("Tuning: culling must be a Culling, not " + nb::cast<std::string>(nb::repr(value))).c_str());
-  return nb::cast<Culling>(value);
-}
-
 void bindTuning(nb::module_& m) {
+  const char* keywords = "Takes its properties as keywords, in which a choice may be its name.";
   bindWords<Binning>(m, "Binning", optionNamed("tuning.binning"));
   bindWords<SubRays>(m, "SubRays", optionNamed("tuning.sub_rays"));
   nb::class_<Culling> culling(
       m, "Culling", "Which triangles are skipped early. The switches affect only the time; the cloud is the same.");
   bindWords<Culling::Occlusion>(culling, "Occlusion", optionNamed("tuning.culling.occlusion"));
-  culling.def(
-      "__init__",
-      [](Culling* self, nb::kwargs keywords) {
-        SimulatorOptions options;
-        for (const auto& [key, value] : keywords)
-          if (!setKeyword(options, "tuning.culling.", nb::cast<std::string>(key), value))
-            refuse("Culling has no '" + nb::cast<std::string>(key) + "'");
-        new (self) Culling(options.tuning.culling);
-      },
-      nb::sig("def __init__(self, **properties: object) -> None"),
-      "Takes its properties as keywords, in which a choice may be its name.");
   bindOptionRows<[](SimulatorOptions& options) -> Culling& { return options.tuning.culling; }>(culling,
                                                                                                "tuning.culling.");
   culling.def_rw("occlusion", &Culling::occlusion, pythonText(optionNamed("tuning.culling.occlusion").doc).c_str());
+  bindKeywords(culling, keywords);
   nb::class_<Tuning> tuning(m, "Tuning",
                             "How a scan is computed. The choices affect only time and memory; the cloud is the same.");
-  tuning
-      .def(
-          "__init__",
-          [](Tuning* self, nb::kwargs keywords) {
-            SimulatorOptions options;
-            for (const auto& [key, value] : keywords) {
-              const std::string name = nb::cast<std::string>(key);
-              if (name == "culling")
-                options.tuning.culling = cullingIn(value);
-              else if (!setKeyword(options, "tuning.", name, value))
-                refuse("Tuning has no '" + name + "'");
-            }
-            new (self) Tuning(options.tuning);
-          },
-          nb::sig("def __init__(self, **properties: object) -> None"),
-          "Takes its properties as keywords, in which a choice may be its name.")
-      .def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
+  tuning.def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
       .def_rw("sub_rays", &Tuning::subRays, pythonText(optionNamed("tuning.sub_rays").doc).c_str())
       .def_rw("culling", &Tuning::culling, "Which triangles are skipped early.");
   bindOptionRows<[](SimulatorOptions& options) -> Tuning& { return options.tuning; }>(tuning, "tuning.");
+  bindKeywords(tuning, keywords);
 }
 
 }  // namespace

@@ -8,37 +8,14 @@
 namespace gnosphere::python {
 namespace {
 
-/// Sets a property. Throws a TypeError that names it and its type if the value has another one.
-void setProperty(nb::handle object, nb::handle name, nb::handle value) {
-  try {
-    nb::setattr(object, name, value);
-  } catch (nb::python_error& error) {
-    if (!error.matches(PyExc_TypeError)) throw;
-    const auto nameOf = [](nb::handle type) { return nb::cast<std::string>(type.attr("__name__")); };
-    const nb::object now = nb::getattr(object, name);
-    throw nb::type_error((nameOf(object.type()) + ": " + nb::cast<std::string>(name) + " must be of the type " +
-                          nameOf(now.type()) + ", not " + nb::cast<std::string>(nb::repr(value)))
-                             .c_str());
-  }
-}
+struct NothingMore {
+  void operator()(const auto&) const {}
+};
 
-/// Makes an object as a new one, with its properties set by keywords.
-template <typename T>
-void bindKeywords(nb::class_<T>& type, const char* doc) {
-  type.def(
-      "__init__",
-      [](T* self, nb::kwargs keywords) {
-        const nb::object made = nb::cast(T());
-        for (const auto& [name, value] : keywords) setProperty(made, name, value);
-        new (self) T(nb::cast<const T&>(made));
-      },
-      nb::sig("def __init__(self, **properties: object) -> None"), doc);
-}
-
-/// Binds an effect, a part of Effects: a class with its member `use` and the parameters of its row, and the property of
-/// Effects that has it.
-template <auto kEffect>
-auto bindEffect(nb::class_<Effects>& effects, const std::string& name) {
+/// Binds an effect, a part of Effects: a class with its member `use`, the parameters of its row and what more(class)
+/// binds, and the property of Effects that has it.
+template <auto kEffect, typename More = NothingMore>
+void bindEffect(nb::class_<Effects>& effects, const std::string& name, const More& more = {}) {
   using Effect = std::remove_reference_t<decltype(std::declval<Effects&>().*kEffect)>;
   const EffectInfo& info = effectNamed(name);
   std::string type;
@@ -48,12 +25,12 @@ auto bindEffect(nb::class_<Effects>& effects, const std::string& name) {
   }
   const std::string doc = pythonText(info.doc);
   nb::class_<Effect> effect(effects, type.c_str(), doc.c_str());
-  bindKeywords(effect, "Takes its properties as keywords.");
   effect.def_rw("use", &Effect::use, "Whether it is off, on or automatic.");
   for (const Parameter<Effects>& parameter : info.parameters)
     bindRow<[](Effects& all) -> Effect& { return all.*kEffect; }>(effect, parameter.name, parameter);
+  more(effect);
+  bindKeywords(effect, "Takes its properties as keywords, in which a choice may be its name.");
   effects.def_rw(pythonName(name).c_str(), kEffect, doc.c_str());
-  return effect;
 }
 
 /// Binds a parameter whose value is a word: an enum in the class of the effect, and the property.
@@ -67,31 +44,35 @@ void bindChoice(nb::class_<Effect>& effect, const std::string& name, const char*
 }
 
 void bindSignal(nb::class_<Effects>& effects) {
-  auto intensity = bindEffect<&Effects::intensity>(effects, "intensity");
-  bindChoice(intensity, "intensity", "model", &Effects::Intensity::model);
-  bindChoice(intensity, "intensity", "scale", &Effects::Intensity::scale);
+  bindEffect<&Effects::intensity>(effects, "intensity", [](auto& intensity) {
+    bindChoice(intensity, "intensity", "model", &Effects::Intensity::model);
+    bindChoice(intensity, "intensity", "scale", &Effects::Intensity::scale);
+  });
   bindEffect<&Effects::detection>(effects, "detection");
-  auto dropOut = bindEffect<&Effects::dropOut>(effects, "drop-out");
-  dropOut.def_prop_rw(
-      "dead_beams", [](const Effects::DropOut& self) { return copiedColumn(self.deadBeams); },
-      [](Effects::DropOut& self, const ArrayLike& beams) {
-        self.deadBeams = arrayOf<uint32_t>(beams, "DropOut: dead_beams").copy();
-      },
-      kOwned,
-      (pythonText(parameterOf("drop-out", "dead_beams").doc) +
-       " Shape (n,), uint32: a read-only copy; assign a new array to change them.")
-          .c_str());
+  bindEffect<&Effects::dropOut>(effects, "drop-out", [](auto& dropOut) {
+    dropOut.def_prop_rw(
+        "dead_beams", [](const Effects::DropOut& self) { return copiedColumn(self.deadBeams); },
+        [](Effects::DropOut& self, const ArrayLike& beams) {
+          self.deadBeams = arrayOf<uint32_t>(beams, "DropOut: dead_beams").copy();
+        },
+        kOwned,
+        (pythonText(parameterOf("drop-out", "dead_beams").doc) +
+         " Shape (n,), uint32: a read-only copy; assign a new array to change them.")
+            .c_str());
+  });
   bindEffect<&Effects::rangeNoise>(effects, "range-noise");
-  auto angleNoise = bindEffect<&Effects::angleNoise>(effects, "angle-noise");
-  bindChoice(angleNoise, "angle-noise", "at", &Effects::AngleNoise::at);
+  bindEffect<&Effects::angleNoise>(effects, "angle-noise", [](auto& angleNoise) {
+    bindChoice(angleNoise, "angle-noise", "at", &Effects::AngleNoise::at);
+  });
   bindEffect<&Effects::intensityNoise>(effects, "intensity-noise");
 }
 
 void bindEchoes(nb::class_<Effects>& effects) {
-  auto divergence = bindEffect<&Effects::divergence>(effects, "divergence");
-  bindChoice(divergence, "divergence", "profile", &Effects::Divergence::profile);
-  auto returns = bindEffect<&Effects::returns>(effects, "returns");
-  bindChoice(returns, "returns", "mode", &Effects::Returns::mode);
+  bindEffect<&Effects::divergence>(effects, "divergence", [](auto& divergence) {
+    bindChoice(divergence, "divergence", "profile", &Effects::Divergence::profile);
+  });
+  bindEffect<&Effects::returns>(effects, "returns",
+                                [](auto& returns) { bindChoice(returns, "returns", "mode", &Effects::Returns::mode); });
   bindEffect<&Effects::transmission>(effects, "transmission");
   bindEffect<&Effects::cutOuts>(effects, "cut-outs");
 }
@@ -117,9 +98,10 @@ void bindMedium(nb::class_<Effects>& effects) {
       .def_ro("min", &Effects::Volume::min, "Metres, world frame.")
       .def_ro("max", &Effects::Volume::max, "Metres, world frame.")
       .def_ro("extinction", &Effects::Volume::extinction, "1/m");
-  auto volumes = bindEffect<&Effects::volumes>(effects, "volumes");
   const std::string doc = pythonText(parameterOf("volumes", "boxes").doc) + " A tuple of copies, assigned whole.";
-  readWriteTuple(volumes, "boxes", &Effects::Volumes::boxes, doc.c_str());
+  bindEffect<&Effects::volumes>(effects, "volumes", [&](auto& volumes) {
+    readWriteTuple(volumes, "boxes", &Effects::Volumes::boxes, doc.c_str());
+  });
 }
 
 }  // namespace
@@ -137,13 +119,13 @@ void bindEffects(nb::module_& m) {
       m, "Effects",
       "The effects that a scan simulates beside geometry, each with its parameters. Units are metres, radians, seconds "
       "and 1/m; powers are relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.");
-  bindKeywords(effects, "Effects that the scene and the sensor call for, but for those that keywords give.");
-  effects.def_rw("seed", &Effects::seed, pythonText(seedParameter().doc).c_str())
-      .def_static("none", &Effects::none, "Returns a value with every effect off: geometry alone.");
+  bindRow<[](Effects& all) -> Effects& { return all; }>(effects, "seed", seedParameter());
+  effects.def_static("none", &Effects::none, "Returns a value with every effect off: geometry alone.");
   bindSignal(effects);
   bindEchoes(effects);
   bindMotion(effects);
   bindMedium(effects);
+  bindKeywords(effects, "Effects that the scene and the sensor call for, but for those that keywords give.");
 
   auto weather =
       nb::class_<Weather>(m, "Weather",

@@ -2,6 +2,7 @@
 // Binds the meshes, deformations and instances of gnosphere/scene.hpp.
 #include "arrays.hpp"
 #include "scene/validate.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -184,22 +185,31 @@ void bindMeshItself(nb::module_& m) {
 }
 
 void bindInstance(nb::module_& m) {
-  nb::class_<Instance>(m, "Instance", "One placement of a mesh in the world. Instances share the mesh.")
+  nb::class_<Instance> instance(m, "Instance", "One placement of a mesh in the world. Instances share the mesh.");
+  instance
       .def(
           "__init__",
-          [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name,
-             uint32_t world) { new (self) Instance{std::move(name), of, transform, classId, "", world}; },
+          [](Instance* self, const Whole& of, const Transform& transform, const Whole& classId, std::string name,
+             const Whole& world) {
+            new (self) Instance{std::move(name),
+                                of.of<uint32_t>("Instance: mesh"),
+                                transform,
+                                classId.of<uint16_t>("Instance: class_id"),
+                                "",
+                                world.of<uint32_t>("Instance: world")};
+          },
           "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "", "world"_a = 0)
-      .def_rw("name", &Instance::name, "Scenes from files have the name that the file states.")
-      .def_rw("mesh", &Instance::mesh, "Index into Scene.meshes.")
-      .def_prop_rw(
-          "transform", [](const Instance& self) { return self.transform; },
-          [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.")
-      .def_rw("class_id", &Instance::classId,
-              "Semantic class of all surfaces whose material states none; 0 for none. See Field.class_id.")
-      .def_rw("class_name", &Instance::className,
-              "Class that the file states by its name instead; a drive file gives it a number.")
-      .def_rw("world", &Instance::world, "The world that has the instance, see Shot.world; 0 for all of them.");
+      .def_rw("name", &Instance::name, "Scenes from files have the name that the file states.");
+  readWriteWhole(instance, "mesh", &Instance::mesh, "Index into Scene.meshes.");
+  instance.def_prop_rw(
+      "transform", [](const Instance& self) { return self.transform; },
+      [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.");
+  readWriteWhole(instance, "class_id", &Instance::classId,
+                 "Semantic class of all surfaces whose material states none; 0 for none. See Field.class_id.");
+  instance.def_rw("class_name", &Instance::className,
+                  "Class that the file states by its name instead; a drive file gives it a number.");
+  readWriteWhole(instance, "world", &Instance::world,
+                 "The world that has the instance, see Shot.world; 0 for all of them.");
 }
 
 }  // namespace

@@ -90,26 +90,26 @@ void bindShot(nb::module_& m) {
 
   nb::class_<Shot> shot(m, "Shot", "One scan of a run.");
   shot.def(
-          "__init__",
-          [](Shot* self, const Pose& pose, size_t sensor, uint64_t frame, SensorMotion sensorMotion,
-             std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather,
-             std::vector<MeshMotion> meshMotions, uint32_t world) {
-            new (self) Shot{pose,
-                            sensor,
-                            frame,
-                            world,
-                            std::move(sensorMotion),
-                            std::move(instanceMotions),
-                            std::move(meshMotions),
-                            std::move(weather)};
-          },
-          "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
-          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
-          "world"_a = 0)
-      .def_rw("sensor", &Shot::sensor, "Index of the sensor.")
-      .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.")
-      .def_rw("world", &Shot::world,
-              "The shot sees the instances of this world and those of world 0, as if there were no others.");
+      "__init__",
+      [](Shot* self, const Pose& pose, const Whole& sensor, const Whole& frame, SensorMotion sensorMotion,
+         std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather,
+         std::vector<MeshMotion> meshMotions, const Whole& world) {
+        new (self) Shot{pose,
+                        sensor.of<size_t>("Shot: sensor"),
+                        frame.of<uint64_t>("Shot: frame"),
+                        world.of<uint32_t>("Shot: world"),
+                        std::move(sensorMotion),
+                        std::move(instanceMotions),
+                        std::move(meshMotions),
+                        std::move(weather)};
+      },
+      "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
+      "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
+      "world"_a = 0);
+  readWriteWhole(shot, "sensor", &Shot::sensor, "Index of the sensor.");
+  readWriteWhole(shot, "frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
+  readWriteWhole(shot, "world", &Shot::world,
+                 "The shot sees the instances of this world and those of world 0, as if there were no others.");
   readWriteCopy(shot, "pose", &Shot::pose,
                 "Of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose.");
   readWriteCopy(shot, "motion", &Shot::motion, "How the sensor moves during the scan.");

@@ -2,6 +2,7 @@
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
 #include "output/cloud_format.hpp"
 #include "scan.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -55,6 +56,14 @@ void bindLayout(nb::module_& m) {
       .def("empty", &RecordLayout::empty, "Whether it holds no value.")
       .def("bytes_for", &RecordLayout::bytesFor, "rows"_a, "Bytes of that many rows on a device: a multiple of 4.");
   readWriteTuple(layout, "values", &RecordLayout::values, "A tuple of copies, assigned whole.");
+  m.def(
+      "_column_names",
+      [](const std::vector<Field>& fields) {
+        std::vector<std::string> names;
+        for (const ColumnInfo& column : columnsOf(fields)) names.emplace_back(column.name);
+        return tupleOf(names);
+      },
+      "fields"_a, "Returns the names of the columns that a cloud file with these fields has.");
   m.def("layout_of", &layoutOf, "fields"_a,
         "Returns a layout with the fields one after the other without gaps, each component in the field's own type.");
   m.def(
@@ -159,13 +168,14 @@ void bindOutput(nb::module_& m) {
   m.def(
       "write_picture",
       [](const SharedScan& scan, const std::filesystem::path& file) {
+        if (file.extension() != ".png") refuse("write_picture: " + file.string() + " must end in .png");
         const std::shared_ptr<Scan> shared = scan.value;
         const ReleasedGil released;
         writePicture(*shared, file);
       },
       "scan"_a, "file"_a,
       "Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. "
-      "Raises Error(file) if the file cannot be written.");
+      "Raises Error(invalid_argument) for a file that does not end in .png, and Error(file) if it cannot be written.");
   m.def(
       "read_cloud",
       [](const std::filesystem::path& file) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "base/nearest_text.hpp"
+
 namespace gnosphere::python {
 namespace {
 
@@ -24,6 +26,31 @@ std::string snakeCase(const std::string& word) {
     result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   return result;
+}
+
+std::string classNameOf(nb::handle type) {
+  return nb::cast<std::string>(type.attr("__name__"));
+}
+
+/// The names of the properties of a class, in the order in which they were defined.
+std::vector<std::string> propertiesOf(nb::handle type) {
+  std::vector<std::string> names;
+  const nb::object members = type.attr("__dict__");
+  for (const nb::handle name : members)
+    if (nb::hasattr(members[name], "fset")) names.push_back(nb::cast<std::string>(name));
+  return names;
+}
+
+/// The enumerators by name of the enum that a value belongs to; not valid for another value.
+nb::object membersOf(nb::handle value) {
+  return nb::getattr(value.type(), "__members__", nb::object());
+}
+
+/// Returns "off, on or automatic".
+std::string listedNames(nb::handle members) {
+  std::vector<ChoiceWord> words;
+  for (nb::handle name : members) words.push_back({nb::cast<const char*>(name)});
+  return listed(words);
 }
 
 }  // namespace
@@ -63,22 +90,41 @@ const Parameter<Effects>& parameterOf(const std::string& effect, const std::stri
   return *std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return parameter == row.name; });
 }
 
-bool setKeyword(SimulatorOptions& options, const std::string& group, const std::string& key, nb::handle value) {
-  for (const auto& option : simulatorOptionTable()) {
-    const Parameter<SimulatorOptions>& parameter = option.parameter;
-    if (parameter.name != group + key) continue;
-    const auto* choice = std::get_if<ChoiceParameter<SimulatorOptions>>(&parameter.kind);
-    const bool enumerator = choice && nb::hasattr(value, "name");
-    const nb::object shown = enumerator ? nb::object(value.attr("name")) : nb::borrow(value);
-    const std::string text = nb::cast<std::string>(nb::str(shown));
-    std::string word = text == "True" || text == "False" ? (text == "True" ? "true" : "false") : text;
-    if (choice)
-      for (const ChoiceWord& known : choice->words)
-        if (pythonName(known.name) == text) word = known.name;
-    assign(options, parameter.name + std::string("=") + word);
-    return true;
+std::string keywordsOf(nb::handle object) {
+  std::string keywords;
+  for (const std::string& name : propertiesOf(object.type())) {
+    const nb::object setter = object.type().attr(name.c_str()).attr("fset");
+    const auto signature = nb::cast<std::string>(setter.attr("__nb_signature__")[0][0]);  // def f(self, arg: T, /)
+    const size_t first = signature.find(": ") + 2;
+    const std::string ofType = signature.substr(first, signature.rfind(", /)") - first);
+    keywords += (keywords.empty() ? ", *, " : ", ") + name + ": " + ofType;
+    if (membersOf(nb::getattr(object, name.c_str())).is_valid()) keywords += " | str";
+    keywords += " = ...";
   }
-  return false;
+  return keywords;
+}
+
+void setProperty(nb::handle object, const std::string& name, nb::handle value) {
+  const std::vector<std::string> known = propertiesOf(object.type());
+  if (std::ranges::find(known, name) == known.end())
+    throw nb::type_error((classNameOf(object.type()) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
+  const nb::object now = nb::getattr(object, name.c_str());
+  const nb::object members = membersOf(now);
+  if (members.is_valid() && PyUnicode_Check(value.ptr())) {
+    const nb::str word(pythonName(nb::cast<std::string>(value)).c_str());
+    if (!nb::cast<nb::mapping>(members).contains(word))
+      refuse(classNameOf(object.type()) + ": " + name + " must be " + listedNames(members) + ", is " +
+             nb::cast<std::string>(nb::repr(value)));
+    return nb::setattr(object, name.c_str(), members[word]);
+  }
+  try {
+    nb::setattr(object, name.c_str(), value);
+  } catch (nb::python_error& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    throw nb::type_error((classNameOf(object.type()) + ": " + name + " must be of the type " + classNameOf(now.type()) +
+                          ", not " + nb::cast<std::string>(nb::repr(value)))
+                             .c_str());
+  }
 }
 
 }  // namespace gnosphere::python

@@ -9,7 +9,9 @@
 
 #include "bind.hpp"
 #include "effects/effect_table.hpp"
+#include "effects/parameter_text.hpp"
 #include "option_table.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 
@@ -46,8 +48,7 @@ template <auto kReach, typename Class, typename Owner>
 void bindRow(nb::class_<Class>& type, const char* name, const Parameter<Owner>& parameter) {
   const std::string doc =
       pythonText(*parameter.unit ? std::string(parameter.unit) + "; " + parameter.doc : parameter.doc);
-  const auto define = [&](auto get, auto set) {
-    using Value = decltype(get(std::declval<Owner&>()));
+  const auto define = [&]<typename Value>(std::type_identity<Value>, auto get, auto set) {
     type.def_prop_rw(
         name,
         [get](const Class& self) {
@@ -65,14 +66,17 @@ void bindRow(nb::class_<Class>& type, const char* name, const Parameter<Owner>& 
   };
   const auto member = [&](const auto& kind) {
     using Value = std::remove_reference_t<decltype(kind.of(std::declval<Owner&>()))>;
-    define([of = kind.of](Owner& owner) -> Value { return of(owner); },
-           [of = kind.of](Owner& owner, Value value) { of(owner) = std::move(value); });
+    define(
+        std::type_identity<Value>(), [of = kind.of](Owner& owner) -> Value { return of(owner); },
+        [of = kind.of](Owner& owner, Value value) { of(owner) = std::move(value); });
   };
   if (const auto* number = std::get_if<NumberParameter<Owner>>(&parameter.kind)) member(*number);
   if (const auto* flag = std::get_if<FlagParameter<Owner>>(&parameter.kind)) member(*flag);
   if (const auto* text = std::get_if<TextParameter<Owner>>(&parameter.kind)) member(*text);
   if (const auto* count = std::get_if<CountParameter<Owner>>(&parameter.kind))
-    define([get = count->get](Owner& owner) { return get(owner); }, count->set);
+    define(std::type_identity<Whole>(), count->get,
+           [count, what = nb::cast<std::string>(type.attr("__name__")) + ": " + name](
+               Owner& owner, const Whole& value) { count->set(owner, value.within(count->min, count->max, what)); });
 }
 
 /// Defines the properties of the rows of a group of options, such as "tuning.culling.".
@@ -85,8 +89,25 @@ void bindOptionRows(nb::class_<Class>& type, const std::string& group) {
   }
 }
 
-/// Sets the options of a group by keywords. The value of a choice may be its enumerator or its name. Returns false for
-/// a keyword that is no option of the group.
-bool setKeyword(SimulatorOptions& options, const std::string& group, const std::string& key, nb::handle value);
+/// The parameters of a constructor that takes the properties of an object as keywords, each with its type; a choice may
+/// also be its name.
+std::string keywordsOf(nb::handle object);
+/// Sets a property by a keyword. Throws a TypeError for a name that no property has, with the nearest names, and for a
+/// value of another type; Error(invalidArgument) for a word that is no name of a choice, with its names.
+void setProperty(nb::handle object, const std::string& name, nb::handle value);
+
+/// Lets a class, all of whose properties have been defined, be made of keywords: a new object with these properties.
+template <typename T>
+void bindKeywords(nb::class_<T>& type, const char* doc) {
+  const std::string signature = "def __init__(self" + keywordsOf(nb::cast(T())) + ") -> None";
+  type.def(
+      "__init__",
+      [](T* self, nb::kwargs keywords) {
+        const nb::object made = nb::cast(T());
+        for (const auto& [name, value] : keywords) setProperty(made, nb::cast<std::string>(name), value);
+        new (self) T(nb::cast<const T&>(made));
+      },
+      nb::sig(signature.c_str()), doc);
+}
 
 }  // namespace gnosphere::python

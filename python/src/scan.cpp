@@ -3,9 +3,11 @@
 #include "scan.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -135,39 +137,70 @@ void bindFields(nb::module_& m) {
       .value("scatter", Label::scatter, "Particles of the medium: fog, rain, snow or dust.");
 }
 
+struct Count {
+  const char* name;
+  uint64_t Counters::*member;
+  const char* doc;
+};
+
+constexpr Count kCounts[] = {
+    {"beams", &Counters::beams, "Beams of the sensor."},
+    {"hits", &Counters::hits, "Beams with a return."},
+    {"misses", &Counters::misses, "beams - hits"},
+    {"triangles", &Counters::triangles, "Triangles placed in the scene, summed over instances."},
+    {"non_finite", &Counters::nonFinite, "Dropped because a vertex is NaN, infinite or beyond 1e9 m."},
+    {"degenerate", &Counters::degenerate, "Dropped because two corners are the same point."},
+    {"culled_by_cluster", &Counters::culledByCluster,
+     "In a cluster that is out of range, between the beams or hidden."},
+    {"reused", &Counters::reused,
+     "Not computed again: of instances that have not moved since a scan from the same pose."},
+    {"culled_by_range", &Counters::culledByRange, "The nearest point is beyond range_max."},
+    {"culled_by_face", &Counters::culledByFace, "Back faces of one-sided materials."},
+    {"culled_between_beams", &Counters::culledBetweenBeams, "No beam lies within the triangle's angular bounds."},
+    {"culled_hidden", &Counters::culledHidden,
+     "Behind the hits that all beams within the triangle's bounds already have."},
+    {"projected", &Counters::projected, "Triangles that went on to binning."},
+    {"candidates", &Counters::candidates, "(beam, triangle) pairs listed: with Binning.lists, footprints or panes."},
+    {"integer_sides", &Counters::integerSides, "Exact inside tests that needed integer arithmetic."},
+    {"integer_ranges", &Counters::integerRanges, "Exact ranges that needed integer arithmetic."},
+    {"lost_echoes", &Counters::lostEchoes,
+     "Echoes of beams that met more echoes, or more panes in a row, than are kept."},
+    {"retries", &Counters::retries, "Runs repeated because a list had to grow."},
+};
+
+using CountersState = std::pair<std::vector<uint64_t>, std::vector<uint64_t>>;  // in the order of kCounts, by Cause
+
+CountersState stateOf(const Counters& counters) {
+  CountersState state;
+  for (const Count& count : kCounts) state.first.push_back(counters.*count.member);
+  state.second.assign(counters.causes.begin(), counters.causes.end());
+  return state;
+}
+
+void setState(Counters& counters, const CountersState& state) {
+  new (&counters) Counters();
+  if (state.first.size() != std::size(kCounts) || state.second.size() != counters.causes.size())
+    refuse("Counters: they were pickled by another version of gnosphere");
+  for (size_t i = 0; i < std::size(kCounts); ++i) counters.*kCounts[i].member = state.first[i];
+  std::ranges::copy(state.second, counters.causes.begin());
+}
+
 void bindCounters(nb::module_& m) {
-  nb::class_<Counters>(
+  nb::class_<Counters> counters(
       m, "Counters",
       "Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is "
-      "counted here.")
-      .def_ro("beams", &Counters::beams, "Beams of the sensor.")
-      .def_ro("hits", &Counters::hits, "Beams with a return.")
-      .def_ro("misses", &Counters::misses, "beams - hits")
-      .def_ro("triangles", &Counters::triangles, "Triangles placed in the scene, summed over instances.")
-      .def_ro("non_finite", &Counters::nonFinite, "Dropped because a vertex is NaN, infinite or beyond 1e9 m.")
-      .def_ro("degenerate", &Counters::degenerate, "Dropped because two corners are the same point.")
-      .def_ro("culled_by_cluster", &Counters::culledByCluster,
-              "In a cluster that is out of range, between the beams or hidden.")
-      .def_ro("reused", &Counters::reused,
-              "Not computed again: of instances that have not moved since a scan from the same pose.")
-      .def_ro("culled_by_range", &Counters::culledByRange, "The nearest point is beyond range_max.")
-      .def_ro("culled_by_face", &Counters::culledByFace, "Back faces of one-sided materials.")
-      .def_ro("culled_between_beams", &Counters::culledBetweenBeams,
-              "No beam lies within the triangle's angular bounds.")
-      .def_ro("culled_hidden", &Counters::culledHidden,
-              "Behind the hits that all beams within the triangle's bounds already have.")
-      .def_ro("projected", &Counters::projected, "Triangles that went on to binning.")
-      .def_ro("candidates", &Counters::candidates,
-              "(beam, triangle) pairs listed: with Binning.lists, footprints or panes.")
-      .def_ro("integer_sides", &Counters::integerSides, "Exact inside tests that needed integer arithmetic.")
-      .def_ro("integer_ranges", &Counters::integerRanges, "Exact ranges that needed integer arithmetic.")
-      .def_ro("lost_echoes", &Counters::lostEchoes,
-              "Echoes of beams that met more echoes, or more panes in a row, than are kept.")
-      .def_ro("retries", &Counters::retries, "Runs repeated because a list had to grow.")
+      "counted here. They are compared, copied and pickled by value.");
+  for (const Count& count : kCounts) counters.def_ro(count.name, count.member, count.doc);
+  counters
       .def_prop_ro(
           "causes",
           [](const Counters& self) { return tupleOf(std::vector<uint64_t>(self.causes.begin(), self.causes.end())); },
-          "Beams by Cause; all zero if no effect can lose a beam.");
+          "Beams by Cause; all zero if no effect can lose a beam.")
+      .def(
+          "__eq__", [](const Counters& a, const Counters& b) { return stateOf(a) == stateOf(b); }, nb::is_operator())
+      .def("__getstate__", &stateOf)
+      .def("__setstate__", &setState);
+  counters.attr("__hash__") = nb::none();
 
   nb::class_<StageTime>(m, "StageTime", "The time of one stage of a scan.")
       .def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")

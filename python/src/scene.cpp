@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -72,16 +73,26 @@ void bindMaterial(nb::module_& m) {
       .def_rw("wrap_u", &AlphaImage::wrapU, "What coordinates below 0 and above 1 read, across.")
       .def_rw("wrap_v", &AlphaImage::wrapV, "What coordinates below 0 and above 1 read, downwards.");
 
-  nb::class_<Material>(m, "Material",
-                       "Surface properties in the terms of the glTF metallic-roughness model. Colours are linear; "
-                       "factors lie in 0..1.")
+  nb::class_<Material> material(m, "Material",
+                                "Surface properties in the terms of the glTF metallic-roughness model. Colours are "
+                                "linear; factors lie in 0..1.");
+  material
       .def(
           "__init__",
           [](Material* self, std::string name, std::array<float, 4> baseColor, float metallic, float roughness,
              float transmission, AlphaMode alphaMode, float alphaCutoff, uint32_t alphaImage, float retro,
-             bool doubleSided, uint16_t classId) {
-            new (self) Material{std::move(name), baseColor,  metallic, roughness,   transmission, alphaMode,
-                                alphaCutoff,     alphaImage, retro,    doubleSided, classId};
+             bool doubleSided, const Whole& classId) {
+            new (self) Material{std::move(name),
+                                baseColor,
+                                metallic,
+                                roughness,
+                                transmission,
+                                alphaMode,
+                                alphaCutoff,
+                                alphaImage,
+                                retro,
+                                doubleSided,
+                                classId.of<uint16_t>("Material: class_id")};
           },
           "name"_a = "", "base_color"_a = std::array<float, 4>{1, 1, 1, 1}, "metallic"_a = 0.f, "roughness"_a = 1.f,
           "transmission"_a = 0.f, "alpha_mode"_a = AlphaMode::opaque, "alpha_cutoff"_a = 0.5f,
@@ -103,11 +114,11 @@ void bindMaterial(nb::module_& m) {
               "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
       .def_rw("retro", &Material::retro,
               "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. No scene file states it.")
-      .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.")
-      .def_rw("class_id", &Material::classId,
-              "Semantic class, numbered by the user; if 0, that of the instance counts. See Field.class_id.")
-      .def_rw("class_name", &Material::className,
-              "Class that the file states by its name instead; a drive file gives it a number.");
+      .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.");
+  readWriteWhole(material, "class_id", &Material::classId,
+                 "Semantic class, numbered by the user; if 0, that of the instance counts. See Field.class_id.");
+  material.def_rw("class_name", &Material::className,
+                  "Class that the file states by its name instead; a drive file gives it a number.");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/sensor.hpp.
 #include "arrays.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -113,20 +114,20 @@ void bindSensorItself(nb::module_& m) {
   sensor
       .def(
           "__init__",
-          [](Sensor* self, std::string name, uint32_t columns, std::vector<Channel> channels, double rangeMin,
-             double rangeMax, double divergenceHorizontal, double divergenceVertical, uint32_t maxReturns,
+          [](Sensor* self, std::string name, const Whole& columns, std::vector<Channel> channels, double rangeMin,
+             double rangeMax, double divergenceHorizontal, double divergenceVertical, const Whole& maxReturns,
              double rotationPeriod, double azimuthStartDeg, double azimuthSpanDeg, NearHits nearHits,
              std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns, double rangeAt10Percent) {
             auto masked =
                 maskedBeams ? arrayOf<uint32_t>(*maskedBeams, "Sensor: masked_beams").copy() : std::vector<uint32_t>();
             new (self) Sensor{std::move(name),
-                              columns,
+                              columns.of<uint32_t>("Sensor: columns"),
                               std::move(channels),
                               rangeMin,
                               rangeMax,
                               divergenceHorizontal,
                               divergenceVertical,
-                              maxReturns,
+                              maxReturns.of<uint32_t>("Sensor: max_returns"),
                               rotationPeriod,
                               azimuthStartDeg,
                               azimuthSpanDeg,
@@ -142,9 +143,9 @@ void bindSensorItself(nb::module_& m) {
           "azimuth_span_deg"_a = none.azimuthSpanDeg, "near_hits"_a = none.nearHits, "masked_beams"_a = nb::none(),
           "patterns"_a = nb::make_tuple(), "range_at10_percent"_a = none.rangeAt10Percent,
           "Takes its properties as keywords.")
-      .def_rw("name", &Sensor::name, "Scans and messages have it.")
-      .def_rw("columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.")
-      .def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
+      .def_rw("name", &Sensor::name, "Scans and messages have it.");
+  readWriteWhole(sensor, "columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.");
+  sensor.def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
       .def_rw("range_at10_percent", &Sensor::rangeAt10Percent,
               "Metres from which on a Lambertian target that reflects 10 % is no longer detected; 0 if not stated.")
@@ -152,8 +153,10 @@ void bindSensorItself(nb::module_& m) {
           "divergence_horizontal", &Sensor::divergenceHorizontal,
           "Full angle of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a "
           "line.")
-      .def_rw("divergence_vertical", &Sensor::divergenceVertical, "Radians, as divergence_horizontal.")
-      .def_rw("max_returns", &Sensor::maxReturns, "Number of echoes that the sensor reports per beam, 1..5.")
+      .def_rw("divergence_vertical", &Sensor::divergenceVertical, "Radians, as divergence_horizontal.");
+  readWriteWhole(sensor, "max_returns", &Sensor::maxReturns,
+                 "Number of echoes that the sensor reports per beam, 1..5.");
+  sensor
       .def_rw("rotation_period", &Sensor::rotationPeriod,
               "Seconds; column i fires at i / columns of it. If 0, all beams fire at once.")
       .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg, "Azimuth of column 0, counter-clockwise from the x axis.")

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "batch.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -77,7 +78,7 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
 // One number for all of `count` entries, or a number for each.
 std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const std::string& name) {
   if (const auto* all = std::get_if<uint32_t>(&given)) return std::vector<uint32_t>(count, *all);
-  nb::object array = asArray(std::get<ArrayLike>(given).object);
+  const nb::object array = arrayOrRefuse(std::get<ArrayLike>(given).object, name, "");
   if (nb::cast<size_t>(array.attr("ndim")) == 0)  // one of NumPy's numbers, or one that is refused
     return std::vector<uint32_t>(count, arrayOf<uint32_t>({array.attr("reshape")(1)}, name).values()[0]);
   const auto each = arrayOf<uint32_t>({array}, name);
@@ -292,8 +293,12 @@ void bindChanges(nb::class_<Self>& simulator) {
       "empty deformation puts them back to Mesh.positions.");
   simulator.def(
       "add_instance",
-      [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-        return self.use([&, copy = transform](Simulator& of) { return of.addInstance(mesh, copy, classId, world); });
+      [](Self& self, const Whole& mesh, const Transform& transform, const Whole& classId, const Whole& world) {
+        const auto number = mesh.of<uint32_t>("add_instance: mesh"),
+                   ofWorld = world.of<uint32_t>("add_instance: world");
+        const auto ofClass = classId.of<uint16_t>("add_instance: class_id");
+        return self.use(
+            [&, copy = transform](Simulator& of) { return of.addInstance(number, copy, ofClass, ofWorld); });
       },
       "mesh"_a, "transform"_a, "class_id"_a = 0, "world"_a = 0,
       "Adds an instance to a world and returns its index, which Scan.instances uses. World 0 is everyone's.");

@@ -16,7 +16,10 @@ inline bool isArray(PyObject* source) {
          PyObject_CheckBuffer(source);
 }
 
-/// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises.
+/// Whether an argument is a masked array of NumPy that has masked entries, whose values mean nothing.
+bool hasMaskedEntries(nanobind::handle object) noexcept;
+/// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises, and a
+/// ValueError of Python if hasMaskedEntries() is true.
 nanobind::object asArray(nanobind::handle object);
 
 /// The numbers of an array as a list, or null, without a Python exception, if it does not have one dimension.
@@ -51,11 +54,16 @@ inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers
   return count;
 }
 
-/// As readNumbers(), of a sequence or an array.
+/// What readVector() returns for an array with masked entries.
+inline constexpr Py_ssize_t kMasked = PY_SSIZE_T_MAX;
+
+/// As readNumbers(), of a sequence or an array. A Series of pandas is a sequence whose indices are labels of its own,
+/// so what can become an array does.
 inline Py_ssize_t readVector(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
   if (PyUnicode_Check(source) || PyBytes_Check(source)) return -1;
-  if (PySequence_Check(source)) return readNumbers(source, size, numbers);
-  PyObject* const list = isArray(source) ? listOf(source) : nullptr;
+  if (PyTuple_Check(source) || PyList_Check(source) || !isArray(source)) return readNumbers(source, size, numbers);
+  if (hasMaskedEntries(source)) return kMasked;
+  PyObject* const list = listOf(source);
   const Py_ssize_t count = list ? readNumbers(list, size, numbers) : -1;
   Py_XDECREF(list);
   return count;
@@ -89,6 +97,8 @@ struct numbers_caster {
 
  private:
   Value& checked() {
+    if (count == gnosphere::python::kMasked)
+      throw type_error("a vector has masked entries; numpy.ma.filled() gives them values");
     if (count != size)
       throw type_error(("a vector of " + std::to_string(size) + " numbers (" + (size == 3 ? "x, y, z" : "x, y, z, w") +
                         ") is wanted, not one of " + std::to_string(count))

@@ -66,6 +66,17 @@ def test_an_ellipsoid_stays_within_its_tolerance():
     assert depth(triangles, lambda p: (1 - np.linalg.norm(p / radii, axis=1)) * np.linalg.norm(p, axis=1)) <= 1e-3
 
 
+@pytest.mark.parametrize("make", [primitives.sphere, lambda *a: primitives.cylinder(a[0], 1, *a[1:])])
+def test_tolerances_that_no_shape_can_keep(make):
+    for tolerance in (0, -1, float("nan"), float("inf")):
+        for radius in (0, 1):
+            with pytest.raises(ValueError, match=f"the tolerance must be finite and above 0 m, not {tolerance}"):
+                make(radius, tolerance)
+    with pytest.raises(ValueError, match="1e-17 m is finer than single precision at a radius of 2.* m; it .* 2e-07 m"):
+        make(2, 1e-17)
+    assert len(make(0, 1e-17)[1]) == len(make(1e-9)[1]) == len(make(1, 5)[1]) > 0
+
+
 def test_flat_shapes():
     box = primitives.box((1, 2, 3))
     assert is_closed(box) and volume(box) == pytest.approx(48)
@@ -120,9 +131,49 @@ def test_shapes_become_a_scene():
     gnosphere.validate(scene)
 
 
-def test_a_lidar_moves_and_scans(device):
+def strips(count: int):
+    """Strips of two faces each, side by side at x = 10 m."""
+    y = np.arange(count)[:, None]
+    x, y, z = np.broadcast_arrays(10.0, y + [0, 0, 1, 1], np.array([-1, 1, 1, -1]))
+    faces = 4 * np.arange(count)[:, None, None] + [[0, 1, 2], [0, 2, 3]]
+    return np.stack([x, y, z], axis=-1).reshape(-1, 3), faces.reshape(-1, 3)
+
+
+def test_faces_keep_their_numbers_whatever_their_materials(device):
+    shapes = adapter.Shapes()
+    dark, bright = shapes.material((0.2, 0.2, 0.2), "dark"), shapes.material((0.9, 0.9, 0.9), "bright")
+    shapes.instance(shapes.mesh(strips(4), [bright, bright, dark, dark, bright, bright, dark, dark]))
+    parts = shapes.scene().meshes[0].parts
+    assert [(part.first_triangle, part.triangle_count, part.material) for part in parts] == [
+        (0, 2, bright), (2, 2, dark), (4, 2, bright), (6, 2, dark),
+    ]  # fmt: skip
+    ways = np.array([[10, k + 0.5, z] for k in range(4) for z in (0.4, -0.4)])
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    sensor = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(ways)])
     lidar = adapter.Lidar(
-        wall(), beams(), effects=gnosphere.Effects.none(), fields="class", ignore=[1],
+        shapes, sensor, effects=gnosphere.Effects.none(), fields="material", options=gnosphere.SimulatorOptions(device)
+    )
+    scan = lidar.cast(gnosphere.Shot())
+    assert scan.triangles.tolist() == list(range(8))
+    assert scan["material"].tolist() == [bright, bright, dark, dark] * 2
+    shapes.mesh((np.zeros((0, 3)), np.zeros((0, 3), int)))
+    assert shapes.scene().meshes[1].parts == ()
+
+
+def test_a_part_for_each_of_many_faces(device):
+    shapes = adapter.Shapes()
+    numbers = np.array([shapes.material(name="even"), shapes.material(name="odd")], np.uint8)
+    mesh = shapes.mesh(strips(50000), np.tile(numbers, 50000))
+    shapes.instance(mesh, [[1, 0, 0, 0], [0, 1, 0, -40000.5], [0, 0, 1, 0]])
+    options = gnosphere.SimulatorOptions(device)
+    lidar = adapter.Lidar(shapes, beams(1), effects=gnosphere.Effects.none(), fields="material", options=options)
+    scan = lidar.cast(gnosphere.Shot())
+    assert scan.triangles[0] // 2 == 40000 and scan["material"][0] == scan.triangles[0] % 2
+
+
+def test_a_lidar_moves_and_scans(device, tmp_path):
+    lidar = adapter.Lidar(
+        wall(), beams(), effects=gnosphere.Effects.none(), fields="class,normal,barycentrics", ignore=[1],
         options=gnosphere.SimulatorOptions(device),
     )  # fmt: skip
     lidar.move(np.array([[10, 0, 0, 0, 0, 0, 1], [3, 0, 0, 0, 0, 0, 1]]))
@@ -137,6 +188,11 @@ def test_a_lidar_moves_and_scans(device):
     rows = adapter.records(scan, "x,y,z,instance,class")
     assert rows.dtype.names == ("x", "y", "z", "instance", "class")
     assert rows["class"].tolist() == [7] * 9 and rows["x"] == pytest.approx(np.full(9, 19.9))
+    several = "x,normal,barycentrics,class,return"
+    gnosphere.write_cloud(scan, tmp_path / "cloud.npy", gnosphere.CloudOptions(gnosphere.parse_fields(several)))
+    names = adapter.records(scan, several).dtype.names
+    assert names == np.load(tmp_path / "cloud.npy").dtype.names
+    assert names == ("x", "normal_x", "normal_y", "normal_z", "u", "v", "class", "return")
     cloud = adapter.point_cloud2(scan, "x,y,z,class", frame_id="mast", stamp=2.5)
     assert (cloud["width"], cloud["point_step"], cloud["row_step"]) == (9, 14, 126)
     assert cloud["fields"][3] == {"name": "class", "offset": 12, "datatype": 4, "count": 1}
@@ -211,6 +267,11 @@ def test_sizes_that_no_shape_has():
         (lambda: primitives.cone(-1, 2), "the sizes of a cone"),
         (lambda: primitives.capsule(-1, 2), "the sizes of a capsule"),
         (lambda: primitives.ellipsoid((1, float("inf"), 1)), "the sizes of an ellipsoid"),
+        (lambda: primitives.height_field(np.zeros((2, 2)), -1, 1, 1), "the sizes of a height field"),
+        (lambda: primitives.height_field(np.zeros((2, 2)), 1, float("nan"), 1), "the sizes of a height field"),
+        (lambda: primitives.height_field(np.zeros((2, 2)), 1, 1, -5), "the sizes of a height field"),
+        (lambda: primitives.height_field([[0, np.nan], [0, 0]], 1, 1, 1), "the heights of a height field must be fin"),
+        (lambda: primitives.height_field([0, 0], 1, 1, 1), r"two rows and columns or more, not of shape \(2,\)"),
     ):
         with pytest.raises(ValueError, match=sentence):
             make()
@@ -233,7 +294,10 @@ def test_poses_of_matrices():
         turn /= np.linalg.norm(turn) * np.sign(turn[3])
         assert adapter.quaternion(matrix[:3, :3]) == pytest.approx(turn)
         assert adapter.pose_of(matrix[:3, 3], matrix[:3, :3]).position == (1, 2, 3)
-    assert adapter.class_of({"wall*": 3, "*": 1}, "", "wall-2") == 3
+    assert adapter.class_of({"*": 1, "wall*": 3}, "", "wall-2") == 3
+    assert adapter.class_of({"*street *": 40, "*street lamp *": 80}, "street lamp 1") == 80
+    assert adapter.class_of({"wall*": 3, "*-two": 5, "wal??two": 0}, "wall-two") == 0  # of equally long ones the last
+    assert adapter.class_of({"wall*": 3, "*pane": 4, "pan*": 7}, "wall", "pane") == 4
     assert adapter.class_of({"wall*": 3}, "floor") == adapter.class_of(None, "x") == 0
 
 

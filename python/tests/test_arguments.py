@@ -2,6 +2,8 @@
 """Bad input is an exception with a sentence, and never a crash."""
 
 import gc
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -136,6 +138,9 @@ def test_files_that_cannot_be_read(tmp_path, simulator, pose):
         gnosphere.write_cloud(scan, tmp_path / "cloud.xyz")
     with refused(ErrorCode.file, "nowhere"):
         gnosphere.write_cloud(scan, tmp_path / "nowhere" / "cloud.npy")
+    for name in ("cloud.jpg", "cloud"):
+        with refused(ErrorCode.invalid_argument, f"write_picture: {tmp_path / name} must end in .png"):
+            gnosphere.write_picture(scan, tmp_path / name)
     with refused(ErrorCode.invalid_argument, "velocity"):
         gnosphere.write_cloud(scan, tmp_path / "cloud.npy", gnosphere.CloudOptions([gnosphere.Field.velocity]))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.glb"]
@@ -217,14 +222,114 @@ def test_vectors_of_the_wrong_length():
 
 def test_keywords_of_the_wrong_type_are_named():
     for make, sentence in (
-        (lambda: gnosphere.Tuning(culling=5), "Tuning: culling must be a Culling, not 5"),
+        (lambda: gnosphere.Tuning(culling=5), "Tuning: culling must be of the type Culling, not 5"),
         (lambda: gnosphere.Effects(fog=3), "Effects: fog must be of the type Fog, not 3"),
         (lambda: gnosphere.Effects.Fog(visibility="far"), "Fog: visibility must be of the type float, not 'far'"),
     ):
         with pytest.raises(TypeError, match=sentence):
             make()
-    with pytest.raises(AttributeError, match="fgo"):
-        gnosphere.Effects(fgo=3)
+
+
+def test_whole_numbers_out_of_range_are_named_with_their_limits(reference):
+    instance, shot, sensor = gnosphere.Instance(0), gnosphere.Shot(), gnosphere.Sensor()
+    for call, sentence in (
+        (lambda: gnosphere.Instance(0, class_id=70000), "Instance: class_id must be a whole number, 0..65535, is 7000"),
+        (lambda: gnosphere.Instance(-1), "Instance: mesh must be a whole number, 0..4294967295, is -1"),
+        (lambda: setattr(instance, "class_id", -1), "Instance: class_id must be a whole number, 0..65535, is -1"),
+        (lambda: setattr(instance, "world", 2**32), "Instance: world must be a whole number, 0..4294967295, is 429496"),
+        (lambda: gnosphere.Material(class_id=65536), "Material: class_id must be a whole number, 0..65535, is 65536"),
+        (lambda: gnosphere.Shot(frame=-1), "Shot: frame must be a whole number, 0..18446744073709551615, is -1"),
+        (lambda: setattr(shot, "frame", 2**64), "Shot: frame must be a whole number, 0..18446744073709551615, is 1844"),
+        (lambda: setattr(sensor, "columns", 2**32), "Sensor: columns must be a whole number, 0..4294967295, is 429496"),
+        (lambda: gnosphere.Effects(seed=-1), "Effects: seed must be a whole number, 0..18446744073709551615, is -1"),
+        (
+            lambda: reference.add_instance(0, gnosphere.Transform(), 70000),
+            "add_instance: class_id must be a whole number, 0..65535, is 70000",
+        ),
+    ):
+        with refused(ErrorCode.invalid_argument, sentence):
+            call()
+    instance.class_id = np.uint16(7)
+    assert instance.class_id == 7 and gnosphere.Shot(frame=np.int64(5)).frame == 5
+    for wrong in (1.0, np.float64(7), "7", None):
+        with pytest.raises(TypeError):
+            instance.class_id = wrong
+
+
+class Labelled:
+    """As a table or a column of pandas: a sequence whose entries are found by labels, and an array for whoever asks."""
+
+    def __init__(self, values, labels, **types):
+        self.values, self.labels = np.array(values), list(labels)
+        self.__dict__.update(types)
+
+    def __len__(self):
+        return len(self.values)
+
+    def __getitem__(self, label):
+        return self.values[self.labels.index(label)]
+
+    def __array__(self, dtype=None, copy=None):
+        return self.values
+
+
+def column(values, labels):
+    """A column of objects, which has a dtype as a Series does; a DataFrame has none."""
+    objects = np.empty(len(values), object)
+    objects[:] = values
+    return Labelled(objects, labels, dtype=objects.dtype)
+
+
+def test_labels_are_no_indices(reference):
+    pose = [1, 0, 0, 0, 0, 0, 1]
+    near = reference.scan_batch(np.array([pose], float)).ranges
+    assert np.isfinite(near).any()
+    for shots in (
+        Labelled([[1.0, 0, 0, 0, 0, 0, 1]], "a"),
+        column([gnosphere.Pose((1, 0, 0))], "a"),
+        column([gnosphere.Shot(gnosphere.Pose((1, 0, 0)))], "a"),
+    ):
+        assert np.array_equal(reference.scan_batch(shots).ranges, near, equal_nan=True)
+    still = gnosphere.Transform([[1, 0, 0, 10], [0, 1, 0, 0], [0, 0, 1, 0]])
+    reference.set_transforms([0], column([still], [4]))
+    reference.set_transforms(Labelled([0], "a"), Labelled([[10.0, 0, 0, 0, 0, 0, 1]], "a"))
+    assert len(gnosphere.Deformation(column([still], "a")).joints) == 1
+    with refused(ErrorCode.invalid_argument, "Deformation: joints has the shape (1, 7)"):
+        gnosphere.Deformation(Labelled([pose], "a"))
+    for labels in ("xyz", [2, 1, 0]):
+        assert gnosphere.Pose(Labelled([1.0, 2, 3], labels)).position == (1, 2, 3)
+
+
+def test_masked_entries_are_refused(reference, square):
+    corners = np.ma.array(square.positions, mask=square.positions > 0)
+    poses = np.ma.array([[1.0, 0, 0, 0, 0, 0, 1]], mask=False)
+    assert reference.scan_batch(poses).views == 1 and gnosphere.Pose(poses[0, :3]).position == (1, 0, 0)
+    poses.mask = [[True] + [False] * 6]
+    said = "ValueError: some of its entries are masked; numpy.ma.filled() gives them values"
+    for call, sentence in (
+        (lambda: reference.scan_batch(poses), f"scan_batch: shots cannot be made an array of shape (n, 7): {said}"),
+        (lambda: reference.set_transforms([0], poses), f"set_transforms: transforms cannot be made an array: {said}"),
+        (
+            lambda: reference.scan_batch(poses.data, worlds=np.ma.array([0], mask=[1])),
+            f"scan_batch: worlds cannot be made an array: {said}",
+        ),
+        (
+            lambda: gnosphere.Mesh(corners, square.indices, square.parts),
+            f"Mesh: positions cannot be made an array of shape (n, 3): {said}",
+        ),
+    ):
+        with refused(ErrorCode.invalid_argument, sentence):
+            call()
+    with pytest.raises(TypeError, match="^a vector has masked entries; numpy.ma.filled.. gives them values$"):
+        gnosphere.Pose(poses[0, :3])
+
+
+def test_a_second_import_is_an_import_error():
+    line = "import sys, gnosphere; [sys.modules.pop(n) for n in list(sys.modules) if n.split('.')[0] == 'gnosphere']"
+    again = subprocess.run([sys.executable, "-c", f"{line}; import gnosphere"], capture_output=True, text=True)
+    assert again.returncode == 1
+    last = again.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: gnosphere._gnosphere cannot be imported a second time in one process")
 
 
 @pytest.mark.filterwarnings("ignore:nanobind. attempted to access an uninitialized instance")

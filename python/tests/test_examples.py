@@ -90,6 +90,14 @@ def test_types_by_mypy(tmp_path):
     assert not checked(tmp_path, *strict, "--ignore-missing-imports", "--allow-subclassing-any", "-p", "gnosphere")
     (tmp_path / "wrong.py").write_text("import gnosphere\ngnosphere.load_scene(5)\n")
     assert 'Argument 1 to "load_scene" has incompatible type "int"' in checked(tmp_path, *strict, "wrong.py")
+    (tmp_path / "keywords.py").write_text(
+        "from gnosphere import Effects, EffectUse, Tuning\n"
+        'Effects(fog=Effects.Fog(use="on", visibility=80), seed=7)\n'
+        'Effects.Returns(use=EffectUse.on, mode="dual")\nTuning(binning="lists", keep_still=False)\n'
+        "Effects(range_nois=3)\nEffects.RangeNoise(sigm=3)\nTuning(bining=3)\nEffects.Fog(visibility='far')\n"
+    )
+    lines = checked(tmp_path, *strict, "keywords.py").splitlines()
+    assert [line.split(":")[1] for line in lines if ": error: " in line] == ["5", "6", "7", "8"]
 
 
 def test_types_by_pyright(tmp_path):

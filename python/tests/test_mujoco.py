@@ -162,6 +162,12 @@ def compare(model, data, lidar, scan, pose, seen=None, **settings):
     return dict(zip(found.tolist(), counts.tolist()))
 
 
+def test_tolerances_are_finite_and_above_0():
+    for tolerance in (0, -1, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=f"the tolerance must be finite and above 0 m, not {tolerance}"):
+            gm.Tessellation(tolerance=tolerance)
+
+
 def test_every_type_of_geom_against_mj_multi_ray(device):
     """A million beams, of which none is off by more than the precision, neither of MuJoCo's nor of ours."""
     model = every_type()
@@ -503,7 +509,7 @@ def test_materials_classes_and_the_alpha_of_textures(device, tmp_path):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     lidar = gm.Lidar(
-        model, sphere_of_beams(20000), fields="class,material", classes={"wall*": 3, "rob?t": 4, "*": 9},
+        model, sphere_of_beams(20000), fields="class,material", classes={"*": 9, "wall*": 3, "rob?t": 4},
         effects=only_holes(), options=options(device),
     )  # fmt: skip
     scan = lidar.scan(data)

@@ -4,6 +4,7 @@
 import copy
 import gc
 import json
+import re
 import weakref
 
 import pytest
@@ -30,10 +31,49 @@ def test_tuning_takes_keywords():
     assert tuning.culling.occlusion == gno.Culling.Occlusion.never
     assert gno.Tuning(binning=gno.Binning.automatic).binning == gno.Binning.automatic
     assert gno.Tuning(max_buffer_bytes=1 << 40).max_buffer_bytes == 1 << 40
-    with pytest.raises(gno.Error, match="Tuning has no 'bining'"):
-        gno.Tuning(bining="lists")
-    with pytest.raises(gno.Error, match="must be auto, nearest, lists or slabs"):
+    assert gno.Tuning(binning="auto").binning == gno.Tuning(binning="automatic").binning == gno.Binning.automatic
+    with pytest.raises(gno.Error, match="Tuning: binning must be automatic, nearest, lists or slabs, is 'list'"):
         gno.Tuning(binning="list")
+
+
+def test_effects_take_words():
+    Effects = gno.Effects
+    assert Effects.Intensity(scale="raw", use="off") == Effects.Intensity(
+        scale=Effects.Intensity.Scale.raw, use=gno.EffectUse.off
+    )
+    assert Effects.AngleNoise(at="point").at == Effects.AngleNoise.At.point
+    assert [Effects.Fog(use=word).use.name for word in ("on", "auto", "automatic")] == ["on", "automatic", "automatic"]
+    modes = [Effects.Returns(mode=word).mode.name for word in ("second-strongest", "second_strongest")]
+    assert modes == ["second_strongest"] * 2
+    with pytest.raises(gno.Error, match="Fog: use must be off, on or automatic, is 'onn'"):
+        Effects.Fog(use="onn")
+
+
+def test_keywords_that_there_are_not_are_type_errors_with_the_nearest():
+    for make, sentence in (
+        (lambda: gno.Effects(range_nois=3), "Effects has no 'range_nois'; the nearest are range_noise, "),
+        (lambda: gno.Effects.RangeNoise(sigm=3), "RangeNoise has no 'sigm'; the nearest are sigma, "),
+        (lambda: gno.Effects.Fog(visiblity=80), "Fog has no 'visiblity'; there are visibility, use"),
+        (lambda: gno.Tuning(bining="lists"), "Tuning has no 'bining'; the nearest are binning, "),
+        (lambda: gno.Culling(row=False), "Culling has no 'row'; the nearest are rows, "),
+    ):
+        with pytest.raises(TypeError, match=sentence):
+            make()
+
+
+def test_counts_keep_to_the_limits_of_the_table():
+    divergence = gno.Effects.Divergence(sub_rays=19)
+    for wrong in (2**32 + 7, 0, -1):
+        with pytest.raises(gno.Error) as told:
+            gno.assign(gno.Effects(), f"divergence.sub_rays={wrong}")
+        sentence = re.escape(str(told.value).replace("divergence.", "Divergence: "))
+        with pytest.raises(gno.Error, match=sentence):
+            gno.Effects.Divergence(sub_rays=wrong)
+        with pytest.raises(gno.Error, match=sentence):
+            divergence.sub_rays = wrong
+    assert divergence.sub_rays == 19
+    with pytest.raises(gno.Error, match="Tuning: max_buffer_bytes must be a whole number, 0..18446744073709551615, is"):
+        gno.Tuning(max_buffer_bytes=-1)
 
 
 def test_properties_and_documentation_come_from_the_table():

@@ -453,6 +453,29 @@ def test_sdf_against_links_of_bullet():
         pb.disconnect(client)
 
 
+def test_the_longest_pattern_of_a_class_counts(tmp_path):
+    """As in drive files, where a lamp of a street is no street."""
+    box = "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual>"
+    links = "".join(f"<link name='{name}'>{box}</link>" for name in ("street 1", "street lamp 1"))
+    file = tmp_path / "street.sdf"
+    file.write_text(f"<sdf version='1.9'><model name='m'>{links}</model></sdf>")
+    classes = {"*street *": 40, "*street lamp *": 80}
+    for order in (classes, dict(reversed(classes.items()))):
+        assert [instance.class_id for instance in quiet(file, classes=order).scene.instances] == [40, 80]
+
+
+def test_tolerances_are_finite_and_above_0(tmp_path):
+    file = tmp_path / "ball.sdf"
+    sphere = "<sphere><radius>1</radius></sphere>"
+    file.write_text(f"<sdf version='1.9'><model name='m'><link name='l'><visual name='v'><geometry>{sphere}</geometry>"
+                    "</visual></link></model></sdf>")  # fmt: skip
+    for tolerance in (0, -1, float("nan")):
+        with pytest.raises(ValueError, match=f"the tolerance must be finite and above 0 m, not {tolerance}"):
+            robotics.load(file, tolerance=tolerance)
+    with pytest.warns(UserWarning, match="leaves out a shape: the tolerance 1e-17 m is finer than single precision"):
+        robotics.load(file, tolerance=1e-17)
+
+
 def test_mjcf_against_its_own_rays(tmp_path, device):
     mujoco = pytest.importorskip("mujoco")
     file = tmp_path / "gate.xml"

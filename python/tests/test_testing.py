@@ -18,6 +18,7 @@ pytest_plugins = ["pytester"]
 # A wall at x metres, seen by a fan of nine beams, on the reference.
 SCENE = """
 import gnosphere, numpy, pytest
+from gnosphere import primitives
 from gnosphere.testing import difference
 
 def wall(x, width=1.0, beams=9, z=0.0):
@@ -32,6 +33,20 @@ def wall(x, width=1.0, beams=9, z=0.0):
     request = gnosphere.SensorRequest(sensor, gnosphere.Effects.none(), [gnosphere.Field.incidence])
     options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
     return gnosphere.Simulator(scene, request, options).scan(gnosphere.Pose())
+
+def panes(x, reflectance=0.5):
+    # A Puck, whose beams have two returns, in a box of glass 5 m around it, and in one of walls x metres around it.
+    boxes = [primitives.box((half, half, half)) for half in (5, x)]
+    meshes = [gnosphere.Mesh(*box, [gnosphere.MeshPart(0, 12, i)]) for i, box in enumerate(boxes)]
+    materials = [gnosphere.Material("glass", transmission=0.9), gnosphere.Material("wall", [reflectance] * 3 + [1])]
+    scene = gnosphere.Scene(materials, meshes, [gnosphere.Instance(0), gnosphere.Instance(1)])
+    effects = gnosphere.Effects.none()
+    effects.transmission.use = effects.returns.use = effects.intensity.use = gnosphere.EffectUse.on
+    request = gnosphere.SensorRequest(gnosphere.builtin_sensor("Puck"), effects, [gnosphere.Field.intensity])
+    options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+    scan = gnosphere.Simulator(scene, request, options).scan(gnosphere.Pose())
+    assert scan.returns == 2 and numpy.isfinite(scan.ranges.reshape(-1, 2)).all(axis=1).sum() > 10000
+    return scan
 """
 
 
@@ -89,6 +104,42 @@ def test_other_fields_have_tolerances_of_their_own(run):
     done.stdout.fnmatch_lines(["*9 another value*"])
 
 
+def test_a_tolerance_of_the_range_is_refused_beside_tolerance(run):
+    done = run('golden_cloud("wall", wall(10.05), tolerances={"range": 0.5})')
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*ValueError: golden_cloud: `tolerances` has a range; state it as `tolerance`*"])
+
+
+def test_beams_with_several_returns(run, pytester):
+    update = 'golden_cloud("puck", panes(9), fields="intensity")'
+    run(update, "--gnosphere-update").stdout.fnmatch_lines(["wrote the golden cloud *golden/puck.pcd"])
+    kept = gnosphere.read_cloud(Path(pytester.path) / "golden" / "puck.pcd")
+    assert (kept.channels, kept.columns, kept.returns) == (16, 1808, 2)
+    lines = [
+        "same, near, far, dark = panes(9), panes(9.0004), panes(9.05), panes(9, 0.4)",
+        'golden_cloud("puck", same, fields="intensity", exact=True)',
+        'golden_cloud("puck", near, fields="intensity")',
+        'golden_cloud("puck", far, fields="intensity", tolerance=0.2)',
+        'golden_cloud("puck", dark, fields="intensity")',
+        'golden_cloud("puck", dark, tolerances={"intensity": 0.9})',
+        "walls = int((far.instances == 1).sum())",
+        'golden_cloud("puck", far, fields="intensity", allowed=walls)',
+        'for wrong in ({"exact": True}, {"allowed": walls - 1}, {"tolerances": {"intensity": 1e-9}}):',
+        '    with pytest.raises(pytest.fail.Exception, match="another range"):',
+        '        golden_cloud("puck", far, fields="intensity", **wrong)',
+        'with pytest.raises(pytest.fail.Exception, match="another value"):',
+        '    golden_cloud("puck", dark, tolerances={"intensity": 1e-9})',
+        'with pytest.raises(pytest.fail.Exception, match="differ"):',
+        '    golden_cloud("puck", dark, fields="intensity", exact=True)',
+        'golden_cloud("puck", far, fields="intensity")',
+    ]
+    done = run("\n    ".join(lines))
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*puck differs from its golden cloud: * another range; look at *puck.html*"])
+    text = (Path(pytester.path) / "gnosphere-pages" / "puck.html").read_text()
+    assert text.count('<img src="data:image/png;base64,') == 5 and "golden/puck.pcd" in text
+
+
 def test_update_writes_what_the_scan_is(run):
     run('golden_cloud("wall", wall(12))').assert_outcomes(failed=1)
     run('golden_cloud("wall", wall(12))', "--gnosphere-update").assert_outcomes(passed=1)
@@ -98,7 +149,9 @@ def test_update_writes_what_the_scan_is(run):
 
 def test_what_cannot_be_compared_is_said(run):
     run('golden_cloud("door", wall(10))').stdout.fnmatch_lines(["*there is no golden cloud *golden/door.npy; *"])
-    run('golden_cloud("wall", wall(10, beams=5))').stdout.fnmatch_lines(["*9 entries, the scan * 5: another sensor*"])
+    run('golden_cloud("wall", wall(10, beams=5))').stdout.fnmatch_lines(
+        ["*the golden cloud *wall.npy has 1 x 9 x 1 channels x columns x returns, the scan 1 x 5 x 1: another sensor*"]
+    )
 
 
 def decode(png: bytes) -> np.ndarray:

@@ -27,7 +27,10 @@ def test_sumo(tmp_path, folder):
     (tmp_path / "fcd.xml").write_text(FCD)
     with pytest.warns(UserWarning, match=r"leaves out the type 'rail' \(1\)"):
         actors = robotics.read_traffic(
-            tmp_path / "fcd.xml", {"passenger": "car", "*PED*": "person"}, {"*PED*": "pedestrian"}, {"passenger": 4.0}
+            tmp_path / "fcd.xml",
+            {"p*": "truck", "passenger": "car", "*PED*": "person"},
+            {"*PED*": "pedestrian"},
+            {"pass*": 9.0, "passenger": 4.0},
         )
     assert [(actor["name"], actor["model"], actor["class"]) for actor in actors] == [
         ("a", "car", "car"), ("p", "person", "pedestrian"),

@@ -93,6 +93,7 @@ def values(square: gnosphere.Mesh) -> list:
         gnosphere.LoadOptions(gnosphere.UpAxis.y, 0.01),
         gnosphere.CloudOptions([Field.ring], compact=True),
         gnosphere.SensorFileOptions("OS1", columns=512),
+        gnosphere.drive.RunOptions("out", 3, shard=1, shard_count=2, simulator=options(), progress=print),
     ]
     return [scene_of(square), *heads, beams(5), request, options(), shot(), layout(), *others]
 
@@ -122,7 +123,8 @@ def numbers(value: object) -> object:
 
 
 def made_by_keywords(holder: object) -> set[type]:
-    kinds = {kind for kind in vars(holder).values() if isinstance(kind, type) and kind.__module__ == "gnosphere._gnosphere"}
+    kinds = {kind for kind in vars(holder).values() if isinstance(kind, type)}
+    kinds = {kind for kind in kinds if kind.__module__.startswith("gnosphere._gnosphere")}
     kinds = {kind for kind in kinds if not issubclass(kind, (enum.Enum, Exception))}
     return {kind for kind in kinds if "__init__(self" in kind.__init__.__doc__}.union(*map(made_by_keywords, kinds))
 
@@ -136,7 +138,7 @@ def test_copies_have_the_values_of_what_they_are_copies_of(square):
             assert numbers(again) == numbers(value)
             assert again == value
     results = {gnosphere.Simulator, gnosphere.BatchStream, gnosphere.Scan, gnosphere.Batch}
-    assert made_by_keywords(gnosphere._gnosphere) - results == seen
+    assert (made_by_keywords(gnosphere._gnosphere) | made_by_keywords(gnosphere._gnosphere.drive)) - results == seen
 
 
 def test_a_change_of_a_copy_leaves_the_original(square):
@@ -165,6 +167,18 @@ def test_values_are_compared_and_have_no_hash():
         hash(pose)
     nan = gnosphere.Channel(range_max=float("nan"))
     assert nan == copy.copy(nan) and nan != gnosphere.Channel()
+
+
+def test_counters_are_values(simulator, pose, reference):
+    counters = simulator.scan(pose).counters
+    assert counters.hits > 0 and counters != reference.scan(pose).counters and counters != 5
+    for again in (copy.copy(counters), copy.deepcopy(counters), pickle.loads(pickle.dumps(counters))):
+        assert again is not counters
+        assert again == counters and numbers(again) == numbers(counters)
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(counters)
+    with pytest.raises(gnosphere.Error, match="Counters: they were pickled by another version of gnosphere"):
+        gnosphere.Counters.__new__(gnosphere.Counters).__setstate__(([1], []))
 
 
 def test_results_and_simulators_are_not_copied(simulator, pose):

@@ -149,7 +149,8 @@ class Lidar(adapter.Lidar):
         geomgroup: six flags: which groups of geoms, flexes and skins there are. None for all. By default those that
             MuJoCo's viewer shows, usually the visual geoms; (0, 0, 0, 1, 0, 0) are then usually those of collisions.
         classes: class numbers by patterns of the names of geoms, their meshes or bodies, such as {"wall*": 3}. The
-            first pattern that fits counts; what fits none has 0.
+            longest pattern that fits counts, as in drive files; of equally long ones it is the last. What fits none
+            has 0.
         tessellation: how finely curved geoms become triangles, and how far endless planes reach.
         flg_static: whether geoms are there that are welded to the world, as for mj_multiRay().
         deformables: whether flexes and skins are there; mj_multiRay() sees no skins.

@@ -21,13 +21,16 @@ DEFAULT_COLOR = np.array([0.5, 0.5, 0.5, 1], np.float32)
 
 @dataclass(frozen=True)
 class Tessellation:
-    """How shapes become triangles."""
+    """How shapes become triangles. Raises ValueError unless the tolerance is finite and above 0."""
 
     tolerance: float = 1e-3
     """Metres: how deep the triangles of a sphere, capsule, ellipsoid or cylinder may lie inside it."""
     plane: float = 1000.0
     """Metres: half the size of a plane that has no end. It follows the sensor, so a farthest range below it is
     enough."""
+
+    def __post_init__(self) -> None:
+        primitives.check_tolerance(self.tolerance)
 
 
 class ModelShapes:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Optional, Union
 
-from .. import adapter
+from .. import adapter, primitives
 from .resources import Resources, parse_xml
 from .robot_scene import Joints, Parts, RobotScene
 
@@ -37,12 +37,14 @@ def load(
         variables ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH, and the folders
         around the file.
     classes: class numbers by patterns of the names of links, visuals, meshes or materials, such as {"wheel*": 3}. The
-        first pattern that fits counts.
+        longest pattern that fits counts, as in drive files; of equally long ones it is the last.
     collisions: whether what collides is read in place of what is seen.
-    tolerance: metres: how deep the triangles of curved shapes may lie inside them.
+    tolerance: metres: how deep the triangles of curved shapes may lie inside them. Raises ValueError unless it is
+        finite and above 0.
 
     What cannot be there is one warning that names it, and RobotScene.left_out.
     """
+    primitives.check_tolerance(tolerance)
     path = Path(file)
     reader = "usd" if path.suffix.lower() in USD else _xml_reader(path)
     try:

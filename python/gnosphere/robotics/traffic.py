@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 import math
 import os
 import xml.etree.ElementTree as ET
@@ -27,8 +26,9 @@ def read_traffic(
     """The "actors" of a drive file, who are gone before their first and after their last time.
 
     models, classes: the model and the class of the drive file by patterns of the type: in SUMO that of the vehicle or
-        person, in OpenSCENARIO its category, such as car or pedestrian. The first pattern that fits counts; the class
-        is the model if none does, and who fits no pattern of models is left out, with a warning.
+        person, in OpenSCENARIO its category, such as car or pedestrian. The longest pattern that fits counts, of
+        equally long ones the last; the class is the model if none does, and who fits no pattern of models is left out,
+        with a warning.
     lengths: metres, by the same patterns. SUMO places a vehicle by the middle of its front, so it is shifted back by
         half of its length.
     """
@@ -43,7 +43,7 @@ def read_traffic(
     left_out: dict[str, int] = {}
     actors = []
     for name, kind, waypoints in readers[root.tag](root, lengths or {}, left_out):
-        model = _first(models, kind)
+        model = adapter.of_longest_pattern(models, kind)
         if model is None:
             left_out[f"the type '{kind}'"] = left_out.get(f"the type '{kind}'", 0) + 1
             continue
@@ -51,17 +51,13 @@ def read_traffic(
             {
                 "name": name,
                 "model": model,
-                "class": _first(classes or {}, kind) or model,
+                "class": adapter.of_longest_pattern(classes or {}, kind) or model,
                 "trajectory": {"waypoints": waypoints},
                 "outside": "gone",
             }
         )
     adapter.warn_left_out(os.fspath(path), left_out)
     return actors
-
-
-def _first(patterns: Mapping[str, Any], kind: str) -> Any:
-    return next((value for pattern, value in patterns.items() if fnmatch.fnmatchcase(kind, pattern)), None)
 
 
 def _waypoint(time: float, position: tuple[float, float, float], yaw_deg: float) -> Actor:
@@ -77,7 +73,7 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: dict[str, in
                 continue
             name, kind = thing.get("id", ""), thing.get("type", thing.tag)
             yaw = 90 - float(thing.get("angle", "90"))
-            back = (_first(lengths, kind) or 0.0) / 2 if thing.tag == "vehicle" else 0.0
+            back = (adapter.of_longest_pattern(lengths, kind) or 0.0) / 2 if thing.tag == "vehicle" else 0.0
             x = float(thing.get("x", "nan")) - back * math.cos(math.radians(yaw))
             y = float(thing.get("y", "nan")) - back * math.sin(math.radians(yaw))
             point = _waypoint(float(step.get("time", "0")), (x, y, float(thing.get("z", "0"))), yaw)
