@@ -141,7 +141,7 @@ enum class Label : uint8_t {
 /// Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is counted here.
 /// Beams of a list that start far apart are projected from several places; the counts of triangles are then sums over
 /// these places. The counts of culled and projected triangles depend on the scan before and, on CPU devices, on the
-/// threads' timing; clouds do not.
+/// threads' timing; clouds do not. A triangle in motion may be projected several times, for parts of the scan.
 struct Counters {
   uint64_t beams = 0;
   uint64_t hits = 0;

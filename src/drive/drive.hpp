@@ -62,6 +62,7 @@ struct Output {
   std::vector<size_t> sensors;  ///< indices into Drive::sensors
   std::vector<Field> fields;
   uint64_t keyframes = 5;
+  std::string crs;  ///< WKT of the world's coordinate reference system; empty if the drive states none
 };
 
 struct Drive {

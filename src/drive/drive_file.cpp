@@ -285,6 +285,9 @@ void DriveReader::outputs() {
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
+    if (object.contains("crs") && !format.crs)
+      refuse(path + ".crs", "is only for " + formatNames([](const FormatInfo& f) { return f.crs; }));
+    output.crs = object.value("crs", "");
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     drive_.outputs.push_back(std::move(output));
   }

@@ -26,7 +26,7 @@ std::vector<std::set<Field>> fieldsOf(const Drive& drive, const Formats& formats
   return fields;
 }
 
-void check(const RunOptions& options) {
+void check(const Drive& drive, const RunOptions& options) {
   const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, "RunOptions: " + text); };
   if (options.shard >= options.shardCount)
     refuse("there is no shard " + std::to_string(options.shard) + " of " + std::to_string(options.shardCount) +
@@ -34,6 +34,7 @@ void check(const RunOptions& options) {
   if (options.firstFrame >= options.endFrame)
     refuse("the first frame is " + std::to_string(options.firstFrame) + "; it must be less than the end, " +
            std::to_string(options.endFrame));
+  if (const std::string why = mistakeOfFrames(drive, options.firstFrame, options.endFrame); !why.empty()) refuse(why);
   // The same drive gives the same bytes, whoever runs it.
   const auto mustBeOfDrive = [&](bool given, const char* what) {
     if (given) refuse(std::string("simulator: ") + what + " changes the clouds, so it belongs into the drive file");
@@ -109,8 +110,15 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
 
 }  // namespace
 
+std::string mistakeOfFrames(const Drive& drive, uint64_t first, uint64_t end) {
+  if (first < drive.frameCount()) return "";
+  const std::string last = end == UINT64_MAX ? "" : std::to_string(end);
+  return "the drive has the frames 0 to " + std::to_string(drive.frameCount() - 1) + ", so " + std::to_string(first) +
+         ":" + last + " is none";
+}
+
 RunReport run(const Drive& drive, const RunOptions& options) {
-  check(options);
+  check(drive, options);
   const World world(drive);
   Formats formats;
   for (const Output& output : drive.outputs) formats.push_back(formatNamed(output.format).make(drive, world, output));

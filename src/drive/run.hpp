@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "drive/drive.hpp"
 
@@ -28,6 +29,10 @@ struct RunReport {
   bool finished = false;  ///< whether all frames of the drive are complete, and the files that need all are written
   std::string device;     ///< its name; empty if nothing had to be made
 };
+
+/// Returns why a range of frames has none of a drive, such as "the drive has the frames 0 to 9, so 10:20 is none"; an
+/// empty text if it has some.
+std::string mistakeOfFrames(const Drive& drive, uint64_t first, uint64_t end);
 
 /// Makes the frames that are not complete. In a drive that was finished, files that need every frame and do not have
 /// their size, or with `verify` their hash, are removed first, so that they are made again, and with them the frames

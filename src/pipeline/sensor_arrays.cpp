@@ -17,13 +17,18 @@ namespace {
 using gpu::Array;
 
 // The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
+/// The triangles that were culled and those that were projected, which are those that were read, unless motion has
+/// made some of them several.
+uint32_t readTriangles(const gpu::Counters& counters) {
+  return counters.nonFinite + counters.culledByRange + counters.culledByFace + counters.culledBetweenBeams +
+         counters.culledHidden + counters.projectedSmall + counters.projectedLarge + counters.tried;
+}
+
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
   auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
   for (uint32_t& word : words) word = word / views + (view == 0 ? word % views : 0);
   auto share = std::bit_cast<gpu::Counters>(words);
-  // In a share, too, the triangles that were read are those that were culled and those that were projected.
-  share.triangles = share.nonFinite + share.culledByRange + share.culledByFace + share.culledBetweenBeams +
-                    share.culledHidden + share.projectedSmall + share.projectedLarge + share.tried;
+  if (readTriangles(counters) == counters.triangles) share.triangles = readTriangles(share);  // as for the whole
   return share;
 }
 

@@ -8,7 +8,11 @@
 #include <istream>
 #include <limits>
 #include <map>
+#include <span>
 #include <streambuf>
+#include <string>
+#include <unordered_map>
+#include <vector>
 
 #include "scene/number.hpp"
 #include "scene/readers.hpp"
@@ -16,7 +20,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max();
+constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max(), kNoObject = kNoMaterial;
 
 /// A stream buffer over existing bytes, without a copy.
 class MemoryBuffer : public std::streambuf {
@@ -126,15 +130,27 @@ struct Faces {
   struct Face {
     uint32_t cornerCount = 0;
     uint32_t name = kNoMaterial;  ///< index into `names`
+    uint32_t object = 0;          ///< index into `objects`
+  };
+
+  /// Names in the order of their first use.
+  struct Names {
+    std::vector<std::string> all;
+    std::map<std::string, uint32_t> index;
+
+    uint32_t add(const std::string& text) {
+      const auto [found, isNew] = index.emplace(trimmed(text), static_cast<uint32_t>(all.size()));
+      if (isNew) all.push_back(found->first);
+      return found->second;
+    }
   };
 
   const Source& source;
   size_t vertexCount = 0;
   std::vector<uint32_t> corners;
   std::vector<Face> faces;
-  std::vector<std::string> names;  ///< material names, in the order of their first use
-  std::map<std::string, uint32_t> nameIndex;
-  uint32_t name = kNoMaterial;
+  Names names, objects;  ///< of materials, and of `o` lines; faces before the first one are of an object without a name
+  uint32_t name = kNoMaterial, object = kNoObject;
 
   /// OBJ counts vertices from 1, or backwards with -1 as the latest vertex.
   void addFace(const tinyobj::index_t* indices, int count) {
@@ -146,13 +162,8 @@ struct Faces {
                     " is out of range");
       corners.push_back(static_cast<uint32_t>(index));
     }
-    faces.push_back({static_cast<uint32_t>(count), name});
-  }
-
-  void useMaterial(const std::string& text) {
-    const auto [found, isNew] = nameIndex.emplace(trimmed(text), static_cast<uint32_t>(names.size()));
-    if (isNew) names.push_back(found->first);
-    name = found->second;
+    if (object == kNoObject) object = objects.add("");
+    faces.push_back({static_cast<uint32_t>(count), name, object});
   }
 };
 
@@ -177,22 +188,64 @@ void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, size_t materia
   mesh.indices = std::move(sorted);
 }
 
+/// Joins each line that ends with a backslash with the next one.
+void joinLines(std::string& text) {
+  for (size_t at = text.find('\\'); at != text.npos; at = text.find('\\', at + 1)) {
+    const size_t end = at + 1 + (text.compare(at + 1, 1, "\r") == 0 ? 1 : 0);
+    if (text.compare(end, 1, "\n") == 0) text.replace(at, end + 1 - at, end + 1 - at, ' ');
+  }
+}
+
+/// The triangles of an object, and their materials.
+struct Object {
+  std::string name;
+  std::vector<uint32_t> indices, materials;
+};
+
+/// Returns the mesh of an object with the vertices that it uses. All meshes have the origin of the whole, so that
+/// objects which touch have the same positions.
+Mesh meshOf(const Object& object, const Mesh& whole) {
+  Mesh mesh;
+  mesh.origin = whole.origin;
+  std::unordered_map<uint32_t, uint32_t> numbers;
+  for (const uint32_t vertex : object.indices) {
+    const auto [found, isNew] = numbers.try_emplace(vertex, static_cast<uint32_t>(numbers.size()));
+    if (isNew)
+      mesh.positions.insert(mesh.positions.end(), &whole.positions[3 * vertex], &whole.positions[3 * vertex] + 3);
+    mesh.indices.push_back(found->second);
+  }
+  return mesh;
+}
+
 }  // namespace
 
 Scene readObj(Bytes bytes, const Source& source) {
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   checkText(text, source);
+  std::string joined;
+  if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos) {
+    joined = text;
+    joinLines(joined);
+    text = joined;
+  }
   const std::vector<double> coordinates = readVertices(text, source);
 
-  Faces gathered{source, 0, {}, {}, {}, {}, kNoMaterial};
+  Faces gathered{source};
   Libraries libraries(source);
   tinyobj::callback_t callbacks;
   callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
   callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
     static_cast<Faces*>(faces)->addFace(indices, count);
   };
-  callbacks.usemtl_cb = [](void* faces, const char* name, int) { static_cast<Faces*>(faces)->useMaterial(name); };
+  callbacks.usemtl_cb = [](void* user, const char* name, int) {
+    Faces& faces = *static_cast<Faces*>(user);
+    faces.name = faces.names.add(name);
+  };
+  callbacks.object_cb = [](void* user, const char* name) {
+    Faces& faces = *static_cast<Faces*>(user);
+    faces.object = faces.objects.add(name);
+  };
   MemoryBuffer buffer(text);
   std::istream stream(&buffer);
   std::string warnings, problems;
@@ -201,14 +254,15 @@ Scene readObj(Bytes bytes, const Source& source) {
   if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
 
   std::vector<uint32_t> materialOfName;
-  for (const std::string& name : gathered.names) materialOfName.push_back(libraries.find(name));
+  for (const std::string& name : gathered.names.all) materialOfName.push_back(libraries.find(name));
   Scene scene;
   scene.materials = libraries.take();
   scene.leftOut = libraries.missing();
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());
 
-  Mesh mesh;
-  std::vector<uint32_t> materials;
+  std::vector<Object> objects;
+  for (const std::string& name : gathered.objects.all) objects.push_back({name, {}, {}});
+  bool usesUnnamed = false;
   std::span<const uint32_t> rest(gathered.corners);
   for (size_t i = 0; i < gathered.faces.size(); ++i) {
     const Faces::Face& face = gathered.faces[i];
@@ -218,14 +272,24 @@ Scene readObj(Bytes bytes, const Source& source) {
       if (corner >= gathered.vertexCount)
         source.fail("face " + std::to_string(i + 1) + " of the OBJ file: index " + std::to_string(corner + 1) +
                     " is out of range, there are " + std::to_string(gathered.vertexCount) + " vertices");
-    appendPolygon(mesh.indices, corners, coordinates);
-    materials.resize(mesh.triangleCount(), face.name == kNoMaterial ? unnamed : materialOfName[face.name]);
+    Object& object = objects[face.object];
+    appendPolygon(object.indices, corners, coordinates);
+    object.materials.resize(object.indices.size() / 3, face.name == kNoMaterial ? unnamed : materialOfName[face.name]);
+    usesUnnamed |= face.name == kNoMaterial;
   }
-  if (std::find(materials.begin(), materials.end(), unnamed) != materials.end()) scene.materials.emplace_back();
-  addParts(mesh, materials, scene.materials.size());
-  storePositions(mesh, coordinates);
-  scene.meshes.push_back(std::move(mesh));
-  scene.instances.emplace_back();
+  if (usesUnnamed) scene.materials.emplace_back();
+  std::erase_if(objects, [](const Object& object) { return object.indices.empty(); });
+  if (objects.empty()) objects.emplace_back();
+  Mesh whole;
+  storePositions(whole, coordinates);
+  for (Object& object : objects) {
+    Mesh mesh = objects.size() > 1 ? meshOf(object, whole) : std::move(whole);
+    if (objects.size() == 1) mesh.indices = std::move(object.indices);
+    addParts(mesh, object.materials, scene.materials.size());
+    mesh.name = object.name;
+    scene.instances.push_back({object.name, static_cast<uint32_t>(scene.meshes.size())});
+    scene.meshes.push_back(std::move(mesh));
+  }
   return scene;
 }
 

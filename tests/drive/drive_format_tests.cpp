@@ -287,12 +287,40 @@ TEST_CASE("LAS 1.4: header, point format 6, and points in the world") {
     CHECK_THAT(xyz[1], WithinAbs(at<float>(points, 16 * i + 4), 1e-3));
     CHECK_THAT(xyz[2] - 1.8, WithinAbs(at<float>(points, 16 * i + 8), 1e-3));
     CHECK((category == 40 ? object == 0 : category == 10 ? object == 1 : category == 30 && object == 2));
-    CHECK(at<uint8_t>(las, p + 14) == 0x11);  // the first of one return
+    CHECK(at<uint8_t>(las, p + 14) == 0x11);                                          // the first of one return
+    const double angle = std::atan2(-xyz[1], 1.8 - xyz[2]) * 180 / std::numbers::pi;  // to the right of the x axis
+    CHECK_THAT(at<int16_t>(las, p + 18) * 0.006, WithinAbs(angle, 0.05));
     maxX = std::max(maxX, xyz[0]);
     minZ = std::min(minZ, xyz[2]);
   }
   CHECK_THAT(at<double>(las, 179), WithinAbs(maxX, 1e-9));
   CHECK_THAT(at<double>(las, 219), WithinAbs(minZ, 1e-9));
+}
+
+TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose clock is small") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["outputs"] = {{{"format", "las"}, {"sensors", {"top"}}, {"crs", "LOCAL_CS[\"pit\"]"}}};
+  folder.run(json);
+  const std::string las = folder.get("out/las/top/000003.las");
+  CHECK(at<uint32_t>(las, 100) == 2);  // variable length records
+  const size_t record = 375 + 54 + 192;
+  CHECK(las.substr(record + 2, 15) == "LASF_Projection");
+  CHECK(at<uint16_t>(las, record + 18) == 2112);
+  CHECK(at<uint16_t>(las, record + 20) == 16);
+  CHECK(las.substr(record + 54, 16) == std::string("LOCAL_CS[\"pit\"]") + '\0');
+  const auto offset = at<uint32_t>(las, 96);
+  CHECK(offset == record + 54 + 16);
+  for (uint64_t i = 0; i < at<uint64_t>(las, 247); ++i) {
+    constexpr double kEpoch = 1700000000.0 - 315964800 + 18 - 1e9;  // adjusted GPS time
+    const double time = at<double>(las, offset + 34 * i + 22) - kEpoch;
+    // The columns of the head are 0.1 s / 90 apart, and doubles of such seconds 0.06 us.
+    const double column = (time - 0.3) / (0.1 / 90);
+    CHECK_THAT(column, WithinAbs(std::round(column), 0.04e-6 / (0.1 / 90)));
+  }
+  json["outputs"][0]["format"] = "pcd";
+  CHECK_THROWS_WITH(folder.read(json), Catch::Matchers::ContainsSubstring("outputs[0].crs: is only for las"));
 }
 
 // https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.

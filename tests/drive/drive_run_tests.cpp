@@ -150,6 +150,9 @@ TEST_CASE("a shard that there is not and an empty range of frames are refused be
   options.shard = 3;
   options.firstFrame = options.endFrame = 5;
   refused(options, "the first frame is 5; it must be less than the end, 5");
+  options.firstFrame = 10;
+  options.endFrame = 12;
+  refused(options, "the drive has the frames 0 to 9, so 10:12 is none");
 }
 
 TEST_CASE("a run whose thread for writing cannot be started is refused, and can be repeated") {

@@ -118,4 +118,23 @@ TEST_CASE("a sudden step in the path of a list's sensor widens the bounds of its
   CHECK(scan.counters.projected < 8 * scan.counters.triangles);
 }
 
+TEST_CASE("no counter of a list that moves wraps when its scans are submitted together") {
+  needVulkan();
+  SensorRequest request(scattered());
+  request.effects = Effects::none();
+  request.effects.sensorMotion.use = EffectUse::on;
+  Simulator simulator(ahead(), request, vulkanOptions());
+  Shot shot;
+  shot.pose.position = kStart;
+  shot.motion.stamps = {{0, shot.pose}, {kPeriod, {{kStart.x + 2, kStart.y, kStart.z}, {}}}};
+  const std::vector<Shot> shots(3, shot);
+  size_t seen = 0;
+  simulator.scanAll(shots, [&](size_t, const Scan& scan) {
+    ++seen;
+    CHECK(scan.counters.culledByCluster <= scan.counters.triangles);
+    CHECK(scan.counters.projected > 0);
+  });
+  CHECK(seen == 3);
+}
+
 }  // namespace gnosphere::test

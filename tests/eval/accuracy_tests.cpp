@@ -7,6 +7,7 @@
 #include "columns.hpp"
 #include "eval/sample.hpp"
 #include "gnosphere/eval/accuracy.hpp"
+#include "lists/list_sensors.hpp"
 #include "output/comparison_sum.hpp"
 #include "support.hpp"
 #include "town/town.hpp"
@@ -103,6 +104,24 @@ TEST_CASE("paper loses returns on a ground of large quads") {
   CHECK(rowOf(report.settings, "paper").error.missed > report.beams / 100);
   CHECK(rowOf(report.settings, "standard").error.missed == 0);
   CHECK(std::isinf(rowOf(report.settings, "paper").errorBound()));
+}
+
+TEST_CASE("a scan of ties alone bounds no error") {
+  needVulkan();
+  // All beams of one column meet the edge that two triangles share.
+  MeshBuilder builder;
+  builder.triangle({5, 0, -3}, {5, 4, 3}, {5, 0, 3});
+  builder.triangle({5, 0, -3}, {5, 0, 3}, {5, -4, 3});
+  BeamList beams;
+  for (int i = 0; i < 40; ++i) beams.directions.push_back(directionAt(0, 0.01 * (i - 20)));
+  AccuracyOptions options = quick();
+  options.runs = 1;
+  options.parts = false;
+  const AccuracyReport report =
+      measureAccuracy(sceneOf(builder.take()), listSensor("line", beams, 50), {Pose{}}, options);
+  const AccuracyRow& row = rowOf(report.settings, "standard");
+  CHECK(row.error.ties == 40);
+  CHECK(std::isinf(row.errorBound()));
 }
 
 TEST_CASE("errors on a sample of the beams are part of those on all beams") {

@@ -138,6 +138,39 @@ TEST_CASE("georeferenced coordinates keep their millimetres by an origin") {
   CHECK(loadText("a.obj", "v 1000000 0.5 0\nv 1000001 0 0\nv 0 0 1\nf 1 2 3\n").meshes.at(0).origin.x == 0);
 }
 
+TEST_CASE("OBJ objects are instances with their names, and those that touch have the same positions") {
+  const Scene scene =
+      loadText("a.obj",
+               "v 450000.1 0 0\nv 450001.1 0 0\nv 450001.1 1 0\nv 450000.1 1 0\nv 450002.1 0.3 0\n"
+               "o tree\nusemtl bark\nf 1 2 3\no empty\no house\nf 2 5 3\no tree\nusemtl leaf\nf 1 3 4\n");
+  REQUIRE(scene.instances.size() == 2);
+  REQUIRE(scene.meshes.size() == 2);
+  CHECK(scene.instances[0].name == "tree");
+  CHECK(scene.instances[1].name == "house");
+  CHECK(scene.meshes[0].triangleCount() == 2);
+  CHECK(scene.meshes[0].parts.size() == 2);
+  CHECK(scene.meshes[1].triangleCount() == 1);
+  CHECK(scene.meshes[1].vertexCount() == 3);
+  CHECK(scene.meshes[0].origin.x == scene.meshes[1].origin.x);
+  // Vertices 2 and 3 are of both.
+  const auto corner = [&](size_t mesh, size_t i) {
+    return &scene.meshes[mesh].positions[3 * scene.meshes[mesh].indices[i]];
+  };
+  CHECK(std::equal(corner(0, 1), corner(0, 1) + 3, corner(1, 0)));
+  CHECK(std::equal(corner(0, 2), corner(0, 2) + 3, corner(1, 2)));
+  const Scene one = loadText("a.obj", std::string(kSquareObj) + "o square\nf 1 2 3\n");
+  REQUIRE(one.instances.size() == 1);
+  CHECK(one.instances[0].name == "square");
+}
+
+TEST_CASE("OBJ lines may go on after a backslash") {
+  for (const std::string end : {"\\\n", "\\\r\n"}) {
+    const Scene scene = loadText("a.obj", std::string(kSquareObj) + "f 1 2" + end + "3 4\nv 1" + end + "2 3\n");
+    CHECK(scene.meshes[0].triangleCount() == 2);
+    CHECK(scene.meshes[0].vertexCount() == 5);
+  }
+}
+
 TEST_CASE("OBJ keeps nan and infinity") {
   const Mesh mesh = loadText("a.obj", "v nan 0 0\nv -inf 0 0\nv 1e30 0 0\nv 1e999 0.1 0\nf 1 2 3\n").meshes.at(0);
   CHECK(std::isnan(mesh.positions[0]));

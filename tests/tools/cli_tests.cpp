@@ -169,6 +169,14 @@ TEST_CASE("a scene away from the origin is scanned from its middle by default") 
   const Result result = place.run("scan far.obj" + kQuick);
   REQUIRE(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring("at 120, 230, 51.8"));
+  place.put("points.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+            "property float z\nend_header\n1 2 3\n");
+  CHECK_THAT(place.run("scan points.ply" + kQuick).err, ContainsSubstring("warning: points.ply has no triangle"));
+  place.put("hill.obj",  // 5 m high in the middle, with a roof above
+            "v 100 200 0\nv 140 200 0\nv 140 260 10\nv 100 260 10\nf 1 2 3\nf 1 3 4\n"
+            "v 100 200 40\nv 140 200 40\nv 140 260 40\nf 5 6 7\n");
+  CHECK_THAT(place.run("scan hill.obj" + kQuick).out, ContainsSubstring("at 120, 230, 6.8"));
 }
 
 TEST_CASE("scan --stats - prints only JSON, with the documented names") {

@@ -118,10 +118,8 @@ int runDrive(const DriveCall& call) {
   drive::RunOptions options = optionsOf(call);
   const drive::Drive drive = drive::readDrive(call.file);
   for (const std::string& warning : drive.warnings) complain("warning: " + warning);
-  if (options.firstFrame >= drive.frameCount())
-    throw Error(ErrorCode::invalidArgument, "--frames: the drive has the frames 0 to " +
-                                                std::to_string(drive.frameCount() - 1) + ", so " + call.frames +
-                                                " is none");
+  if (const std::string why = drive::mistakeOfFrames(drive, options.firstFrame, options.endFrame); !why.empty())
+    throw Error(ErrorCode::invalidArgument, "--frames: " + why);
   describe(drive);
   if (call.live) return runLive(call, drive, options);
   for (const drive::Output& output : drive.outputs) say("output", outputText(drive, output));

@@ -16,6 +16,7 @@ constexpr uint32_t kRuns = 5;
 
 std::string errorOf(const AccuracyRow& row) {
   const Comparison& error = row.error;
+  if (error.ties == error.beams) return "only ties at edges, which are not counted";
   if (error.missed + error.falseHits == 0) return formatted("%.3g m", error.hitErrorMax);
   return grouped(error.missed) + " beams missed and " + grouped(error.falseHits) + " false";
 }
@@ -29,8 +30,11 @@ bool better(const AccuracyRow& a, const AccuracyRow& b) {
 }
 
 std::string sampleOf(const AccuracyReport& report) {
-  return report.sampled ? "measured on a sample of " + grouped(report.beams) + " beams, others may be further off"
-                        : "measured on all " + grouped(report.beams) + " beams";
+  uint64_t ties = 0;
+  for (const AccuracyRow& row : report.settings) ties = std::max(ties, row.error.ties);
+  return (report.sampled ? "measured on a sample of " + grouped(report.beams) + " beams, others may be further off"
+                         : "measured on all " + grouped(report.beams) + " beams") +
+         (ties > 0 ? ", without " + counted(ties, "tie", "ties") + " at edges, where both sides are right" : "");
 }
 
 std::string explain(const AccuracyChoice& choice, const std::vector<AccuracyRow>& byTime) {

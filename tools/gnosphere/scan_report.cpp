@@ -176,7 +176,7 @@ void printSummary(const ScanReport& report) {
   if (!device.driver.empty()) about += ", " + device.driver;
   say("device", about + ", ready in " + milliseconds(report.setUpMs));
   const bool moves = !report.trajectory.empty();
-  const uint32_t channels = report.scan.channels, columns = report.scan.columns;
+  const uint32_t channels = report.sensor.height(), columns = report.sensor.width();
   const std::string cloud =
       channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
   say("sensor", report.sensor.name + report.head +

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <set>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/vector.hpp"
 #include "console.hpp"
 #include "drive/number_list.hpp"
 #include "drive/trajectory.hpp"
@@ -90,7 +93,7 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
       ->capture_default_str();
   app.add_option("--pose", options.pose,
                  "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
-                 "the origin, or above the middle of a scene that is elsewhere)");
+                 "the origin, or above the ground in the middle of a scene that is elsewhere)");
   addSetting(app, "--faces", "faces", options.settings);
   addSetting(app, "--binning", "tuning.binning", options.settings);
   CLI::Option* animation =
@@ -183,6 +186,7 @@ Scene loadSceneAtRest(const ScanningOptions& options) {
 Scene loadScene(const ScanningOptions& options) {
   Scene scene = loadSceneAtRest(options);
   for (const std::string& line : scene.leftOut) complain("warning: " + options.scene + ": left out are " + line);
+  if (scene.placedTriangleCount() == 0) complain("warning: " + options.scene + " has no triangle");
   if (options.animation.empty()) return scene;
   try {
     SceneState state = stateAt(scene, clipNamed(scene, options.animation), options.time);
@@ -194,6 +198,35 @@ Scene loadScene(const ScanningOptions& options) {
   return scene;
 }
 
+namespace {
+
+/// The height at which a vertical line meets the plane of a triangle, if it does within the triangle.
+std::optional<double> heightAt(const Vec3& a, const Vec3& b, const Vec3& c, double x, double y) {
+  const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  const double v = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+  const double w = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+  if (!(v >= 0 && w >= 0 && v + w <= 1)) return {};
+  return a.z + v * (b.z - a.z) + w * (c.z - a.z);
+}
+
+/// The height of the lowest surface of a scene above a place; that of the scene's lowest point if there is none.
+double groundAt(const Scene& scene, double x, double y, const Bounds& bounds) {
+  double ground = std::numeric_limits<double>::infinity();
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const auto corner = [&](size_t i) {
+      const float* p = &mesh.positions[3 * size_t{mesh.indices[i]}];
+      return instance.transform * (mesh.origin + Vec3{p[0], p[1], p[2]});
+    };
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+      if (const auto height = heightAt(corner(i), corner(i + 1), corner(i + 2), x, y))
+        ground = std::min(ground, *height);
+  }
+  return std::isfinite(ground) ? ground : bounds.min.z;
+}
+
+}  // namespace
+
 Pose poseOf(const ScanningOptions& options, const Scene& scene) {
   if (!options.pose.empty()) return parsePose(options.pose);
   Pose pose;
@@ -201,7 +234,8 @@ Pose poseOf(const ScanningOptions& options, const Scene& scene) {
   const Bounds bounds = worldBounds(scene);
   const bool aroundOrigin = bounds.min.x <= 0 && bounds.max.x >= 0 && bounds.min.y <= 0 && bounds.max.y >= 0;
   if (bounds.empty() || aroundOrigin) return pose;
-  pose.position = {(bounds.min.x + bounds.max.x) / 2, (bounds.min.y + bounds.max.y) / 2, bounds.min.z + 1.8};
+  const double x = (bounds.min.x + bounds.max.x) / 2, y = (bounds.min.y + bounds.max.y) / 2;
+  pose.position = {x, y, groundAt(scene, x, y, bounds) + 1.8};
   return pose;
 }
 

@@ -21,7 +21,7 @@ constexpr FormatInfo kFormats[] = {
     {.name = "nuscenes", .make = makeNuScenes, .shown = true, .keyframes = true},
     {.name = "pcd", .make = makeClouds, .shown = true, .fields = true},
     {.name = "npy", .make = makeClouds, .shown = true, .fields = true},
-    {.name = "las", .make = makeLas, .shown = false},
+    {.name = "las", .make = makeLas, .shown = false, .crs = true},
     {.name = "mcap", .make = makeMcap, .shown = false},
     {.name = "osi", .make = makeOsi, .shown = false},
     {.name = "boxes", .make = makeBoxes, .shown = false},

@@ -58,6 +58,7 @@ struct FormatInfo {
   bool fields = false;     ///< the drive file may choose the fields of a row
   bool keyframes = false;  ///< the drive file may choose which frames are key frames
   bool oneSensor = false;  ///< it has one lidar
+  bool crs = false;        ///< the drive file may state the coordinate reference system
 };
 
 std::span<const FormatInfo> formats();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.las: ASPRS LAS 1.4 (R15), point data record format 6 with the object as an extra u32, in the world.
+// SENSOR/000000.las: ASPRS LAS 1.4 (R15), point data record format 6 with the object as an extra u32, in the world. The
+// scan angle is that of the beam about the direction in which the vehicle heads: 0 downwards, positive to the right.
 #include <cmath>
 #include <unordered_map>
 
+#include "base/units.hpp"
 #include "drive/bytes.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
@@ -11,7 +13,8 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr double kScale = 0.001;  ///< metres per unit of a coordinate
-constexpr uint16_t kHeaderBytes = 375, kVlrHeaderBytes = 54, kExtraRecordBytes = 192;
+constexpr uint16_t kHeaderBytes = 375, kExtraRecordBytes = 192;
+constexpr double kScanAngleUnit = 0.006;  ///< degrees
 constexpr uint16_t kLasPointBytes = 30 + sizeof(uint32_t);
 /// Adjusted standard GPS time: seconds since 1980-01-06 less 10^9, 18 leap seconds ahead of UTC (since 2017).
 constexpr double kGpsOfUnix = -315964800.0 + 18 - 1e9;
@@ -41,13 +44,31 @@ class Las : public Format {
       const Points points = pointsOf(recorded, offset);
       files.push_back(
           {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.las", recorded.planned.number)),
-           headerOf(points, offset) + extraBytes() + points.records, ""});
+           headerOf(points, offset) + extraBytes() + crs() + points.records, ""});
     }
   }
 
   void finish(const std::vector<FrameSummary>&, FinalFiles&) const override {}
 
  private:
+  /// Where a sensor is at a time, and the direction to the right of the vehicle.
+  struct Moment {
+    Pose pose;
+    double rightX = 0, rightY = 0;
+
+    /// The angle of the direction to a point of the world about the heading of the vehicle, in units of 0.006 degrees.
+    int16_t scanAngle(const Vec3& point) const {
+      const Vec3 d = point - pose.position;
+      return static_cast<int16_t>(
+          std::lround(std::atan2(d.x * rightX + d.y * rightY, -d.z) / (kDegree * kScanAngleUnit)));
+    }
+  };
+
+  Moment momentOf(const RecordedScan& recorded, float time) const {
+    const double at = recorded.planned.time + time, yaw = yawPitchRollOf(drive_.ego.at(at).orientation)[0];
+    return {drive_.sensorPose(recorded.planned.sensor, at), std::sin(yaw), -std::cos(yaw)};
+  }
+
   Points pointsOf(const RecordedScan& recorded, const Vec3& offset) const {
     const Scan& scan = recorded.scan;
     const bool strong = scan.has(Field::intensity), timed = scan.has(Field::time);
@@ -55,20 +76,19 @@ class Las : public Format {
     const auto times = timed ? scan.column<float>(Field::time) : ColumnView<float>();
     const auto classes = scan.column<uint16_t>(Field::classId);
     const float factor = intensityFactor(drive_.sensors[recorded.planned.sensor], 65535);
-    std::unordered_map<float, Pose> poses;  // by time; all beams of a column share one
+    std::unordered_map<float, Moment> moments;  // by time; all beams of a column share one
+    // Times that the trajectory states from its own start keep their digits if the large numbers are added first.
+    const double gpsOfDrive = drive_.epoch + kGpsOfUnix;
     Points points;
     points.records.reserve(scan.ranges.size() * kLasPointBytes);
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
       if (!scan.returned(entry)) continue;
       const float time = timed ? times[entry] : 0;
-      const Pose* pose = &recorded.pose;
-      if (recorded.sensorMoves && !recorded.deskewed) {
-        const auto [found, isNew] = poses.try_emplace(time);
-        if (isNew) found->second = drive_.sensorPose(recorded.planned.sensor, recorded.planned.time + time);
-        pose = &found->second;
-      }
+      const auto [moment, isNew] = moments.try_emplace(recorded.sensorMoves ? time : 0);
+      if (isNew) moment->second = momentOf(recorded, moment->first);
       const float* own = &scan.points[3 * entry];
-      const Vec3 world = *pose * Vec3{own[0], own[1], own[2]} - offset;
+      const Pose& pose = recorded.deskewed ? recorded.pose : moment->second.pose;
+      const Vec3 at = pose * Vec3{own[0], own[1], own[2]}, world = at - offset;
       const Point point = {static_cast<int32_t>(std::lround(world.x / kScale)),
                            static_cast<int32_t>(std::lround(world.y / kScale)),
                            static_cast<int32_t>(std::lround(world.z / kScale))};
@@ -76,15 +96,13 @@ class Las : public Format {
       for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(entry - number + k);
       const float strength = strong ? std::min(65535.0f, std::max(0.0f, factor * intensities[entry])) : 0;
       add(points, point, offset, strength, number + 1, count, classes[entry], scan.instances[entry], recorded.planned,
-          unixSeconds(recorded.planned.time + time) + kGpsOfUnix);
+          moment->second.scanAngle(at), gpsOfDrive + (recorded.planned.time + time));
     }
     return points;
   }
 
-  double unixSeconds(double time) const { return drive_.epoch + time; }
-
   void add(Points& points, const Point& point, const Vec3& offset, float strength, size_t number, size_t count,
-           uint16_t classId, uint32_t object, const PlannedScan& planned, double gpsTime) const {
+           uint16_t classId, uint32_t object, const PlannedScan& planned, int16_t angle, double gpsTime) const {
     std::string& out = points.records;
     append(out, point.x);
     append(out, point.y);
@@ -93,8 +111,8 @@ class Las : public Format {
     append(out, static_cast<uint8_t>(number | count << 4));
     append(out, uint8_t{0});  // flags, scanner channel, direction, edge
     append(out, static_cast<uint8_t>(classId));
-    append(out, uint8_t{0});                                 // user data
-    append(out, int16_t{0});                                 // scan angle
+    append(out, uint8_t{0});  // user data
+    append(out, angle);
     append(out, static_cast<uint16_t>(planned.sensor + 1));  // point source
     append(out, gpsTime);
     append(out, object);
@@ -119,8 +137,8 @@ class Las : public Format {
     append(out, uint16_t{0});  // day and year of creation: unknown, so that the bytes are the same every day
     append(out, uint16_t{0});
     append(out, kHeaderBytes);
-    append(out, uint32_t{kHeaderBytes + kVlrHeaderBytes + kExtraRecordBytes});
-    append(out, uint32_t{1});  // variable length records
+    append(out, static_cast<uint32_t>(kHeaderBytes + extraBytes().size() + crs().size()));
+    append(out, output_.crs.empty() ? 1u : 2u);  // variable length records
     append(out, uint8_t{6});
     append(out, kLasPointBytes);
     out.append(6 * sizeof(uint32_t), '\0');  // counts of old versions
@@ -134,13 +152,25 @@ class Las : public Format {
     return out;
   }
 
+  /// The header of a variable length record.
+  static std::string recordHeader(const char* user, uint16_t id, size_t bytes, const char* description) {
+    std::string out(2, '\0');
+    appendFixed(out, user, 16);
+    append(out, id);
+    append(out, static_cast<uint16_t>(bytes));
+    appendFixed(out, description, 32);
+    return out;
+  }
+
+  /// The record of the coordinate reference system; empty if the drive states none.
+  std::string crs() const {
+    if (output_.crs.empty()) return "";
+    return recordHeader("LASF_Projection", 2112, output_.crs.size() + 1, "OGC WKT") + output_.crs + '\0';
+  }
+
   static std::string extraBytes() {
     constexpr uint8_t kUnsignedLong = 5;  // a u32
-    std::string out(2, '\0');
-    appendFixed(out, "LASF_Spec", 16);
-    append(out, uint16_t{4});
-    append(out, kExtraRecordBytes);
-    appendFixed(out, "Extra bytes", 32);
+    std::string out = recordHeader("LASF_Spec", 4, kExtraRecordBytes, "Extra bytes");
     out.append(2, '\0');
     append(out, kUnsignedLong);
     append(out, uint8_t{0});
