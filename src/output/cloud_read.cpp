@@ -70,8 +70,9 @@ std::vector<uint32_t> numberReturns(const CloudTable& table, const CloudColumn* 
 
 /// Returns per beam: the number that the file states, or the largest that its rows need.
 uint32_t findReturns(const CloudTable& table, const std::vector<uint32_t>& numbers) {
-  if (numbers.empty()) return 1;
-  const uint32_t returns = std::max({1u, table.gridReturns, *std::max_element(numbers.begin(), numbers.end())});
+  if (numbers.empty() && table.rows > 0) return 1;
+  uint32_t returns = std::max(1u, table.gridReturns);
+  for (const uint32_t number : numbers) returns = std::max(returns, number);
   if (returns > kMostReturns) {
     table.refuse("has a return number " + std::to_string(returns) + "; there may be " + std::to_string(kMostReturns));
   }

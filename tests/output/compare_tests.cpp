@@ -231,6 +231,22 @@ TEST_CASE("a file of several returns keeps the tie of a beam without any") {
   }
 }
 
+TEST_CASE("a cloud of several returns without any is compared with one that has some") {
+  const test::Folder folder;
+  Scan some = street();
+  some.columns /= 2;
+  some.returns = 2;
+  Scan none = some;
+  for (size_t entry = 0; entry < none.ranges.size(); ++entry) makeMiss(none, entry);
+  CloudOptions options;
+  options.fields = {Field::range, Field::beam, Field::triangle, Field::instance, Field::returnNumber};
+  writeCloud(none, folder / "none.pcd", options);
+  writeCloud(some, folder / "some.pcd", options);
+  const Comparison result = compare(readCloud(folder / "some.pcd"), readCloud(folder / "none.pcd"));
+  CHECK(result.hits > 0);
+  CHECK(result.missed == result.hits);
+}
+
 TEST_CASE("the reference's tolerance of a beam replaces the constant tolerance") {
   Scan reference = street();
   Scan other = reference;
