@@ -714,6 +714,10 @@ GNO_API gno_status gno_simulator_remove_sensor(gno_simulator simulator, size_t i
 /* `image` (may be null) is the alpha channel of the texture; gno_material::alpha_image is ignored. */
 GNO_API gno_status gno_simulator_add_material(gno_simulator simulator, const gno_material* material,
                                               const gno_alpha_image* image, size_t* index);
+/* Replaces a material, also of meshes in use. Of such a material double_sided and class_id must stay as they are, and
+ * whether it has an image. */
+GNO_API gno_status gno_simulator_set_material(gno_simulator simulator, size_t index, const gno_material* material,
+                                              const gno_alpha_image* image);
 GNO_API gno_status gno_simulator_remove_material(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_add_mesh(gno_simulator simulator, const gno_mesh* mesh, size_t* index);
 GNO_API gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index);

@@ -51,10 +51,7 @@ size_t KeptScene::addMaterial(Material material, const AlphaImage* image) {
   if (image) {
     validate(*image, "the alpha image of the new material");
     alpha = *image;
-    const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
-                                     [](const AlphaImage& other) { return other.alpha.empty(); });
-    material.alphaImage = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
-    if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();  // unused if what follows fails
+    material.alphaImage = unusedImage();
   }
   materials_.reserve();
   scene_.materials.resize(std::max(index + 1, materials_.size()));
@@ -68,11 +65,55 @@ size_t KeptScene::addMaterial(Material material, const AlphaImage* image) {
   return index;
 }
 
+void KeptScene::setMaterial(size_t index, Material material, const AlphaImage* image) {
+  materials_.check(index);
+  const std::string name = "the new value of material " + std::to_string(index);
+  validate(material, name);
+  const Material& before = scene_.materials[index];
+  const auto mustStay = [&](bool changes, const char* what) {
+    if (changes && materials_.uses(index) > 0)
+      throw Error(ErrorCode::invalidArgument, name + " has another " + what + ", and meshes use it; add a material");
+  };
+  mustStay(before.doubleSided != material.doubleSided, "side (doubleSided)");
+  mustStay(before.classId != material.classId, "class");
+  mustStay((before.alphaImage != kNoImage) != (image != nullptr), "kind of alpha: with an image, or without one");
+  material.alphaImage = kNoImage;
+  AlphaImage alpha;
+  if (image) {
+    validate(*image, "the alpha image of " + name);
+    alpha = *image;
+    material.alphaImage = ownsImage(index) ? before.alphaImage : unusedImage();
+  }
+  const bool changesImage = image || ownsImage(index);
+  const uint32_t number = image ? material.alphaImage : before.alphaImage;
+  changeMaterials([&] {
+    std::swap(scene_.materials[index], material);
+    if (!changesImage) return;
+    std::swap(scene_.alphaImages[number], alpha);
+    planner_.forgetTextures();
+  });
+}
+
+/// Whether a material has an image that no other material has.
+bool KeptScene::ownsImage(size_t material) const {
+  const uint32_t image = scene_.materials[material].alphaImage;
+  const auto shares = [&](const Material& other) { return other.alphaImage == image; };
+  return image != kNoImage && std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1;
+}
+
+/// The number of an image that no material has.
+uint32_t KeptScene::unusedImage() {
+  const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
+                                   [](const AlphaImage& other) { return other.alpha.empty(); });
+  const auto number = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
+  if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();  // unused if what follows fails
+  return number;
+}
+
 void KeptScene::removeMaterial(size_t index) {
   materials_.checkUnused(index, "meshes");
   const uint32_t image = scene_.materials[index].alphaImage;
-  const auto shares = [&](const Material& other) { return other.alphaImage == image; };
-  const bool alone = image != kNoImage && std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1;
+  const bool alone = ownsImage(index);
   Material none;
   AlphaImage noImage;
   changeMaterials([&] {

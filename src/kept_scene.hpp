@@ -37,6 +37,7 @@ class KeptScene {
   void checkMotions(const Shot& shot, const std::string& which) const;
 
   size_t addMaterial(Material material, const AlphaImage* image);
+  void setMaterial(size_t index, Material material, const AlphaImage* image);
   void removeMaterial(size_t index);
   size_t addMesh(const Mesh& mesh);
   void removeMesh(size_t index);
@@ -58,6 +59,8 @@ class KeptScene {
     ClassTable::Runs classes;
   };
 
+  bool ownsImage(size_t material) const;
+  uint32_t unusedImage();
   uint64_t trianglesOf(size_t mesh) const;
   void checkDeformation(size_t mesh, const Deformation& deformation, const std::string& which) const;
   template <typename Exchange>

@@ -296,7 +296,10 @@ class Simulator::Impl {
     for (size_t i = 0; i < plans_.size(); ++i) {
       if (!plans_[i]) continue;
       auto plan = planner_.plan(kept_.scene(), requests_[i], i, true);
-      if (!sameArrays(*plans_[i], *plan)) backend_->setSensor(i, plan);
+      if (!sameButOptics(*plans_[i], *plan))
+        backend_->setSensor(i, plan);
+      else if (!sameArrays(*plans_[i], *plan))
+        backend_->setOptics(i, plan);
       plans_[i] = std::move(plan);
     }
     kept_.setPlanned();
@@ -388,6 +391,9 @@ void Simulator::removeSensor(size_t sensor) {
 }
 size_t Simulator::addMaterial(const Material& material, const AlphaImage* image) {
   return impl_->kept().addMaterial(material, image);
+}
+void Simulator::setMaterial(size_t index, const Material& material, const AlphaImage* image) {
+  impl_->kept().setMaterial(index, material, image);
 }
 void Simulator::removeMaterial(size_t material) {
   impl_->kept().removeMaterial(material);

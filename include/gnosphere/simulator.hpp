@@ -337,6 +337,9 @@ class GNOSPHERE_API Simulator {
   /// Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode::mask; the
   /// material's own `alphaImage` is ignored.
   size_t addMaterial(const Material& material, const AlphaImage* image = nullptr);
+  /// Replaces a material, also of meshes in use, whose triangles stay where they are; `image` as in addMaterial(). Of a
+  /// material that a mesh uses `doubleSided` and `classId` must stay as they are, and whether it has an image.
+  void setMaterial(size_t index, const Material& material, const AlphaImage* image = nullptr);
   /// Removes a material; no mesh may use it.
   void removeMaterial(size_t material);
 

@@ -268,6 +268,15 @@ void bindChanges(nb::class_<Self>& simulator) {
       "material"_a, "image"_a = nb::none(),
       "Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode.mask; the "
       "material's own alpha_image is ignored.");
+  simulator.def(
+      "set_material",
+      [](Self& self, size_t index, const Material& material, const AlphaImage* image) {
+        const std::optional<AlphaImage> alpha = image ? std::optional(*image) : std::nullopt;
+        self.use([&, copy = material](Simulator& of) { of.setMaterial(index, copy, alpha ? &*alpha : nullptr); });
+      },
+      "index"_a, "material"_a, "image"_a = nb::none(),
+      "Replaces a material, also of meshes in use; `image` as in add_material(). Of a material that a mesh uses "
+      "double_sided and class_id must stay as they are, and whether it has an image.");
   removal("remove_material", &Simulator::removeMaterial, "material", "Removes a material; no mesh may use it.");
   simulator.def(
       "add_mesh",

@@ -45,7 +45,10 @@ def test_sensors_and_materials_come_and_go(reference, square):
     holes = gnosphere.AlphaImage(np.zeros((2, 3), np.uint8), gnosphere.AlphaImage.Wrap.clamp)
     assert holes.alpha.shape == (holes.height, holes.width) == (2, 3)
     material = reference.add_material(gnosphere.Material("net", alpha_mode=gnosphere.AlphaMode.mask), holes)
+    reference.set_material(material, gnosphere.Material("other", roughness=0.5), None)
     reference.remove_material(material)
+    with pytest.raises(gnosphere.Error, match="material 0 has another class"):
+        reference.set_material(0, gnosphere.Material(class_id=3))
     assert reference.cluster_count() == 0  # the reference has none
 
 

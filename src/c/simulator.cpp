@@ -261,6 +261,16 @@ gno_status gno_simulator_add_material(gno_simulator simulator, const gno_materia
   });
 }
 
+gno_status gno_simulator_set_material(gno_simulator simulator, size_t index, const gno_material* material,
+                                      const gno_alpha_image* image) {
+  return guard([&] {
+    Idle to(simulator);
+    if (!image) return to->setMaterial(index, materialOf(material));
+    const AlphaImage alpha = alphaImageOf(image);
+    to->setMaterial(index, materialOf(material), &alpha);
+  });
+}
+
 gno_status gno_simulator_remove_material(gno_simulator simulator, size_t index) {
   return guard([&] { Idle(simulator)->removeMaterial(index); });
 }

@@ -168,9 +168,12 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   return made;
 }
 
+bool sameButOptics(const SensorPlan& before, const SensorPlan& after) {
+  return before.bits == after.bits && before.textures == after.textures && before.optics.size() == after.optics.size();
+}
+
 bool sameArrays(const SensorPlan& before, const SensorPlan& after) {
-  return before.bits == after.bits && before.textures == after.textures &&
-         before.optics.size() == after.optics.size() &&
+  return sameButOptics(before, after) &&
          (before.optics.empty() ||
           std::memcmp(before.optics.data(), after.optics.data(), after.optics.size() * sizeof(gpu::Optics4)) == 0);
 }

@@ -101,7 +101,9 @@ class SensorPlanner {
   std::shared_ptr<const TextureArrays> textures_;
 };
 
-/// Returns whether the plan `after` can use the arrays and kernels made for the plan `before`.
+/// Returns whether the plan `after` can use the arrays and kernels made for the plan `before`, but for the optics.
+bool sameButOptics(const SensorPlan& before, const SensorPlan& after);
+/// The same with the optics.
 bool sameArrays(const SensorPlan& before, const SensorPlan& after);
 
 /// Returns the effects for one shot: those of the plan, with the shot's weather if it has any.

@@ -38,6 +38,8 @@ class Backend {
   /// In each of the following an index is an existing one, or the next one to add an entry; null or kNoMesh removes the
   /// entry. If a call throws, the scene and the sensors are unchanged.
   virtual void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) = 0;
+  /// The plan of a sensor has other optics than before, and is the same otherwise.
+  virtual void setOptics(size_t sensor, std::shared_ptr<const SensorPlan> plan) = 0;
   /// Replaces the materials and their images. Devices ignore them and read optics from the plans of the sensors.
   virtual void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) = 0;
   virtual void setMesh(size_t index, const Mesh* mesh) = 0;

@@ -100,6 +100,13 @@ class DeviceBackend final : public Backend {
     sensors_[index] = std::move(sensor);
   }
 
+  void setOptics(size_t sensor, std::shared_ptr<const SensorPlan> plan) override {
+    waitForAll();
+    StillImage& still = sensors_[sensor]->still;
+    still.inMaking() ? still.end(false) : still.forget();  // a surface may have become a pane
+    sensors_[sensor]->arrays.setOptics(plan->optics);
+  }
+
   void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>&) override {
     auto copy = materials;
     materials_.swap(copy);

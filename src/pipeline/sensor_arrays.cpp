@@ -122,6 +122,10 @@ void SensorArrays::setDeformed(bool deformed) {
   }
 }
 
+void SensorArrays::setOptics(std::span<const gpu::Optics4> optics) {
+  if (plan_.looksAtOptics()) of(Array::optics)->write(0, std::as_bytes(optics));
+}
+
 // Returns the most views that a shot has with tables of a set.
 uint32_t SensorArrays::viewsOfScan(size_t set) const {
   uint32_t most = 1;

@@ -39,6 +39,7 @@ class ReferenceBackend : public Backend {
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override;
+  void setOptics(size_t sensor, std::shared_ptr<const SensorPlan> plan) override { setSensor(sensor, std::move(plan)); }
   void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) override;
   void setMesh(size_t index, const Mesh* mesh) override;
   void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) override;

@@ -169,6 +169,13 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   moved[2] = 2;
   CHECK(gno_simulator_set_positions(simulator, 1, moved, 4) == GNO_OK);
   expected.setPositions(1, moved);
+  gno_material dark = gno_material_init();
+  dark.base_color[0] = 0.1f;
+  CHECK(gno_simulator_set_material(simulator, 0, &dark, nullptr) == GNO_OK);
+  Material darkHere;
+  darkHere.baseColor[0] = 0.1f;
+  expected.setMaterial(0, darkHere);
+  CHECK(fails(gno_simulator_set_material(simulator, 5, &dark, nullptr), GNO_INVALID_ARGUMENT, "material 5"));
   gno_scan before = scan, inTheWorld = nullptr;
   compareAll(shot, cShot, scan);
   REQUIRE(gno_scan_in_world(scan, &inTheWorld) == GNO_OK);

@@ -124,6 +124,8 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
       [&] { added = simulator.addInstance(2, translation(500, 0, 0)); });
   added = simulator.addMaterial(glass, &image);
   each(
+      "setMaterial", [&] { simulator.setMaterial(added, glass, &image); }, [] {});
+  each(
       "removeMaterial", [&] { simulator.removeMaterial(added); },
       [&] { added = simulator.addMaterial(glass, &image); });
   added = simulator.addSensor({gridSensor(40, 4, -10, 10), Effects::none(), {}});

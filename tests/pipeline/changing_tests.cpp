@@ -183,6 +183,75 @@ TEST_CASE("a cut-out material that is added brings its own image") {
   CHECK(sameBytes(simulator.scan({}), Simulator(planted, request, vulkanOptions()).scan({})));
 }
 
+TEST_CASE("a material of meshes in use changes its optics, its image, and whether it is glass") {
+  for (const auto kind : {DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan}) {
+    TestOptions options = vulkanOptions();
+    if (kind == DeviceChoice::Kind::vulkan) needVulkan();
+    options.device = kind;
+    MeshBuilder wall, pane;
+    wall.quad({9, -9, -9}, {0, 18, 0}, {0, 0, 18}, 3);
+    pane.quad({4, -1, -9}, {0, 4, 0}, {0, 0, 18}, 2);
+    Scene scene = sceneOf(wall.take());
+    scene.materials = {Material(), Material(), glass()};
+    scene.materials[1].alphaMode = AlphaMode::mask;
+    scene.materials[1].alphaImage = 0;
+    AlphaImage image = {4, 4, {}};
+    for (int i = 0; i < 16; ++i) image.alpha.push_back(i % 3 == 0 ? 255 : 0);
+    scene.alphaImages = {image};
+    Mesh sheet = pane.take();
+    for (size_t v = 0; v < sheet.vertexCount(); ++v) {
+      sheet.uvs.push_back(sheet.positions[3 * v + 1]);
+      sheet.uvs.push_back(sheet.positions[3 * v + 2]);
+    }
+    for (uint32_t i = 0; i < 3; ++i) {
+      sheet.parts[0].material = i;
+      scene.meshes.push_back(sheet);
+      scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), translation(0, 5.0 * i - 5, 0)});
+    }
+    const SensorRequest request = {gridSensor(180, 12, -10, 10), {}, {Field::intensity}};
+    Simulator simulator(scene, request, options);
+    const auto requireFresh = [&] {
+      for (int turn = 0; turn < 2; ++turn)  // the second scan from a pose may use what the first has kept
+        REQUIRE(sameBytes(simulator.scan({}), Simulator(scene, request, options).scan({})));
+    };
+    const auto change = [&](uint32_t index, const auto& how, const AlphaImage* own = nullptr) {
+      how(scene.materials[index]);
+      simulator.setMaterial(index, scene.materials[index], own);
+      requireFresh();
+    };
+    requireFresh();
+    change(0, [](Material& material) { material.baseColor = {0.2f, 0.3f, 0.4f, 1}; });
+    change(2, [](Material& material) { material.transmission = 0.3f; });
+    change(0, [](Material& material) { material.transmission = 0.9f; });  // beside a pane that was one before
+    change(2, [](Material& material) { material.transmission = 0; });
+    change(0, [](Material& material) { material.transmission = 0; });  // no glass any more
+    CHECK_FALSE(simulator.plan().has("transmission"));
+    change(2, [](Material& material) { material.transmission = 0.5f; });
+    std::reverse(image.alpha.begin(), image.alpha.end());
+    image.alpha[3] = 255;
+    scene.alphaImages[0] = image;
+    change(
+        1, [](Material& material) { material.alphaCutoff = 0.3f; }, &image);
+
+    const auto refuse = [&](uint32_t index, const auto& how, const AlphaImage* own, const std::string& words) {
+      Material other = scene.materials[index];
+      how(other);
+      CHECK_THROWS_WITH(simulator.setMaterial(index, other, own), Catch::Matchers::ContainsSubstring(words));
+      requireFresh();
+    };
+    const auto same = [](Material&) {};
+    refuse(
+        0, [](Material& material) { material.doubleSided = !material.doubleSided; }, nullptr, "another side");
+    refuse(
+        0, [](Material& material) { material.classId = 7; }, nullptr, "another class");
+    refuse(0, same, &image, "another kind of alpha");
+    refuse(1, same, nullptr, "another kind of alpha");
+    refuse(
+        0, [](Material& material) { material.roughness = 2; }, nullptr, "roughness");
+    CHECK_THROWS_WITH(simulator.setMaterial(3, Material()), Catch::Matchers::ContainsSubstring("material 3"));
+  }
+}
+
 TEST_CASE("sensors of one scene have effects and fields of their own, and come and go") {
   needVulkan();
   const Scene scene = sceneOf(soup(3, 500, 20, 5));
