@@ -85,8 +85,15 @@ Echo loadEcho(uint k) {
 }
 
 // Returns the velocity of the point of a moving triangle that the beam meets, in the column's frame; `point` is as seen
-// from the laser.
+// from the laser. Between the velocities of its corners lie those of triangles that deform, or of flat instances.
 vec3 surfaceVelocityAt(uvec2 owner, vec3 point) {
+  InstanceMotion moving = instanceMotions.at[owner.y];
+  vec3 rigid;
+  if (DEFORMED == kDeformsNothing || moving.bound.z == 0.0) {
+    vec3 now = fromColumn(beamMotion, point + beamOrigin);
+    if (findVelocity(moving, instances.at[owner.y], beamMotion.velocity.w, now, rigid))
+      return rotated(beamMotion.row0, beamMotion.row1, beamMotion.row2, rigid);
+  }
   Surface surface = surfaceOf(owner, beamMotion, beamOrigin);
   vec2 shares = barycentricsOf(surface.corners, point);
   precise vec3 velocity = surface.velocities.a + (surface.velocities.b - surface.velocities.a) * shares.x +

@@ -22,6 +22,22 @@ vec3 inColumn(ColumnMotion column, vec3 p) { return through(column.row0, column.
 // Returns the velocity of a point of a mesh, which moves with its instance, in the sensor's axes.
 vec3 velocityOf(InstanceMotion moving, vec3 p) { return through(moving.row0, moving.row1, moving.row2, p); }
 
+// Finds the velocity of the point of an instance that is at `p`, in the frame at the middle of the scan, at a time in
+// seconds. The point is `x` from the instance's pivot in the mesh frame, and Cramer's rule finds x, as
+// p = (M + time V) x + where the pivot is by then, with the linear part M of the instance's map at the start of the scan
+// and V of the velocity. Returns false if the instance is flat at this time.
+bool findVelocity(InstanceMotion moving, Instance instance, float time, vec3 p, out vec3 velocity) {
+  precise vec3 a = instance.row0.xyz + time * moving.row0.xyz, b = instance.row1.xyz + time * moving.row1.xyz,
+               c = instance.row2.xyz + time * moving.row2.xyz;
+  vec3 pivot = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
+  precise vec3 q = p - instance.offset - time * velocityOf(moving, pivot);
+  vec3 bc = crossOf(b, c), ca = crossOf(c, a), ab = crossOf(a, b);
+  float determinant = dotOf(a, bc);
+  precise vec3 x = (q.x * bc + q.y * ca + q.z * ab) * quotient(1.0, determinant);
+  velocity = velocityOf(moving, pivot + x);
+  return abs(determinant) > 1e-5 * length(a) * length(b) * length(c);
+}
+
 // Returns the position of a moving corner when the column fires, in the column's frame.
 vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
   precise vec3 p = corner + velocity * column.velocity.w;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
+#include "base/text.hpp"
 #include "output/cloud_format.hpp"
 #include "scan.hpp"
 #include "scan/fields.hpp"
@@ -168,7 +169,7 @@ void bindOutput(nb::module_& m) {
   m.def(
       "write_picture",
       [](const SharedScan& scan, const std::filesystem::path& file) {
-        if (file.extension() != ".png") refuse("write_picture: " + file.string() + " must end in .png");
+        if (lower(file.extension().string()) != ".png") refuse("write_picture: " + file.string() + " must end in .png");
         const std::shared_ptr<Scan> shared = scan.value;
         const ReleasedGil released;
         writePicture(*shared, file);

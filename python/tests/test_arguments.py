@@ -329,7 +329,7 @@ def test_a_second_import_is_an_import_error():
     again = subprocess.run([sys.executable, "-c", f"{line}; import gnosphere"], capture_output=True, text=True)
     assert again.returncode == 1
     last = again.stderr.splitlines()[-1]
-    assert last.startswith("ImportError: gnosphere._gnosphere cannot be imported a second time in one process")
+    assert last.startswith("ImportError: gnosphere._gnosphere cannot be initialised a second time in one process")
 
 
 @pytest.mark.filterwarnings("ignore:nanobind. attempted to access an uninitialized instance")

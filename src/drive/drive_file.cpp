@@ -23,7 +23,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kLastTime = 9.2e9;  // s: the year 2261
+constexpr double kLastTime = 9.2e9;      // s: the year 2261
+constexpr size_t kMostCrsBytes = 65534;  // of a record of LAS, with a zero behind them
 constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance,true_range";
 
 /// All mistakes in one line.
@@ -288,6 +289,8 @@ void DriveReader::outputs() {
     if (object.contains("crs") && !format.crs)
       refuse(path + ".crs", "is only for " + formatNames([](const FormatInfo& f) { return f.crs; }));
     output.crs = object.value("crs", "");
+    if (output.crs.size() > kMostCrsBytes || output.crs.find('\0') != std::string::npos)
+      refuse(path + ".crs", "must be well-known text of at most " + std::to_string(kMostCrsBytes) + " bytes");
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     drive_.outputs.push_back(std::move(output));
   }

@@ -175,8 +175,8 @@ double AccuracyRow::wrongShare() const {
 }
 
 double AccuracyRow::errorBound() const {
-  const bool measured = error.beams == 0 || error.ties < error.beams;
-  return error.missed + error.falseHits > 0 || !measured ? std::numeric_limits<double>::infinity() : error.hitErrorMax;
+  const bool tiesAlone = error.hitErrorMax == 0 && error.ties > 0 && error.ties >= error.hits;
+  return error.missed + error.falseHits > 0 || tiesAlone ? std::numeric_limits<double>::infinity() : error.hitErrorMax;
 }
 
 AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses,

@@ -91,7 +91,7 @@ class DeviceBackend final : public Backend {
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
       sensor = std::make_shared<SensorState>(*machine_, std::move(plan), options_, scene_.instances().mostTriangles(),
                                              scene_.deformed());
-      if (before && sensor->arrays.keepsRecords()) sensor->arrays.growListsAs(before->arrays);
+      if (before && sensor->arrays.keepsRecords()) growListsAs(before->arrays, sensor->arrays);
       machine_->prepared();
     }
     machine_->throwOnMessages();
@@ -222,6 +222,15 @@ class DeviceBackend final : public Backend {
       std::vector<Part> alone = partsOf(shots.subspan(received), 1);
       for (Part& part : alone) part.index += received;
       scanParts(alone, to);
+    }
+  }
+
+  // Without memory for as large lists, the next scans make those that they need.
+  static void growListsAs(const SensorArrays& before, SensorArrays& arrays) {
+    try {
+      arrays.growListsAs(before);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::outOfMemory) throw;
     }
   }
 

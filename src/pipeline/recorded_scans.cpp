@@ -2,6 +2,7 @@
 #include "pipeline/recorded_scans.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -26,8 +27,14 @@ void check(const Recording::Range& range, uint64_t least, size_t sensor, const c
 }  // namespace
 
 void RecordedScans::replace(size_t sensor, std::shared_ptr<SensorArrays> before) {
-  for (Scans& scans : frames_)
-    if (const auto own = scans.find(sensor); own != scans.end() && !own->second.replaced) own->second.replaced = before;
+  for (Scans& scans : frames_) {
+    const auto own = scans.find(sensor);
+    if (own == scans.end()) continue;
+    if (own->second.scans.empty())
+      scans.erase(own);
+    else if (!own->second.replaced)
+      own->second.replaced = before;
+  }
   runs_.erase(sensor);
 }
 
@@ -36,6 +43,14 @@ uint64_t RecordedScans::bytes() const {
   for (const Scans& scans : frames_)
     for (const auto& [sensor, own] : scans)
       for (const Run& run : own.runs) sum += run.placed.bytes() + run.transforms.bytes();
+  std::set<const SensorArrays*> replaced;
+  for (const Scans& scans : frames_)
+    for (const auto& [sensor, own] : scans)
+      if (own.replaced && replaced.insert(own.replaced.get()).second) {
+        MemoryUse use;
+        own.replaced->addTo(use);
+        sum += use.sensor + use.work;
+      }
   for (const Classes& classes : classes_)
     if (classes.runs) sum += classes.instances->bytes() + classes.runs->bytes();
   return sum;

@@ -16,7 +16,6 @@ namespace {
 
 using gpu::Array;
 
-// The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 /// The triangles that were culled and those that were projected, which are those that were read, unless motion has
 /// made some of them several.
 uint32_t readTriangles(const gpu::Counters& counters) {
@@ -24,6 +23,7 @@ uint32_t readTriangles(const gpu::Counters& counters) {
          counters.culledHidden + counters.projectedSmall + counters.projectedLarge + counters.tried;
 }
 
+// The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
   auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
   for (uint32_t& word : words) word = word / views + (view == 0 ? word % views : 0);

@@ -188,11 +188,13 @@ void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, size_t materia
   mesh.indices = std::move(sorted);
 }
 
-/// Joins each line that ends with a backslash with the next one.
+/// Joins each line that ends with a backslash with the next one, unless it is a comment.
 void joinLines(std::string& text) {
   for (size_t at = text.find('\\'); at != text.npos; at = text.find('\\', at + 1)) {
     const size_t end = at + 1 + (text.compare(at + 1, 1, "\r") == 0 ? 1 : 0);
-    if (text.compare(end, 1, "\n") == 0) text.replace(at, end + 1 - at, end + 1 - at, ' ');
+    const size_t line = text.rfind('\n', at) + 1;  // 0 in the first line, because npos is -1
+    const bool isComment = text.compare(text.find_first_not_of(" \t", line), 1, "#") == 0;
+    if (!isComment && text.compare(end, 1, "\n") == 0) text.replace(at, end + 1 - at, end + 1 - at, ' ');
   }
 }
 

@@ -123,8 +123,6 @@ DeviceHandle<VkPipeline> compile(const Device& device, const Variant& variant, c
                                        constants.size() * sizeof constants[0], constants.data()};
   if (!code.specialised) create.stage.pSpecializationInfo = &values;
   create.layout = layout;
-  // A list of beams may have more than a dispatch may have workgroups.
-  if (variant.options.LISTED) create.flags |= VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;
   if (device.statistics()) create.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   VkPipeline pipeline = VK_NULL_HANDLE;
   VK(vk.vkCreateComputePipelines(device.handle(), cache, 1, &create, nullptr, &pipeline));

@@ -319,6 +319,9 @@ TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose c
     const double column = (time - 0.3) / (0.1 / 90);
     CHECK_THAT(column, WithinAbs(std::round(column), 0.04e-6 / (0.1 / 90)));
   }
+  json["outputs"][0]["crs"] = std::string(65535, 'x');
+  CHECK_THROWS_WITH(folder.read(json),
+                    Catch::Matchers::ContainsSubstring("outputs[0].crs: must be well-known text of at most 65534"));
   json["outputs"][0]["format"] = "pcd";
   CHECK_THROWS_WITH(folder.read(json), Catch::Matchers::ContainsSubstring("outputs[0].crs: is only for las"));
 }

@@ -114,6 +114,7 @@ TEST_CASE("a scan of ties alone bounds no error") {
   builder.triangle({5, 0, -3}, {5, 0, 3}, {5, -4, 3});
   BeamList beams;
   for (int i = 0; i < 40; ++i) beams.directions.push_back(directionAt(0, 0.01 * (i - 20)));
+  beams.directions.push_back({-1, 0, 0});  // into the sky
   AccuracyOptions options = quick();
   options.runs = 1;
   options.parts = false;

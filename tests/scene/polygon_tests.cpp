@@ -169,6 +169,9 @@ TEST_CASE("OBJ lines may go on after a backslash") {
     CHECK(scene.meshes[0].triangleCount() == 2);
     CHECK(scene.meshes[0].vertexCount() == 5);
   }
+  const Scene scene =
+      loadText("a.obj", "# C:\\models\\\n" + std::string(kSquareObj) + "f 1 2 3\n # more \\\no b\nf 1 3 4\n");
+  CHECK(scene.instances.size() == 2);
 }
 
 TEST_CASE("OBJ keeps nan and infinity") {

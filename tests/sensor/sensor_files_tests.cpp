@@ -148,6 +148,8 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
                  R"(, "ouster-sdk": {"extrinsic": [0,-1,0,1, 1,0,0,2, 0,0,1,3, 0,0,0,1]}, "return_order": "x")");
   const SensorFile file = readSensorFile(mounted, "os.json");
   CHECK(lists(file.ignored, "the extrinsic"));
+  mounted.replace(mounted.find("[0,-1"), mounted.find("3, 0,0,0,1]") + 11 - mounted.find("[0,-1"), "null");
+  CHECK(lists(readSensorFile(mounted, "os.json").ignored, "the extrinsic"));
   CHECK(lists(file.ignored, "return_order"));
 }
 
@@ -465,7 +467,7 @@ TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
   CHECK_THAT(problemOf(bytes.substr(0, 20), "ft.dat"), ContainsSubstring("ends after 20 bytes"));
 }
 
-TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of beams") {
+TEST_CASE("beam tables: azimuth and zenith, times of one scan or a count of beams") {
   const SensorFile file = readSensorFile("Time/s,Azimuth/deg,Zenith/deg\n0,10,90\n0.00001,350,60\n\n", "l.csv");
   CHECK(file.family == "beam table");
   REQUIRE(file.sensor.patterns.size() == 1);
@@ -493,7 +495,7 @@ TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of b
   CHECK_THAT(problemOf("Azimuth/deg,Zenith/deg,ring\n0,1,65536\n", "l.csv"), ContainsSubstring("0..65535"));
 }
 
-TEST_CASE("beam tables: stated firing times, origins, windows and patterns, and columns of other names") {
+TEST_CASE("beam tables: stated firing times, units, origins, windows and patterns, and columns of other names") {
   const std::string timed = "Time/us,Azimuth/deg,Zenith/deg\n5,10,90\n6,20,80\n7,10,90\n9,20,80\n";
   const SensorFile cut = readSensorFile(timed, "l.csv", {.scanRate = 20, .beamsPerScan = 2});
   REQUIRE(cut.sensor.patterns.size() == 2);
@@ -501,6 +503,27 @@ TEST_CASE("beam tables: stated firing times, origins, windows and patterns, and 
   CHECK_THAT(timeOf(cut.sensor, 1, 0), WithinAbs(1e-6, 1e-15));
   CHECK_THAT(timeOf(cut.sensor, 1, 1), WithinAbs(2e-6, 1e-15));
   CHECK(lists(cut.ignored, "the scan rate"));
+
+  // Each scan of a long recording has its own start.
+  std::string recording = "Time/s,Azimuth/deg,Zenith/deg\n";
+  for (int i = 0; i < 40; ++i) recording += std::to_string(0.5 * i) + ",10,90\n";
+  const SensorFile scans = readSensorFile(recording, "l.csv", {.beamsPerScan = 4});
+  REQUIRE(scans.sensor.patterns.size() == 10);
+  CHECK_THAT(timeOf(scans.sensor, 3, 9), WithinAbs(1.5, 1e-12));
+  CHECK(lists(readSensorFile(recording, "l.csv").ignored, "which are not those of one scan"));
+  const Sensor spread =
+      readSensorFile("azimuth,elevation,pattern\n0,0,0\n1,0,0\n0,0,1\n1,0,1\n", "p.csv", {.scanRate = 20}).sensor;
+  CHECK_THAT(timeOf(spread, 1, 1), WithinAbs(0.025, 1e-12));
+  // The scan of a head whose sector is less than a turn takes all the time.
+  std::string beams = "azimuth,elevation\n";
+  for (int i = 0; i < 811; ++i) beams += std::to_string(i / 3.0) + ",0\n";
+  const Sensor tim = readSensorFile(beams, "t.csv", {.head = "TiM781"}).sensor;
+  CHECK_THAT(timeOf(tim, 810), WithinAbs(810 / 16200.0, 1e-9));
+  CHECK_THAT(readSensorFile("azimuth,elevation,origin_x_mm,origin_y_mm,origin_z_mm\n0,0,1,2,3\n", "o.csv")
+                 .sensor.patterns[0]
+                 .origins[0]
+                 .y,
+             WithinAbs(0.002, 1e-12));
 
   const SensorFile file = readSensorFile(
       "index,azimuth_deg,elevation_deg,origin_x,origin_y,origin_z,range_min,range_max,pattern,foo\n"

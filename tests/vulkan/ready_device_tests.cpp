@@ -93,6 +93,15 @@ TEST_CASE("a process that was forked makes simulators, also in place of those of
     return makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(1800, 32, -10, 10), vulkanOptions());
   };
   const auto hits = [](Simulator& simulator) { return simulator.scan({}).counters.hits; };
+  SensorRequest request{gridSensor(40, 5, -10, 10), Effects::none()};
+  request.layout = layoutOf({Field::range});
+  TestOptions options = vulkanOptions();
+  options.resultsOnDevice = true;
+  Simulator streaming(sceneOf(ball(9, 14, 5)), request, options);
+  BatchStreamOptions ofStream;
+  ofStream.views = 1;
+  std::optional<BatchStream> stream(std::in_place, streaming, ofStream);
+  stream->submit(std::vector<Shot>(1));
   std::optional<Simulator> gone = make();
   Simulator simulator = make();
   REQUIRE(hits(*gone) == 1800 * 32);
@@ -101,6 +110,7 @@ TEST_CASE("a process that was forked makes simulators, also in place of those of
   if (child == 0) {
     alarm(100);
     gone.reset();
+    stream.reset();
     simulator = make();
     _exit(hits(simulator) == 1800 * 32 ? 0 : 1);
   }

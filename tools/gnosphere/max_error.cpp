@@ -16,7 +16,8 @@ constexpr uint32_t kRuns = 5;
 
 std::string errorOf(const AccuracyRow& row) {
   const Comparison& error = row.error;
-  if (error.ties == error.beams) return "only ties at edges, which are not counted";
+  if (error.missed + error.falseHits == 0 && std::isinf(row.errorBound()))
+    return "only ties at edges, which are not counted";
   if (error.missed + error.falseHits == 0) return formatted("%.3g m", error.hitErrorMax);
   return grouped(error.missed) + " beams missed and " + grouped(error.falseHits) + " false";
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "drive/trajectory.hpp"
@@ -61,7 +62,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
                   "--fields: only --device reference gives '" + std::string(fieldInfo(field).name) + "'");
     }
   }
-  if (!options.image.empty() && std::filesystem::path(options.image).extension() != ".png") {
+  if (!options.image.empty() && lower(std::filesystem::path(options.image).extension().string()) != ".png") {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
   }
   const auto asciiChanges = [](const std::string& file) {

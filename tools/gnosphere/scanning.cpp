@@ -93,7 +93,7 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
       ->capture_default_str();
   app.add_option("--pose", options.pose,
                  "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
-                 "the origin, or above the ground in the middle of a scene that is elsewhere)");
+                 "the origin, or above the lowest surface in the middle of a scene that is elsewhere)");
   addSetting(app, "--faces", "faces", options.settings);
   addSetting(app, "--binning", "tuning.binning", options.settings);
   CLI::Option* animation =

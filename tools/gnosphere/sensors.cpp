@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "output/pattern_picture.hpp"
@@ -180,7 +181,7 @@ int runSensors(const SensorsOptions& options) {
     listCatalogue();
     return 0;
   }
-  if (!options.image.empty() && options.image.extension() != ".png")
+  if (!options.image.empty() && lower(options.image.extension().string()) != ".png")
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image.string() + " must end in .png");
   for (const std::filesystem::path& file : {options.beams, options.image})
     if (!file.empty()) checkWritable(file);

@@ -38,7 +38,7 @@ struct AccuracyRow {
   /// Share of all beams that are missed, falsely hit or at a wrong range, without ties.
   GNOSPHERE_API double wrongShare() const;
   /// Largest range error in metres if no beam is missed or falsely hit, without ties; infinity otherwise, and if all
-  /// beams are ties.
+  /// hits are ties.
   GNOSPHERE_API double errorBound() const;
   NearestHistogram nearest{};  ///< all zero if only a sample of the beams was compared
   Spread wallMs;

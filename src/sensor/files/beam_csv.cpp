@@ -7,7 +7,6 @@
 #include <numbers>
 #include <optional>
 
-#include "base/decimal_point.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 
@@ -34,7 +33,7 @@ struct Columns {
       const auto name = std::find_if(std::begin(names), std::end(names),
                                      [&](const auto& each) { return containsWord(header[i], each.first); });
       if (name != std::end(names) && !*name->second)
-        *name->second = Place{i, unitOf(header[i])};
+        *name->second = Place{i, unitOf(header[i], name->first)};
       else if (!sameWord(header[i], "index") && !header[i].empty())
         source.ignore("the column '" + std::string(header[i]) + "'");
     }
@@ -47,21 +46,13 @@ struct Columns {
     if (least.has_value() != most.has_value()) source.refuse("has only one of the columns range_min and range_max");
   }
 
-  static double unitOf(std::string_view name) {
-    if (containsWord(name, "rad")) return 180 / std::numbers::pi;
-    return containsWord(name, "us") ? 1e-6 : containsWord(name, "ns") ? 1e-9 : containsWord(name, "ms") ? 1e-3 : 1;
+  static double unitOf(std::string_view header, std::string_view column) {
+    const auto has = [&](const char* unit) { return containsWord(header, unit); };
+    if (column == "time") return has("us") ? 1e-6 : has("ns") ? 1e-9 : has("ms") ? 1e-3 : 1;
+    if (column.starts_with("origin") || column.starts_with("range")) return has("mm") ? 1e-3 : has("cm") ? 1e-2 : 1;
+    return has("rad") ? 180 / std::numbers::pi : 1;
   }
 };
-
-/// Drops the times of a table that counts its beams in the column of times, as the published one of the Mid-360 does.
-void dropTimes(SensorSource& source, BeamList& list) {
-  const auto [least, most] = std::minmax_element(list.times.begin(), list.times.end());
-  if (list.times.empty() || (*least >= 0 && *most <= 10)) return;
-  const DecimalPoint point;
-  source.ignore("times from " + std::to_string(*least) + " to " + std::to_string(*most) +
-                " s, which are not those of one scan");
-  list.times.clear();
-}
 
 }  // namespace
 
@@ -101,7 +92,6 @@ void readBeamCsv(SensorSource& source) {
     list.rangeMin.push_back(static_cast<float>(value(columns.least)));
     list.rangeMax.push_back(static_cast<float>(value(columns.most)));
   }
-  for (BeamList& list : patterns) dropTimes(source, list);
   if (!columns.least) {
     assumeRange(source, 200);
   } else {
@@ -114,7 +104,7 @@ void readBeamCsv(SensorSource& source) {
   if (source.options.beamsPerScan > 0)
     source.refuse("has a column of patterns, so it cannot be cut into scans of " +
                   std::to_string(source.options.beamsPerScan) + " beams");
-  source.file.sensor.patterns = std::move(patterns);
+  setPatterns(source, std::move(patterns));
 }
 
 }  // namespace gnosphere

@@ -290,8 +290,6 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   if (!options.head.empty()) {
     from = builtinSensor(options.head);
     if (settings.columns == 0) settings.columns = from.columns;
-    if (settings.scanRate == 0 && from.rotationPeriod > 0)  // the columns of a head need not fill a whole turn
-      settings.scanRate = (from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / from.rotationPeriod;
     if (settings.beamsPerScan == 0 && !from.isGrid()) settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
   }
   SensorSource source{bytes, name, settings, file};
@@ -306,6 +304,11 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   file.family = family.name;
   SensorSource asked{bytes, name, options, file};
   checkOptions(asked, family);
+  // The columns of a head need not fill a whole turn, but its scan takes all the time of a list of beams.
+  const bool turns = (family.options & beamsPerScan) == 0;
+  if (settings.scanRate == 0 && from.rotationPeriod > 0)
+    settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / from.rotationPeriod;
+  source.rateAsked = options.scanRate > 0;
   family.read(source, root);
   if (family.options != 0 || family.isJson)
     if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())

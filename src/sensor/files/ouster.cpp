@@ -266,8 +266,8 @@ void readOuster(SensorSource& source, const json& root) {
   for (const char* key :
        {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier", "return_order", "azimuth_window"})
     if (metadata.find(key)) source.ignore(key);
-  if (metadata.find("extrinsic") &&
-      metadata.matrix("extrinsic") != Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1})
+  const Matrix identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  if (const json* part = metadata.find("extrinsic"); part && part->at("extrinsic") != json(identity))
     source.ignore("the extrinsic: give the pose of the sensor's mounting with each scan");
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/decimal_point.hpp"
 #include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -59,26 +60,58 @@ Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double ele
   return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
 }
 
-void setBeams(SensorSource& source, BeamList list) {
-  Sensor& sensor = source.file.sensor;
-  const size_t count = list.size(), size = source.options.beamsPerScan;
-  const bool timed = !list.times.empty();
-  if (timed && source.options.scanRate > 0 && source.options.head.empty())
-    source.ignore("the scan rate, because the file has firing times");
-  if (count == 0) source.refuse("the pattern has no beam");
-  if (size == 0 || size == count) {
-    if (source.options.scanRate > 0 && !timed)
-      for (size_t i = 0; i < count; ++i)
-        list.times.push_back(static_cast<double>(i) / (static_cast<double>(count) * source.options.scanRate));
-    sensor.patterns.push_back(std::move(list));
-    return;
+namespace {
+
+/// Drops the times of a table that counts its beams in the column of times, as the published one of the Mid-360 does.
+/// Times within a scan of `size` beams begin at its first one.
+void dropTimes(SensorSource& source, BeamList& list, size_t size) {
+  constexpr double kLongest = 10;  // s
+  const auto isOfOneScan = [&](size_t first) {
+    const auto begin = list.times.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto [least, most] = std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(size));
+    return size < list.size() ? *most - *least <= kLongest : *least >= 0 && *most <= kLongest;
+  };
+  bool right = true;
+  for (size_t first = 0; first + size <= list.times.size(); first += size) right = right && isOfOneScan(first);
+  if (right) return;
+  const auto [least, most] = std::minmax_element(list.times.begin(), list.times.end());
+  const DecimalPoint point;
+  source.ignore("times from " + std::to_string(*least) + " to " + std::to_string(*most) +
+                " s, which are not those of one scan");
+  list.times.clear();
+}
+
+void spreadOver(BeamList& list, double rate) {
+  for (size_t i = 0; i < list.size(); ++i)
+    list.times.push_back(static_cast<double>(i) / (static_cast<double>(list.size()) * rate));
+}
+
+}  // namespace
+
+void setPatterns(SensorSource& source, std::vector<BeamList> patterns) {
+  bool timed = false;
+  for (BeamList& list : patterns) {
+    if (list.size() > 0) dropTimes(source, list, list.size());
+    timed = timed || !list.times.empty();
+    if (list.times.empty() && source.options.scanRate > 0) spreadOver(list, source.options.scanRate);
   }
+  if (timed && source.rateAsked) source.ignore("the scan rate, because the file has firing times");
+  source.file.sensor.patterns = std::move(patterns);
+}
+
+void setBeams(SensorSource& source, BeamList list) {
+  const size_t count = list.size(), size = source.options.beamsPerScan;
+  if (count == 0) source.refuse("the pattern has no beam");
   if (size > count)
     source.refuse("has " + std::to_string(count) + " beams, not " + std::to_string(size) + " for a scan");
+  if (size == 0 || size == count) return setPatterns(source, {std::move(list)});
+  dropTimes(source, list, size);
+  const bool timed = !list.times.empty();
+  if (timed && source.rateAsked) source.ignore("the scan rate, because the file has firing times");
   const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
   if (source.options.scanRate == 0 && !timed) source.assume("10 scans per second; --rate sets another number");
   for (size_t first = 0; first + size <= count; first += size) {
-    BeamList& part = sensor.patterns.emplace_back();
+    BeamList& part = source.file.sensor.patterns.emplace_back();
     const auto cut = [&](auto& to, const auto& from) {
       if (!from.empty())
         to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),
@@ -90,8 +123,7 @@ void setBeams(SensorSource& source, BeamList list) {
     cut(part.rangeMin, list.rangeMin);
     cut(part.rangeMax, list.rangeMax);
     cut(part.times, list.times);
-    for (size_t i = 0; i < size && !timed; ++i)
-      part.times.push_back(static_cast<double>(i) / (static_cast<double>(size) * rate));
+    if (!timed) spreadOver(part, rate);
     const double start = *std::min_element(part.times.begin(), part.times.end());
     for (double& time : part.times) time -= start;
   }

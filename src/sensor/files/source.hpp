@@ -21,6 +21,7 @@ struct SensorSource {
   std::string name;  ///< of the file, as messages give it
   const SensorFileOptions& options;
   SensorFile& file;
+  bool rateAsked = false;  ///< whether the caller states the scan rate, rather than the head that completes the file
 
   /// Throws Error(format) with the name of the file.
   [[noreturn]] void refuse(const std::string& why) const {
@@ -75,8 +76,11 @@ void delay(Channel& channel, double seconds, double degreesPerSecond);
 void addDirection(const SensorSource& source, BeamList& list, const Vec3& direction);
 /// Unit vector of an azimuth, counter-clockwise from x, and an elevation in degrees. Refuses what is no angle.
 Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double elevationDeg, size_t beam);
-/// Makes a list of beams the sensor's: as one pattern, or cut as SensorFileOptions::beamsPerScan says.
+/// Makes a list of beams the sensor's: as one pattern, or cut as SensorFileOptions::beamsPerScan says. Times that are
+/// not those of one scan are left out, and beams without times spread over a scan if its rate is known.
 void setBeams(SensorSource& source, BeamList list);
+/// The same for lists that are patterns of their own.
+void setPatterns(SensorSource& source, std::vector<BeamList> patterns);
 
 /// Splits a text into lines without their ends, and a line into cells without surrounding spaces.
 std::vector<std::string_view> linesOf(std::string_view text);
