@@ -63,8 +63,8 @@ struct gno_vulkan_adopted_device {
   const gno_vulkan_requirements* enabled;
   /* The caller's allocator of device memory; if both are null, every buffer gets memory of its own from
    * vkAllocateMemory(). `allocate` sets *allocation, whose bytes are 0 before, to memory of the type `memory_type` that
-   * was allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, or leaves it if there is none left. Size and alignment are
-   * multiples of the device's nonCoherentAtomSize, so that the library may flush the whole range. */
+   * was allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, or leaves it if there is none left. Size and alignment
+   * are multiples of the device's nonCoherentAtomSize, so that the library may flush the whole range. */
   void (*allocate)(const VkMemoryRequirements* requirements, uint32_t memory_type, gno_vulkan_allocation* allocation,
                    void* user);
   void (*release)(const gno_vulkan_allocation* allocation, void* user);

@@ -235,7 +235,8 @@ struct LoadOptions {
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 /// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. A deformable mesh that no
-/// animated instance places is written as it is deformed. Throws Error(file) if it cannot be written.
+/// animated instance places is written as it is deformed, instances of animated nodes come before the others, and the
+/// holes of cut-out materials are lost, because no texture is written. Throws Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "gnosphere/error.hpp"
+#include "scene/readers.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -97,9 +98,7 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
     if (animated.skin != kNoSkin && animated.skin >= animation.skins.size())
       refuse(name + ": " + missing("skin", animated.skin, animation.skins.size()));
     const auto& m = animated.offset.rows;
-    const double determinant =
-        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-    if (!finite(m) || (animated.skin != kNoSkin && !std::isnormal(determinant)))
+    if (!finite(m) || (animated.skin != kNoSkin && !std::isnormal(determinant(animated.offset))))
       refuse(name + ": its offset is not finite, or has no inverse");
     const uint32_t number = scene.instances[animated.instance].mesh;
     const Mesh& mesh = scene.meshes[number];

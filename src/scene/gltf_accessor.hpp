@@ -88,16 +88,6 @@ struct GltfTexture {
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
                                                        Scene& scene);
 
-/// Content of a file that the scene leaves out, with how often.
-class LeftOut {
- public:
-  void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
-  std::vector<std::string> lines() const;
-
- private:
-  std::map<std::string, uint64_t> counts_;
-};
-
 /// How the nodes of a scene use a mesh of the file.
 struct GltfMeshUse {
   bool placed = false, skinned = false;

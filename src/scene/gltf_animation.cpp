@@ -234,6 +234,7 @@ void AnimationReader::bind(Mesh& mesh, AnimatedInstance& animated) {
   const Transform& place = atRest_[animation_.skins[animated.skin].joints[0]];
   for (size_t row = 0; row < 3; ++row) animated.offset.rows[4 * row + 3] = place.rows[4 * row + 3];
   if (!allFinite(animated.offset.rows)) source_.fail(who + ": the first joint of its skin is not at a finite place");
+  if (determinant(place * animation_.skins[animated.skin].inverseBinds[0]) < 0) turnAround(mesh.indices);
   scene_.instances[animated.instance].transform = animated.offset;
 }
 

@@ -115,7 +115,7 @@ std::string described(const Key& key) {
 /// Walks through the JSON, removes what the reader does not use and checks the type of the rest.
 class Tidying {
  public:
-  explicit Tidying(const Source& source) : source_(source) {}
+  Tidying(const Source& source, LeftOut& leftOut) : source_(source), leftOut_(leftOut) {}
 
   void root(Json& json) {
     keep(json, "the file",
@@ -203,8 +203,13 @@ class Tidying {
     for (const char* key : {"label", "class"}) {
       if (!o["extras"].is_object() || !o["extras"].contains(key)) continue;
       Json stated = o["extras"][key];
-      if (makeWhole(stated, 65535)) number = stated;
-      if (stated.is_string() && !stated.get_ref<const std::string&>().empty()) name = stated;
+      const bool isName = stated.is_string() && !stated.get_ref<const std::string&>().empty();
+      if (isName)
+        name = stated;
+      else if (makeWhole(stated, 65535))
+        number = stated;
+      else
+        leftOut_.add("classes that are neither names nor whole numbers from 0 to 65535");
     }
     o.erase("extras");
     if (const Json& stated = number.is_null() ? name : number; !stated.is_null()) o["extras"] = {{"class", stated}};
@@ -224,10 +229,20 @@ class Tidying {
           {"weights", Kind::numbers},
           {"children", Kind::indices},
           {"extensions", Kind::object}});
+    if (isHidden(o)) {
+      o.erase("mesh");
+      o["extras"]["hidden"] = true;
+    }
     extension(o, where, "EXT_mesh_gpu_instancing", [&](Json& e, const std::string& at) {
       keep(e, at, {{"attributes", Kind::object}}, {"attributes"});
       keep(e["attributes"], at, {{"TRANSLATION", Kind::index}, {"ROTATION", Kind::index}, {"SCALE", Kind::index}});
     });
+  }
+
+  /// Whether KHR_node_visibility hides a node, and with it the nodes below.
+  static bool isHidden(const Json& node) {
+    const Json::json_pointer visible("/extensions/KHR_node_visibility/visible");
+    return node.contains(visible) && node[visible] == false;
   }
 
   void mesh(Json& o, const std::string& where) {
@@ -255,6 +270,7 @@ class Tidying {
         },
         where + ".");
     Json& attributes = o["attributes"];
+    if (attributes.is_object() && attributes.contains("COLOR_0")) leftOut_.add("sets of vertex colours");
     keep(attributes, where + ".attributes", vertexKeys(attributes));
     if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
     o.erase("indices");
@@ -341,6 +357,8 @@ class Tidying {
           {"doubleSided", Kind::boolean},
           {"extensions", Kind::object}});
     if (o.contains("pbrMetallicRoughness")) surface(o["pbrMetallicRoughness"], where, o.value("alphaMode", ""));
+    if (o.contains("extensions") && o["extensions"].contains("KHR_materials_pbrSpecularGlossiness"))
+      leftOut_.add("materials' properties of KHR_materials_pbrSpecularGlossiness");
     extension(o, where, "KHR_materials_transmission", [&](Json& e, const std::string& at) {
       keep(e, at, {{"transmissionFactor", Kind::number}});
     });
@@ -369,6 +387,7 @@ class Tidying {
   }
 
   const Source& source_;
+  LeftOut& leftOut_;
   bool hasHoles_ = false;
 };
 
@@ -399,7 +418,7 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
       source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " + error.what());
     }
     checkVersion(json, source);
-    Tidying(source).root(json);
+    Tidying(source, file.leftOut).root(json);
     json["asset"] = {{"version", "2.0"}};
     if (json.contains("buffers"))
       for (Json& buffer : json["buffers"]) {

@@ -8,7 +8,11 @@
 #define TINYGLTF_NO_INCLUDE_JSON
 #include <tiny_gltf.h>
 
+#include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "scene/readers.hpp"
 
@@ -33,11 +37,22 @@ struct GltfImage {
 /// tinygltf would drop channels without a word, copy the binary chunk and refuse whole files for a missing texture, for
 /// a buffer without `uri` (which EXT_meshopt_compression requires) and for indices without bufferView (which
 /// KHR_draco_mesh_compression requires). The types of all kept properties have been checked.
+/// Content of a file that the scene leaves out, with how often.
+class LeftOut {
+ public:
+  void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
+  std::vector<std::string> lines() const;
+
+ private:
+  std::map<std::string, uint64_t> counts_;
+};
+
 struct GltfFile {
   tinygltf::Model model;
   std::vector<GltfBuffer> buffers;
   std::vector<GltfImage> images;
   nlohmann::json skins, animations;  ///< arrays as in the file, or null
+  LeftOut leftOut;
 };
 
 /// Name of the attribute under which parseGltf stores the accessor of a primitive's indices.

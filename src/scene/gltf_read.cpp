@@ -15,7 +15,8 @@ constexpr int kNone = -1;
 void checkRequiredExtensions(const tinygltf::Model& model, const Source& source) {
   const auto known = [](const std::string& name) {
     static constexpr const char* kRead[] = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
-                                            "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
+                                            "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
+                                            "KHR_node_visibility"};
     static constexpr const char* kHarmless[] = {"KHR_materials_", "KHR_texture_",  "EXT_texture_", "KHR_lights_",
                                                 "EXT_lights_",    "MSFT_texture_", "KHR_xmp",      "KHR_animation_"};
     return std::any_of(std::begin(kRead), std::end(kRead), [&](const char* read) { return name == read; }) ||
@@ -63,7 +64,7 @@ StatedClass classIn(const tinygltf::Value& extras) {
 class Reader {
  public:
   Reader(GltfFile& file, Bytes bytes, const Source& source)
-      : file_(file), model_(file.model), arrays_(file, bytes, source), source_(source) {}
+      : file_(file), model_(file.model), arrays_(file, bytes, source), source_(source), leftOut_(file.leftOut) {}
 
   Scene read() {
     checkRequiredExtensions(model_, source_);
@@ -72,6 +73,9 @@ class Reader {
     readNodes();
     readMeshes();
     readGltfAnimation(file_, arrays_, source_, parents_, placements_, scene_, leftOut_);
+    if (scene_.unreadImages > 0)
+      leftOut_.add("images of cut-out materials, which are not there or not PNG; these materials have no holes",
+                   scene_.unreadImages);
     scene_.leftOut = leftOut_.lines();
     return std::move(scene_);
   }
@@ -186,6 +190,7 @@ void Reader::readNodes() {
     stack.pop_back();
     const tinygltf::Node& node = model_.nodes[static_cast<size_t>(visit.node)];
     const Transform transform = visit.parent * localTransform(node);
+    if (node.extras.IsObject() && node.extras.Has("hidden")) continue;
     const StatedClass own = classIn(node.extras), stated = own.stated() ? own : visit.stated;
     if (node.mesh >= 0) place(static_cast<size_t>(visit.node), transform, stated);
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)

@@ -152,8 +152,9 @@ class Document {
   Json json_;
   uint64_t byteLength_ = 0;
   std::vector<std::pair<const void*, size_t>> arrays_;
-  std::deque<std::vector<float>> floats_;     // arrays that the scene does not have
-  std::deque<std::vector<uint16_t>> shorts_;  // the same
+  std::deque<std::vector<float>> floats_;      // arrays that the scene does not have
+  std::deque<std::vector<uint16_t>> shorts_;   // the same
+  std::deque<std::vector<uint32_t>> indices_;  // the same
 };
 
 /// A deformable mesh that no animated instance places is written as it is deformed.
@@ -168,7 +169,9 @@ void Document::add(const Mesh& mesh, bool followed) {
     if (followed)
       for (const std::vector<float>& offsets : mesh.morphTargets)
         targets.push_back({{"POSITION", addPositions(offsets)}});
-    const size_t view = addView(mesh.indices, kIndexTarget);
+    const bool mirrored = followed && !mesh.deformation.joints.empty() && determinant(mesh.deformation.joints[0]) < 0;
+    if (mirrored) turnAround(indices_.emplace_back(mesh.indices));  // as in the file that the mesh comes from
+    const size_t view = addView(mirrored ? indices_.back() : mesh.indices, kIndexTarget);
     for (const MeshPart& part : mesh.parts) {
       if (part.triangleCount == 0) continue;
       const size_t indices = push("accessors", {{"bufferView", view},

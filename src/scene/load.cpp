@@ -66,9 +66,15 @@ FileBytes readFile(const fs::path& file) {
 }
 
 std::string inQuotes(std::string_view text) {
+  constexpr size_t kMost = 60;
   std::string shown = "'";
-  for (char c : text.substr(0, 60)) shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return shown + (text.size() > 60 ? "…'" : "'");
+  while (!text.empty() && shown.size() <= kMost) {
+    const size_t length = utf8Length(text);
+    const bool isControl = static_cast<unsigned char>(text[0]) < 0x20 || text[0] == 0x7f;
+    shown += isControl || length == 0 ? std::string("?") : std::string(text.substr(0, length));
+    text.remove_prefix(length > 0 ? length : 1);
+  }
+  return shown + (text.empty() ? "'" : "…'");
 }
 
 Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {

@@ -31,10 +31,11 @@ class MemoryBuffer : public std::streambuf {
   }
 };
 
+/// Returns a name without the spaces around it, in UTF-8.
 std::string trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == text.npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin));
+  return toUtf8(text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin));
 }
 
 /// Reads every `v` line, by the rules by which tinyobjloader finds them. tinyobjloader's own numbers are not used: they
@@ -59,6 +60,19 @@ std::vector<double> readVertices(std::string_view text, const Source& source) {
   return coordinates;
 }
 
+/// Returns what the `mtllib` lines of an OBJ file name, in order, each once.
+std::vector<std::string> librariesOf(std::string_view text) {
+  std::vector<std::string> all;
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (nextWord(line) != "mtllib") continue;
+    std::string names = trimmed(line);
+    if (!names.empty() && std::find(all.begin(), all.end(), names) == all.end()) all.push_back(std::move(names));
+  }
+  return all;
+}
+
 Material toMaterial(const tinyobj::material_t& from) {
   const auto unit = [](double value) { return static_cast<float>(value >= 0 ? std::min(value, 1.0) : 0); };
   Material material;
@@ -78,32 +92,40 @@ Material toMaterial(const tinyobj::material_t& from) {
   return material;
 }
 
-/// Reads material libraries beside the OBJ file. A missing one is common; its materials then have only a name, and the
-/// scene tells of it.
-class Libraries : public tinyobj::MaterialReader {
+/// Returns a material library in the words that tinyobjloader knows: without a mark of UTF-8, with three values of each
+/// colour, which may state one for all, and without the option of `d`.
+std::string withPlainWords(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::string result;
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    std::string_view rest = line;
+    const std::string_view key = nextWord(rest), value = nextWord(rest), second = nextWord(rest);
+    if ((key == "Kd" || key == "Tf") && !value.empty() && second.empty())
+      result.append(key).append(" ").append(value).append(" ").append(value).append(" ").append(value);
+    else if (key == "d" && value == "-halo")
+      result.append("d ").append(second);
+    else
+      result += line;
+    result += '\n';
+  }
+  return result;
+}
+
+/// The materials of the libraries beside the OBJ file. A missing one is common; its materials then have only a name,
+/// and the scene tells of it.
+class Libraries {
  public:
   explicit Libraries(const Source& source) : source_(source) {}
 
-  bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
-                  std::map<std::string, int>* indices, std::string* warnings, std::string* problems) override {
-    FileBytes bytes;
-    try {
-      bytes = source_.sibling(name);
-    } catch (const Error&) {
-      missing_.push_back("the materials of " + inQuotes(name) + ", which cannot be read");
-      return false;
-    }
-    MemoryBuffer buffer({reinterpret_cast<const char*>(bytes.data.get()), bytes.size});
-    std::istream stream(&buffer);
-    const size_t known = materials->size();
-    tinyobj::LoadMtl(indices, materials, &stream, warnings, problems);
-    for (size_t i = known; i < materials->size(); ++i) {
-      Material material = toMaterial((*materials)[i]);
-      if (material.name.empty()) continue;  // the default material that tinyobjloader adds
-      if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
-        materials_.push_back(std::move(material));
-    }
-    return true;
+  /// Reads what a `mtllib` line names: one library, whose name may have spaces, or else several.
+  void add(const std::string& names) {
+    if (addOne(names)) return;
+    std::string_view rest = names;
+    for (std::string_view name = nextWord(rest); !name.empty(); name = nextWord(rest))
+      if (name == names || !addOne(std::string(name)))
+        missing_.push_back("the materials of " + inQuotes(name) + ", which cannot be read");
   }
 
   /// Returns the material of a name; one that no library defines gets default properties.
@@ -118,6 +140,30 @@ class Libraries : public tinyobj::MaterialReader {
   std::vector<std::string> missing() { return std::move(missing_); }
 
  private:
+  /// Returns false if the library cannot be read.
+  bool addOne(const std::string& name) {
+    FileBytes bytes;
+    try {
+      bytes = source_.sibling(name);
+    } catch (const Error&) {
+      return false;
+    }
+    const std::string text = withPlainWords({reinterpret_cast<const char*>(bytes.data.get()), bytes.size});
+    MemoryBuffer buffer(text);
+    std::istream stream(&buffer);
+    std::vector<tinyobj::material_t> materials;
+    std::map<std::string, int> indices;
+    std::string warnings, problems;
+    tinyobj::LoadMtl(&indices, &materials, &stream, &warnings, &problems);
+    for (const tinyobj::material_t& each : materials) {
+      Material material = toMaterial(each);
+      if (material.name.empty()) continue;  // the default material that tinyobjloader adds
+      if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
+        materials_.push_back(std::move(material));
+    }
+    return true;
+  }
+
   const Source& source_;
   std::vector<Material> materials_;
   std::vector<std::string> missing_;
@@ -235,6 +281,7 @@ Scene readObj(Bytes bytes, const Source& source) {
 
   Faces gathered{source};
   Libraries libraries(source);
+  for (const std::string& names : librariesOf(text)) libraries.add(names);
   tinyobj::callback_t callbacks;
   callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
   callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
@@ -251,7 +298,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   MemoryBuffer buffer(text);
   std::istream stream(&buffer);
   std::string warnings, problems;
-  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, &libraries, &warnings, &problems))
+  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, nullptr, &warnings, &problems))
     source.fail(problems.empty() ? "tinyobjloader refuses it" : trimmed(problems));
   if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
 

@@ -8,7 +8,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "base/utf8.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
 
@@ -32,7 +35,7 @@ struct Source {
   std::string name;
   std::function<FileBytes(const std::string& relativePath)> sibling;
 
-  [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::format, name + ": " + what); }
+  [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::format, name + ": " + toUtf8(what)); }
 };
 
 enum class SceneFormat { gltf, obj, ply, stl };
@@ -51,6 +54,17 @@ Scene readScene(SceneFormat format, Bytes bytes, const Source& source);
 /// Sets positions and origin from doubles x y z. The origin is 0 if floats hold every coordinate exactly, else the
 /// centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
 void storePositions(Mesh& mesh, std::span<const double> coordinates);
+
+/// Lets every triangle show its other side.
+inline void turnAround(std::vector<uint32_t>& indices) {
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) std::swap(indices[i + 1], indices[i + 2]);
+}
+
+/// Determinant of the linear part of a transform.
+inline double determinant(const Transform& transform) {
+  const auto& m = transform.rows;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
 
 inline std::string_view textOf(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <set>
 
 #include "animation/made_model.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/animation.hpp"
 #include "support.hpp"
 
@@ -233,6 +235,41 @@ TEST_CASE("weights: normalised integers, several sets, none at all, and primitiv
              {101, 200, 300},
              {100, 201, 300}},
             2e-5);
+}
+
+TEST_CASE("a skinned mesh under a mirrored node shows the same side, also after it was written") {
+  GltfFileMaker file = skinnedFile();
+  const Scene plain = file.load();
+  std::set<size_t> roots;
+  for (size_t i = 0; i < file.json["nodes"].size(); ++i) roots.insert(i);
+  for (const Json& node : file.json["nodes"])
+    for (const Json& child : node.value("children", Json::array())) roots.erase(child.get<size_t>());
+  file.node({{"name", "mirror"}, {"scale", {1, 1, -1}}, {"children", roots}});
+  file.json["scenes"] = {{{"nodes", {file.json["nodes"].size() - 1}}}};
+  const Scene mirrored = file.load();
+  const Folder folder;
+  writeGlb(mirrored, folder / "out.glb");
+  const Scene again = loadScene(folder / "out.glb", kAsStored);
+  /// The normal of a triangle in the world, times its area.
+  const auto normalOf = [](const Scene& scene, size_t triangle) {
+    const Mesh& mesh = scene.meshes[scene.instances[0].mesh];
+    const std::vector<float> positions = deformedPositions(mesh, mesh.deformation);
+    const auto corner = [&](size_t k) {
+      const float* p = &positions[3 * size_t{mesh.indices[3 * triangle + k]}];
+      return scene.instances[0].transform * Vec3{mesh.origin.x + p[0], mesh.origin.y + p[1], mesh.origin.z + p[2]};
+    };
+    const Vec3 a = corner(0), u = corner(1) - a, v = corner(2) - a;
+    return cross(u, v);
+  };
+  for (size_t t = 0; t < plain.meshes[0].triangleCount(); ++t) {
+    // A mirror at z = 0 keeps x and y of an outward normal, and turns z.
+    const Vec3 n = normalOf(plain, t), m = normalOf(mirrored, t);
+    CHECK(std::abs(m.x - (n.x)) < 1e-6);
+    CHECK(std::abs(m.y - (n.y)) < 1e-6);
+    CHECK(std::abs(m.z - (-n.z)) < 1e-6);
+  }
+  REQUIRE(again.meshes.size() == mirrored.meshes.size());
+  CHECK(again.meshes[0].indices == mirrored.meshes[0].indices);
 }
 
 TEST_CASE("nodes that skin one mesh have a mesh each, and a node without a skin places it as it is") {

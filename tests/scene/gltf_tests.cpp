@@ -299,6 +299,29 @@ TEST_CASE("extras of nodes, meshes and materials state classes") {
   }
 }
 
+TEST_CASE(
+    "hidden nodes place nothing, nor do those below; what is not read of vertices, materials and classes is told") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = {
+      {{"children", {1}}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}},
+      {{"mesh", 0}, {"name", "below"}},
+      {{"mesh", 0}, {"name", "shown"}, {"extensions", {{"KHR_node_visibility", {{"visible", true}}}}}},
+      {{"mesh", 0},
+       {"name", "hidden"},
+       {"extras", {{"class", 70000}}},
+       {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}}};
+  file.json["scenes"] = {{{"nodes", {0, 2, 3}}}};
+  file.json["extensionsRequired"] = {"KHR_node_visibility"};
+  file.json["materials"] = {{{"extensions", {{"KHR_materials_pbrSpecularGlossiness", Json::object()}}}}};
+  file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 0;
+  const Scene scene = file.load();
+  REQUIRE(scene.instances.size() == 1);
+  CHECK(scene.instances[0].name == "shown");
+  CHECK(scene.leftOut == std::vector<std::string>{"1 classes that are neither names nor whole numbers from 0 to 65535",
+                                                  "1 materials' properties of KHR_materials_pbrSpecularGlossiness",
+                                                  "1 sets of vertex colours"});
+}
+
 TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
   GltfFileMaker file = triangleFile();
   const int translations = file.accessor(Floats{1, 0, 0, 0, 2, 0}, "VEC3");

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "base/utf8.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -117,6 +118,38 @@ TEST_CASE("OBJ materials come from the library beside the file, and parts are ru
   CHECK(mesh.parts[1].triangleCount == 2);
   CHECK(mesh.parts[1].material == 1);
   validate(scene);
+}
+
+TEST_CASE(
+    "OBJ: several libraries in a line, names with spaces, a mark of UTF-8, one value for a colour, Latin-1 names") {
+  const Folder folder;
+  put(folder / "a.mtl", "\xEF\xBB\xBFnewmtl first\nKd 0.3\n");
+  put(folder / "b.mtl", "newmtl second\nKd 0.1 0.2 0.3\nd -halo 0.4\n");
+  put(folder / "my scene.mtl", "newmtl gr\xFCn\nKd 0 1 0\n");
+  const Scene scene =
+      loadScene(put(folder / "a.obj", "mtllib a.mtl b.mtl\nmtllib my scene.mtl\n" + std::string(kSquareObj) +
+                                          "usemtl first\nf 1 2 3\nusemtl second\nf 1 3 4\n"
+                                          "usemtl gr\xFCn\nf 2 3 4\nusemtl none\nf 2 3 1\n"));
+  REQUIRE(scene.materials.size() == 4);
+  CHECK(scene.materials[0].baseColor == std::array<float, 4>{0.3f, 0.3f, 0.3f, 1});
+  CHECK(scene.materials[1].baseColor == std::array<float, 4>{0.1f, 0.2f, 0.3f, 0.4f});
+  CHECK(scene.materials[2].name == "gr\xC3\xBCn");
+  CHECK(scene.materials[2].baseColor[1] == 1);
+  CHECK(scene.leftOut.empty());
+  const Scene some =
+      loadScene(put(folder / "b.obj", "mtllib a.mtl gone.mtl\n" + std::string(kSquareObj) + "f 1 2 3\n"));
+  CHECK(some.leftOut == std::vector<std::string>{"the materials of 'gone.mtl', which cannot be read"});
+}
+
+TEST_CASE("messages are in UTF-8, whatever bytes a file has") {
+  CHECK_THAT(loadFailure("l.obj", "v 0 0 \xFC\n"), ContainsSubstring("has '?' where a coordinate"));
+  std::string accents = "a";
+  for (int i = 0; i < 40; ++i) accents += "\xC3\xA9";
+  const std::string message = loadFailure("u.obj", "v 0 0 " + accents + "\n");
+  CHECK(toUtf8(message) == message);
+  CHECK_THAT(message, ContainsSubstring("\xC3\xA9…'"));
+  CHECK(toUtf8("\xC0\xAF\xED\xA0\x80\xF4\x90\x80\x80") != "\xC0\xAF\xED\xA0\x80\xF4\x90\x80\x80");
+  CHECK(toUtf8("\xE2\x82\xAC \xF0\x9F\x98\x80 \xE9") == "\xE2\x82\xAC \xF0\x9F\x98\x80 \xC3\xA9");
 }
 
 TEST_CASE("without its material library an OBJ keeps the material names") {

@@ -258,7 +258,7 @@ TEST_CASE("cut-out materials whose images are missing cause a warning") {
       {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}], "images": [{"uri": "leaf.png"}]})");
   const Result result = place.run("scan leaf.gltf" + kQuick);
   CHECK(result.status == 0);
-  CHECK_THAT(result.err, ContainsSubstring("1 images of cut-out materials of leaf.gltf are not there"));
+  CHECK_THAT(result.err, ContainsSubstring("left out are 1 images of cut-out materials, which are not there"));
 }
 
 TEST_CASE("a printed sensor is a valid file for --sensor") {

@@ -112,10 +112,6 @@ void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& 
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
   if (scene.placedTriangleCount() == 0)
     complain("warning: " + options.scene + " has no triangle, so every beam misses");
-  if (scene.unreadImages > 0) {
-    complain("warning: " + grouped(scene.unreadImages) + " images of cut-out materials of " + options.scene +
-             " are not there or not PNG; these materials have no holes");
-  }
   if (counters.nonFinite > 0) {
     complain("warning: " + grouped(counters.nonFinite) + " triangles of " + options.scene +
              " are dropped because a corner is NaN, infinite or beyond 1e9 m");

@@ -186,7 +186,6 @@ Scene loadSceneAtRest(const ScanningOptions& options) {
 Scene loadScene(const ScanningOptions& options) {
   Scene scene = loadSceneAtRest(options);
   for (const std::string& line : scene.leftOut) complain("warning: " + options.scene + ": left out are " + line);
-  if (scene.placedTriangleCount() == 0) complain("warning: " + options.scene + " has no triangle");
   if (options.animation.empty()) return scene;
   try {
     SceneState state = stateAt(scene, clipNamed(scene, options.animation), options.time);
