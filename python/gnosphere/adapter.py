@@ -196,6 +196,19 @@ def rows_of(pose: gno.Pose) -> npt.NDArray[np.float64]:
     return result
 
 
+def upright(normal: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """A map (4, 4) that turns the z axis to a normal of any length above 0."""
+    z = np.asarray(normal, np.float64)
+    if not np.linalg.norm(z) > 0:
+        raise ValueError("a normal must have a length above 0")
+    z = z / np.linalg.norm(z)
+    x = np.cross([0, 1, 0] if abs(z[1]) < 0.9 else [1, 0, 0], z)
+    x /= np.linalg.norm(x)
+    result = np.eye(4)
+    result[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    return result
+
+
 def class_of(classes: Optional[Mapping[str, int]], *names: str) -> int:
     """The class of the longest pattern (as of a shell) that one of the names fits, of the last one among equally long
     patterns; 0 if none does."""

@@ -119,6 +119,34 @@ def test_pybullet_against_its_ray_tests(bullet, device, tmp_path):
             pb.resetBasePositionAndOrientation(body, moved, turn / np.linalg.norm(turn))
 
 
+@pytest.mark.parametrize("normal", ((0, 0, 1), (0, 1, 0), (1, 0, 0), (0.3, 0.4, -0.5), (0, 0, -2)))
+@pytest.mark.parametrize("turned", (False, True))
+def test_pybullet_planes_along_their_normals(bullet, device, normal, turned):
+    pb, _ = bullet
+    from gnosphere.engines.pybullet import Lidar
+
+    own = {}
+    if turned:
+        own["collisionFramePosition"] = [0.1, 0.2, 0.3]
+        own["collisionFrameOrientation"] = pb.getQuaternionFromEuler([0.5, 0.6, 0.7])
+    shape = pb.createCollisionShape(pb.GEOM_PLANE, planeNormal=normal, **own)
+    pb.createMultiBody(0, shape, -1, [0.5, -0.4, 0.3], pb.getQuaternionFromEuler([0.3, 0.2, 0.1]))
+    sensor = everywhere(20000, 50)
+    scan = Lidar(sensor, effects=NONE, options=gnosphere.SimulatorOptions(device)).scan(gnosphere.Pose())
+    theirs, _ = bullet_rays(pb, sensor, gnosphere.Pose())
+    assert np.isfinite(theirs).sum() > 5000
+    np.testing.assert_allclose(scan.ranges, theirs, rtol=1e-3, atol=BULLET)
+
+
+def test_a_plane_of_pybullet_whose_normal_is_not_told(bullet, device):
+    pb, _ = bullet
+    from gnosphere.engines.pybullet import Lidar
+
+    pb.createMultiBody(0, -1, pb.createVisualShape(pb.GEOM_PLANE, planeNormal=[0, 1, 0]))
+    with pytest.warns(UserWarning, match="the normal of a plane of the body 0 is z, because"):
+        Lidar(everywhere(10), effects=NONE, options=gnosphere.SimulatorOptions(device))
+
+
 def test_pybullet_robots(bullet, device):
     pb, _ = bullet
     pybullet_data = pytest.importorskip("pybullet_data")
@@ -362,10 +390,88 @@ def test_drake_against_its_signed_distances(device):
             assert min(near) > -depth - PRECISION  # nothing is hit behind a surface
 
 
-def test_blender_against_its_ray_casts(device):
-    if "sapien" in sys.modules:  # both have a libOpenImageDenoise.so.2 of their own, and a process loads one
-        name = f"{__file__}::test_blender_against_its_ray_casts"
+@pytest.mark.parametrize("scale", ((1, 1, 1), (1, 2, 3)))
+def test_a_convex_of_drake_is_its_hull(device, tmp_path, scale):
+    """The prism over an L is there as a Mesh; a Convex has the corner that it lacks, too, up to x + y = 3."""
+    pytest.importorskip("pydrake")
+    from pydrake.geometry import Convex, GeometryInstance, Mesh, ProximityProperties, Role, SceneGraph
+    from pydrake.math import RigidTransform
+    from pydrake.systems.framework import DiagramBuilder
+
+    from gnosphere.engines.drake import Lidar
+
+    outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    lines = [f"v {x} {y} {z}" for z in (0, 1) for x, y in outline]
+    lines += ["f 1 4 3 2", "f 1 6 5 4", "f 7 8 9 10", "f 7 10 11 12"]
+    lines += [f"f {i + 1} {(i + 1) % 6 + 1} {(i + 1) % 6 + 7} {i + 7}" for i in range(6)]
+    file = tmp_path / "corner.obj"
+    file.write_text("\n".join(lines) + "\n")
+    for shape, there in ((Mesh, [True, False, False]), (Convex, [True, True, False])):
+        builder = DiagramBuilder()
+        graph = builder.AddSystem(SceneGraph())
+        source = graph.RegisterSource("source")
+        made = GeometryInstance(RigidTransform(), shape(str(file), scale), "corner")
+        graph.AssignRole(source, graph.RegisterAnchoredGeometry(source, made), ProximityProperties())
+        lidar = Lidar(
+            graph.model_inspector(), listed([[0, 0, -1]], 0, 100), role=Role.kProximity, effects=NONE,
+            options=gnosphere.SimulatorOptions(device),
+        )  # fmt: skip
+        diagram = builder.Build()
+        context = diagram.CreateDefaultContext()
+        query = graph.get_query_output_port().Eval(graph.GetMyContextFromRoot(context))
+        for (x, y), seen in zip(((0.5, 0.7), (1.3, 1.4), (1.7, 1.6)), there):
+            lidar._pose = RigidTransform([x * scale[0], y * scale[1], 5])
+            expected = 5 - scale[2] if seen else np.nan
+            np.testing.assert_allclose(lidar.scan(query).ranges, [expected], atol=PRECISION)
+
+
+def in_a_process_without_sapien(test):
+    """Whether a test was run in one: sapien and bpy have a libOpenImageDenoise.so.2 each, and a process loads one."""
+    if "sapien" in sys.modules:
+        name = f"{__file__}::{test}"
         subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", name], check=True)
+        return True
+    return False
+
+
+def test_blender_instances_of_geometry_nodes(device):
+    """Nodes put a high box on each corner of a square."""
+    if in_a_process_without_sapien("test_blender_instances_of_geometry_nodes"):
+        return
+    bpy = pytest.importorskip("bpy")
+    from gnosphere.engines.blender import Lidar
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_plane_add(size=4, location=(0, 0, -1))
+    tree = bpy.data.node_groups.new("boxes", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    names = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints")
+    first, last, cube, spread = map(tree.nodes.new, names)
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    cube.inputs["Size"].default_value = (0.5, 0.5, 3)
+    tree.links.new(first.outputs[0], spread.inputs["Points"])
+    tree.links.new(cube.outputs["Mesh"], spread.inputs["Instance"])
+    tree.links.new(spread.outputs[0], join.inputs[0])
+    tree.links.new(first.outputs[0], join.inputs[0])
+    tree.links.new(join.outputs[0], last.inputs[0])
+    bpy.context.object.modifiers.new("boxes", "NODES").node_group = tree
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    sensor, pose = everywhere(20000), gnosphere.Pose((0.1, 0.05, 0))
+    lidar = Lidar(depsgraph, sensor, effects=NONE, options=gnosphere.SimulatorOptions(device))
+    scan = lidar.scan(depsgraph, pose)
+    world = exact.World()
+    world.mesh(0, *primitives.plane(2, 2), adapter.rows_of(gnosphere.Pose((0, 0, -1))))
+    for x in (-2, 2):
+        for y in (-2, 2):
+            world.mesh(1, *primitives.box((0.25, 0.25, 1.5)), adapter.rows_of(gnosphere.Pose((x, y, -1))))
+    owners = np.where(np.isnan(scan.ranges), -1, np.minimum(scan.instances, 1).astype(int))
+    assert len(lidar.names) == 5
+    assert_right(world, sensor, pose, scan.ranges, owners)
+
+
+def test_blender_against_its_ray_casts(device):
+    if in_a_process_without_sapien("test_blender_against_its_ray_casts"):
         return
     bpy = pytest.importorskip("bpy")
     from mathutils import Vector

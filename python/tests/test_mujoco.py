@@ -344,6 +344,67 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     assert lidar.scan(data).ranges.tobytes() == still.ranges.tobytes()  # the record is gone
 
 
+@pytest.mark.parametrize("sensor_motion", (False, True))
+@pytest.mark.parametrize("object_motion", (False, True))
+def test_a_motion_that_is_not_simulated_leaves_its_part_as_at_the_end(device, sensor_motion, object_motion):
+    """A sensor goes forward at 10 m/s and a wall comes at 5 m/s. What stands is where it is at the end of the turn."""
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+        <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 9 9"/>
+        </body><body name="car"><joint name="car" type="slide" axis="1 0 0"/><geom type="sphere" size=".1" group="3"/>
+        <site name="roof"/></body></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    data.joint("car").qvel, data.joint("wall").qvel = 10, -5
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
+    times = np.linspace(0, 0.1, 11)
+    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    effects = gnosphere.Effects.none()
+    use = {False: gnosphere.EffectUse.off, True: gnosphere.EffectUse.on}
+    effects.sensor_motion.use, effects.object_motion.use = use[sensor_motion], use[object_motion]
+    lidar = gm.Lidar(model, sensor, site="roof", effects=effects, options=options(device))
+    mujoco.mj_forward(model, data)
+    lidar.record(data)
+    for _ in range(10):
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        lidar.record(data)
+    speed = 10 * sensor_motion + 5 * object_motion
+    assert lidar.scan(data).ranges == pytest.approx(18 + speed * (0.1 - times), abs=2e-5)
+
+
+def test_each_sensor_scans_with_the_records(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+        <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 9 9"/>
+        </body><site name="roof"/></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    data.joint("wall").qvel = -5
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
+    times = np.linspace(0, 0.1, 11)
+    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
+    assert lidar.add(sensor, site="roof") == 1
+    flash = gnosphere.Sensor()  # fires at once
+    flash.range_max, flash.range_min, flash.patterns = 100, 0, [gnosphere.BeamList([[1.0, 0, 0]])]
+    assert lidar.add(flash, site="roof") == 2
+    for order in ((0, 1), (2, 1, 0), (1, 2, 0)):
+        mujoco.mj_forward(model, data)
+        lidar.record(data)
+        for _ in range(10):
+            mujoco.mj_step(model, data)
+            mujoco.mj_kinematics(model, data)
+            lidar.record(data)
+        end = float(data.body("wall").xpos[0]) - 0.5
+        for number in order:
+            expected = [end] if number == 2 else end + 5 * (0.1 - times)
+            assert lidar.scan(data, number).ranges == pytest.approx(expected, abs=2e-5)
+        assert lidar.scan(data, order[-1]).ranges == pytest.approx(end, abs=2e-5)  # its records are used
+
+
 CART = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
 <geom type="box" size=".1 50 50" pos="40 0 0"/>
 <body name="cart"><joint name="cart" type="slide" axis="1 0 0"/><geom type="box" size=".01 9 9" pos="5.01 0 0"/>

@@ -123,6 +123,7 @@ BALL = "<sphere><radius>1</radius></sphere>"
         ('<pose rotation_format="quat_xyzw">0 0 1 0 0 0</pose>', BALL, "a <pose> has 6 numbers; it must have 7"),
         ("", "<box><size>1 2</size></box>", "the <size> of a <box> has 2 numbers; it must have 3"),
         ("", "<plane><size>1 2 3</size></plane>", "the <size> of a <plane> has 3 numbers; it must have 2"),
+        ("", "<plane><normal>0 0 0</normal></plane>", "a normal must have a length above 0"),
         ("", "<ellipsoid><radii>1</radii></ellipsoid>", "the <radii> of an <ellipsoid> has 1 numbers; it must have 3"),
     ],
 )
@@ -147,6 +148,108 @@ def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
         robot = robotics.load(tmp_path / "m.sdf")
     assert robot.sensors[0].sensor.columns == 719
     assert list(robot.left_out) == ["of 'm::top' the last column, which looks where the first does"]
+
+
+NESTED = """<sdf version="1.9"><model name="rover"><link name="base">{box}</link>
+<model name="arm"><link name="upper">{box}</link><frame name="tip" attached_to="upper"><pose>0 0 1 0 0 0</pose></frame>
+<model name="hand"><link name="palm">{box}</link><frame name="grip"/></model>
+<joint name="wrist" type="fixed"><parent>tip</parent><child>hand</child></joint></model>
+<frame name="mark" attached_to="arm::tip"/>
+<joint name="lift" type="prismatic"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz></axis></joint>
+<link name="tool"><pose relative_to="arm::tip"/>{box}</link>
+<joint name="fix" type="fixed"><parent>{parent}</parent><child>tool</child></joint></model></sdf>"""
+
+BOX = '<visual name="v"><geometry><box><size>.2 .2 .2</size></box></geometry></visual>'
+
+
+@pytest.mark.parametrize(
+    "parent", ("arm::upper", "arm::tip", "arm", "mark", "arm::hand", "arm::hand::grip", "lift", "arm::wrist")
+)
+def test_joints_of_sdf_whose_parents_are_in_models_inside(tmp_path, parent):
+    (tmp_path / "m.sdf").write_text(NESTED.format(box=BOX, parent=parent))
+    robot = quiet(tmp_path / "m.sdf", joints={"lift": 2.0})
+    heights = {frame: points.mean(axis=0)[2] for frame, points in zip(robot.frames, corners(robot))}
+    expected = {"rover::base": 0, "rover::arm::upper": 2, "rover::arm::hand::palm": 2, "rover::tool": 3}
+    assert heights == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_joint_of_sdf_whose_parent_is_not_there_is_told(tmp_path):
+    for parent in ("arm::elbow", "elbow"):
+        (tmp_path / "m.sdf").write_text(NESTED.format(box=BOX, parent=parent))
+        with pytest.warns(UserWarning, match=f"the joint rover::fix, whose parent '{parent}' is not there"):
+            assert len(robotics.load(tmp_path / "m.sdf").frames) == 4
+    circle = NESTED.replace('attached_to="arm::tip"', 'attached_to="mark"')
+    (tmp_path / "m.sdf").write_text(circle.format(box=BOX, parent="mark"))
+    with pytest.raises(ValueError, match="the frame 'mark' is attached to itself"):
+        robotics.load(tmp_path / "m.sdf")
+
+
+def test_a_joint_of_sdf_with_the_name_of_a_link(tmp_path):
+    (tmp_path / "m.sdf").write_text(
+        f"""<sdf version="1.5"><model name="m"><joint name="arm" type="prismatic"><parent>base</parent>
+        <child>arm</child><axis><xyz>0 0 1</xyz></axis></joint>
+        <link name="base">{BOX}</link><link name="arm">{BOX}</link></model></sdf>"""
+    )
+    heights = [points.mean(axis=0)[2] for points in corners(quiet(tmp_path / "m.sdf", joints={"arm": 2.0}))]
+    assert heights == pytest.approx([0, 2], abs=1e-6)
+
+
+def chain_of_mimics(kind, first="j"):
+    """Links a, b, c and d, each on the one before; the joint k mimics `first`, and l mimics k."""
+    links = "abcd"
+    if kind == "urdf":
+        shape = '<visual><geometry><box size=".1 .1 .1"/></geometry></visual>'
+        joint = """<joint name="{}" type="prismatic"><parent link="{}"/><child link="{}"/><axis xyz="0 0 1"/>
+            <limit lower="-9" upper="9" effort="1" velocity="1"/>{}</joint>"""
+        mimic = '<mimic joint="{}" multiplier="{}" offset="{}"/>'
+        text = '<robot name="m">{}</robot>'
+    else:
+        shape = BOX
+        joint = """<joint name="{}" type="prismatic"><parent>{}</parent><child>{}</child>
+            <axis><xyz>0 0 1</xyz>{}</axis></joint>"""
+        mimic = '<mimic joint="{}"><multiplier>{}</multiplier><offset>{}</offset></mimic>'
+        text = '<sdf version="1.11"><model name="m">{}</model></sdf>'
+    body = "".join(f'<link name="{link}">{shape}</link>' for link in links)
+    body += joint.format("j", "a", "b", "") + joint.format("k", "b", "c", mimic.format(first, 2, 0.5))
+    return text.format(body + joint.format("l", "c", "d", mimic.format("k", 3, 0.25)))
+
+
+@pytest.mark.parametrize("kind", ("urdf", "sdf"))
+def test_a_mimic_of_a_mimic(tmp_path, kind):
+    if kind == "urdf":
+        pytest.importorskip("yourdfpy")
+    file = tmp_path / f"m.{kind}"
+    file.write_text(chain_of_mimics(kind))
+    robot = quiet(file, joints={"j": 1.0})
+    heights = [points.mean(axis=0)[2] for points in corners(robot)]
+    assert heights == pytest.approx([0, 1, 1 + 2.5, 1 + 2.5 + 7.75], abs=1e-6)
+    for first, sentence in (
+        ("nope", "the motion of the joint '.*k', which mimics '.*nope', which is not there"),
+        ("l", "the motion of the joint '.*k', which mimics joints in a circle"),
+    ):
+        file.write_text(chain_of_mimics(kind, first))
+        with pytest.warns(UserWarning, match=sentence):
+            robot = robotics.load(file, joints={"j": 1.0})
+        assert len(robot.left_out) == 2  # the other one is l
+
+
+def test_a_material_of_urdf_that_a_visual_defines_for_others(tmp_path):
+    pytest.importorskip("yourdfpy")
+    shape = '<visual><geometry><{}/></geometry><material name="{}">{}</material></visual>'
+    ink = '<color rgba="0.25 0.5 0.75 1"/>'
+    (tmp_path / "m.urdf").write_text(
+        '<robot name="m"><material name="red"><color rgba="1 0 0 1"/></material><link name="a">'
+        + shape.format('box size="1 1 1"', "ink", "")
+        + shape.format('capsule radius="1" length="1"', "ink", "")
+        + shape.format('box size="2 2 2"', "ink", ink)
+        + shape.format('box size="3 3 3"', "red", '<color rgba="0 1 0 1"/>')
+        + shape.format('box size="4 4 4"', "red", "")
+        + "</link></robot>"
+    )
+    scene = quiet(tmp_path / "m.urdf").scene
+    colors = [scene.materials[scene.meshes[i.mesh].parts[0].material].base_color[:3] for i in scene.instances]
+    blue = (0.25, 0.5, 0.75)
+    assert colors == [blue, blue, (0, 1, 0), (1, 0, 0), blue]  # capsules are last
 
 
 CARELESS = """
@@ -617,6 +720,50 @@ def test_usd_stages(tmp_path, device):
     head = found.sensors[0]
     assert head.sensor.beam_count() == 720 and abs(head.rate - 10) < 1e-9
     np.testing.assert_allclose(found.pose("Head").position, (1.5, 2, 8), atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", "XYZ")
+def test_usd_planes_that_are_not_square(tmp_path, axis):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom
+
+    file = tmp_path / "plane.usda"
+    made = Usd.Stage.CreateNew(str(file))
+    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(made, 1.0)
+    plane = UsdGeom.Plane.Define(made, "/Plane")
+    plane.CreateAxisAttr(axis)
+    plane.CreateWidthAttr(10.0)
+    plane.CreateLengthAttr(2.0)
+    made.GetRootLayer().Save()
+    (points,) = corners(quiet(file))
+    extent = np.array(plane.ComputeExtent(Usd.TimeCode.Default()))
+    np.testing.assert_allclose([points.min(axis=0), points.max(axis=0)], extent, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ("Cylinder_1", "Capsule_1"))
+def test_usd_radii_of_both_ends(tmp_path, kind):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom
+
+    for top, bottom in ((0.3, 0.3), (0.3, 0.1), (0.1, 0.3)):
+        file = tmp_path / f"{top}{bottom}.usda"
+        made = Usd.Stage.CreateNew(str(file))
+        UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
+        UsdGeom.SetStageMetersPerUnit(made, 1.0)
+        prim = made.DefinePrim("/Shape", kind)
+        for name, value in (("radiusTop", top), ("radiusBottom", bottom), ("height", 4.0)):
+            prim.GetAttribute(name).Set(value)
+        made.GetRootLayer().Save()
+        if top == bottom:
+            found = quiet(file)
+        else:
+            with pytest.warns(UserWarning, match="leaves out the smaller radius of cylinders and capsules, which"):
+                found = robotics.load(file)
+        (points,) = corners(found)
+        half = 2 if kind == "Cylinder_1" else 2.3
+        np.testing.assert_allclose(points.max(axis=0), (0.3, 0.3, half), atol=2e-3)
+        np.testing.assert_allclose(points.min(axis=0), (-0.3, -0.3, -half), atol=2e-3)
 
 
 def test_usd_units_and_axes(tmp_path):

@@ -32,24 +32,25 @@ class Lidar(adapter.Lidar):
         sensor does not see; `classes` are numbers by patterns of object and collection names. The rest: see
         adapter.Lidar."""
         shapes, hidden = adapter.Shapes(), set(ignore_objects)
-        meshes: dict[str, int] = {}
+        meshes: dict[tuple[str, int], int] = {}  # by object and data: geometry nodes make instances of other data
         self.names: list[str] = []  # of the object of each instance
         for shown in depsgraph.object_instances:
             thing = shown.object
             if thing.type not in SURFACES or not shown.show_self:
                 continue
-            if thing.name_full not in meshes:
+            key = (thing.name_full, thing.data.as_pointer())
+            if key not in meshes:
                 triangles = _triangles(thing.to_mesh())
                 thing.to_mesh_clear()
                 material = thing.active_material
                 color = material.diffuse_color if material else (0.5, 0.5, 0.5, 1)
                 number = shapes.material([*color], material.name if material else "")
-                meshes[thing.name_full] = shapes.mesh(triangles, number) if len(triangles[1]) else -1
-            if meshes[thing.name_full] < 0:
+                meshes[key] = shapes.mesh(triangles, number) if len(triangles[1]) else -1
+            if meshes[key] < 0:
                 continue
             collections = [collection.name for collection in thing.original.users_collection]
             kind = adapter.class_of(classes, thing.name, *collections)
-            shapes.instance(meshes[thing.name_full], np.array(shown.matrix_world), class_id=kind, name=thing.name)
+            shapes.instance(meshes[key], np.array(shown.matrix_world), class_id=kind, name=thing.name)
             self.names.append(thing.name)
         ignore = [i for i, name in enumerate(self.names) if name in hidden]
         super().__init__(shapes, sensor, ignore=ignore, **options)

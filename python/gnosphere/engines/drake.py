@@ -39,9 +39,21 @@ def _triangles(shape: Any, tolerance: float) -> Optional[primitives.Triangles]:
         return primitives.capsule(shape.radius(), shape.length() / 2, tolerance)
     if isinstance(shape, HalfSpace):
         return primitives.plane(PLANE, PLANE, 1.0)
-    if isinstance(shape, (Mesh, Convex)) and shape.source().is_path():
+    if isinstance(shape, Convex):
+        return _fans(shape.GetConvexHull())
+    if isinstance(shape, Mesh) and shape.source().is_path():
         return adapter.load_mesh(shape.source().path(), shape.scale3())
     return None
+
+
+def _fans(hull: Any) -> primitives.Triangles:
+    """The triangles of a PolygonSurfaceMesh of convex polygons."""
+    vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())], np.float32)
+    faces = []
+    for polygon in map(hull.element, range(hull.num_elements())):
+        corners = [polygon.vertex(k) for k in range(polygon.num_vertices())]
+        faces += [(corners[0], *pair) for pair in zip(corners[1:], corners[2:])]
+    return vertices, np.array(faces, np.uint32)
 
 
 class Lidar(LeafSystem):

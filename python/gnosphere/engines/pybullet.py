@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Optional
@@ -29,11 +30,14 @@ class Lidar(adapter.Lidar):
         for number in range(pb.getNumBodies(client)):
             body = pb.getBodyUniqueId(number, client)
             name = pb.getBodyInfo(body, client)[1].decode()
+            normals: dict[int, list[Any]] = {}  # of the planes of each link
             for _, link, kind, size, file, position, turn, color, *_ in pb.getVisualShapeData(
                 body, physicsClientId=client
             ):
                 triangles = self._triangles(kind, size, file.decode(), tolerance)
                 local = adapter.rows_of(gno.Pose(position, turn))
+                if kind == pb.GEOM_PLANE:
+                    local = local @ self._upright(normals.setdefault(link, self._normals(body, link)), body)
                 mesh = shapes.mesh(primitives.moved(triangles, local), shapes.material(color))
                 of_link = pb.getJointInfo(body, link, client)[12].decode() if link >= 0 else ""
                 shapes.instance(mesh, class_id=adapter.class_of(classes, of_link, name), name=of_link or name)
@@ -41,6 +45,22 @@ class Lidar(adapter.Lidar):
         ignored = set(ignore_bodies)
         ignore = [i for i, (body, _) in enumerate(self._places) if body in ignored]
         super().__init__(shapes, sensor, ignore=ignore, **options)
+
+    def _normals(self, body: int, link: int) -> list[Any]:
+        shapes = pb.getCollisionShapeData(body, link, self.client)
+        return [size for _, _, kind, size, *_ in shapes if kind == pb.GEOM_PLANE]
+
+    @staticmethod
+    def _upright(normals: list[Any], body: int) -> Any:
+        """What turns the next plane of a link: PyBullet tells the normals of planes that collide."""
+        if normals:
+            return adapter.upright(normals.pop(0))
+        warnings.warn(
+            f"gnosphere.engines.pybullet: the normal of a plane of the body {body} is z, because PyBullet does not "
+            "tell those of planes that only are seen",
+            stacklevel=3,
+        )
+        return np.eye(4)
 
     def _triangles(self, kind: int, size: Any, file: str, tolerance: float) -> primitives.Triangles:
         if kind == pb.GEOM_SPHERE:

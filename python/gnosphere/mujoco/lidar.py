@@ -168,6 +168,7 @@ class Lidar(adapter.Lidar):
         self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
         self._durations = [durations_of(self.sensors[0])]
         self._records: list[Record] = []
+        self._used: set[int] = set()  # the sensors that have scanned with these records
         self._warned = False
         self._middle: tuple[float, float, float] = (0.0, 0.0, 0.0)  # where endless planes are put during records
 
@@ -208,12 +209,16 @@ class Lidar(adapter.Lidar):
 
     def record(self, data: Any) -> None:
         """Notes where the sensors and geoms are, for a scan during which they move: call it after each step of the
-        scan, and once at its start. The turn of the next scan() ends where `data` then is, and its beginning is
-        interpolated between the records, of which earlier ones count for nothing. If the records span less than a turn,
-        the sensor and the geoms come from where their mean motion during the records would have had them. Flexes and
-        skins stay as they are at the end. Of two records of one time the later one counts. Records of a later time,
-        from before mj_resetData(), are dropped."""
+        scan, and once at its start. The turn of the next scan() of each sensor ends where `data` then is, and its
+        beginning is interpolated between the records, of which earlier ones count for nothing. If the records span less
+        than a turn, the sensor and the geoms come from where their mean motion during the records would have had them.
+        Flexes and skins stay as they are at the end. Of two records of one time the later one counts. Records of a
+        later time, from before mj_resetData(), are dropped, and so are those with which a sensor has scanned.
+
+        What the effects of a sensor leave out of the motions of the sensor and of objects is as at the end."""
         self._drop_later(data)
+        if self._used:
+            self.reset()
         if self._records and data.time == self._records[-1].time:
             self._records.pop()
         if not self._warned and not any(map(max, self._durations)):
@@ -240,23 +245,30 @@ class Lidar(adapter.Lidar):
     def reset(self) -> None:
         """Drops the records, so that the next scan() is one of a standing model."""
         self._records = []
+        self._used = set()
+
+    def _use(self, sensor: int) -> None:
+        """Lets a sensor use the records no more; those that no sensor uses are dropped."""
+        self._used.add(sensor)
+        if len(self._used) == len(self._mounts):
+            self.reset()
 
     def scan(self, data: Any, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the model as `data` has it. Points are in the frame of the sensor; those of a scan with record() each
-        in its frame at the time of the point, or with Effects.sensor_motion.deskew in its frame at the end. Give a Scan
-        of before as `into` and its memory is used again."""
+        in its frame at the time of the point, or with Effects.sensor_motion.deskew in its frame at the end. Each sensor
+        scans once with the records. Give a Scan of before as `into` and its memory is used again."""
         self._drop_later(data)
         durations = self._durations[sensor]
         duration = durations[self.frame % len(durations)]
-        if not self._records or not duration:
-            self.reset()
+        if not self._records or not duration or sensor in self._used:
+            self._use(sensor)
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
             return self.cast(gno.Shot(pose, sensor, self.frame), into)
         try:
             shot = self._moving_shot(data, sensor, duration)
         finally:
-            self.reset()
+            self._use(sensor)
         return self.cast(shot, into)
 
     def _moving_shot(self, data: Any, sensor: int, duration: float) -> gno.Shot:
@@ -270,7 +282,9 @@ class Lidar(adapter.Lidar):
         start = float(data.time) - duration
         path = [(record.time - start, record.poses[sensor]) for record in records]
         path.append((duration, now))
-        starts = _geoms_at(start, [(record.time, record.geoms) for record in records] + [(float(data.time), ends)])
+        starts = ends
+        if self.simulator.plan(sensor).has("object-motion"):
+            starts = _geoms_at(start, [(record.time, record.geoms) for record in records] + [(float(data.time), ends)])
         moved = np.flatnonzero(np.any(ends != starts, axis=(1, 2)))
         motions = [gno.InstanceMotion(int(i), gno.Transform(ends[i])) for i in moved]
         self._rows[: len(starts)] = starts

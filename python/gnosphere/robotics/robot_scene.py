@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -62,6 +62,31 @@ class Parts:
             count += 1
             unique = f"{name} {count}"
         self.sensors.append(MountedSensor(unique, sensor, frame, local, rate))
+
+
+class Mimic(NamedTuple):
+    """What a joint follows: its position is that of the other one times the multiplier, plus the offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+def resolved_mimics(mimics: Mapping[str, Mimic], joints: Container[str], parts: Parts) -> dict[str, Mimic]:
+    """What joints follow where those that they mimic may mimic others: joints that mimic none."""
+    result = {}
+    for name, (leader, multiplier, offset) in mimics.items():
+        passed = {name}
+        while leader in mimics and leader not in passed:
+            passed.add(leader)
+            leader, factor, further = mimics[leader]
+            multiplier, offset = multiplier * factor, multiplier * further + offset
+        if leader in passed:
+            parts.leave_out(f"the motion of the joint '{name}', which mimics joints in a circle")
+        elif leader not in joints:
+            parts.leave_out(f"the motion of the joint '{name}', which mimics '{leader}', which is not there")
+        result[name] = Mimic(leader, multiplier, offset) if leader not in passed else Mimic("", 1.0, 0.0)
+    return result
 
 
 class RobotScene:

@@ -11,9 +11,10 @@ from typing import Any, Optional
 
 import numpy as np
 
+from .. import adapter
 from . import xml_lidars
 from .resources import Resources, parse_xml
-from .robot_scene import Frames, Joints, Matrix, Parts
+from .robot_scene import Frames, Joints, Matrix, Mimic, Parts
 from .sdf_kinematics import Joint, Tree
 from .xml_lidars import number, numbers, pose_of
 
@@ -34,6 +35,7 @@ def read(
     top = worlds[0] if worlds else root
     reader.expand(top, (path.absolute(),))
     reader.scope(top, "", np.eye(4), path.absolute())
+    reader.tree.resolve_mimics()
     return reader.tree.frames, reader.tree.limits()
 
 
@@ -138,7 +140,7 @@ class Reader:
             material = self.parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
             mesh = self._primitive(kind, material)
             if kind.tag == "plane":
-                local = local @ _upright(numbers(kind.findtext("normal"), (0, 0, 1), "a <normal>"))
+                local = local @ adapter.upright(numbers(kind.findtext("normal"), (0, 0, 1), "a <normal>"))
         if mesh is not None:
             self.parts.place(mesh, link, local, *names)
 
@@ -166,9 +168,11 @@ class Reader:
         parent, child = (_end(joint, end) for end in ("parent", "child"))
         if child is None or parent is None or kind == "fixed" and parent == "world":
             return
-        links = [prefix + poses.link(end) if end != "world" else "" for end in (parent, child)]
+        links = [prefix + link if link else "" for link in map(poses.link, (parent, child))]
         if links[1] not in self.tree.links:
             return self.parts.leave_out(f"the joint {prefix}{name}, whose child '{child}' is not there")
+        if links[0] and links[0] not in self.tree.links:
+            return self.parts.leave_out(f"the joint {prefix}{name}, whose parent '{parent}' is not there")
         axis, at = joint.find("axis"), place @ poses.of(name)
         if kind in ("revolute", "continuous", "prismatic") and axis is not None:
             frame, xyz = None, axis.find("xyz")
@@ -185,9 +189,9 @@ class Reader:
             made = Joint(kind == "prismatic", at[:3, 3], direction / np.linalg.norm(direction), (low, high))
             mimic = axis.find("mimic")
             if mimic is not None:
-                made.mimic = prefix + mimic.get("joint", "")
-                made.multiplier, made.offset = number(mimic, "multiplier", 1.0), number(mimic, "offset", 0.0)
-                made.reference = number(mimic, "reference", 0.0)
+                factor, reference = number(mimic, "multiplier", 1.0), number(mimic, "reference", 0.0)
+                offset = number(mimic, "offset", 0.0) - factor * reference
+                made.mimic = Mimic(prefix + mimic.get("joint", ""), factor, offset)
         else:
             if kind != "fixed":
                 self.parts.leave_out(f"the motion of {kind} joints")
@@ -203,6 +207,7 @@ class Poses:
         self._elements: dict[str, tuple[Optional[ET.Element], str]] = {}  # <pose>, and the frame that it is in
         self._attached: dict[str, str] = {}
         self._models = {model.get("name", ""): model for model in scope.findall("model")}
+        self._canonical = self._canonical_link(scope) if scope.tag == "model" else "world"
         self._inner: dict[str, Poses] = {}
         self._found: dict[str, Optional[Matrix]] = {name: np.eye(4) for name in ("", "__model__", "world")}
         for child in scope:
@@ -211,9 +216,12 @@ class Poses:
                 self._elements[name] = (pose, "")
             elif child.tag == "joint":
                 self._elements[name] = (pose, _end(child, "child") or "")
+                self._attached[name] = _end(child, "child") or ""
             elif child.tag == "frame":
                 self._attached[name] = child.get("attached_to", "")
                 self._elements[name] = (pose, self._attached[name])
+        for child in scope.findall("link"):  # older files have joints with the names of links
+            self._attached.pop(child.get("name", ""), None)
 
     def of(self, name: str) -> Matrix:
         if name not in self._found:
@@ -232,9 +240,18 @@ class Poses:
         head, _, rest = name.partition("::")
         if head not in self._models or not rest:
             raise ValueError(f"a pose is relative to '{name}', which is not there")
-        if head not in self._inner:
-            self._inner[head] = Poses(self._models[head])
-        return self.of(head) @ self._inner[head].of(rest)
+        return self.of(head) @ self._within(head).of(rest)
+
+    def _within(self, model: str) -> Poses:
+        if model not in self._inner:
+            self._inner[model] = Poses(self._models[model])
+        return self._inner[model]
+
+    @staticmethod
+    def _canonical_link(model: ET.Element) -> str:
+        """What the frame of a model is attached to: a link, or a model inside if there is no link."""
+        first = next((child.get("name", "") for tag in ("link", "model") for child in model.findall(tag)), "")
+        return model.get("canonical_link") or first
 
     def inside(self, element: ET.Element, link: str) -> Matrix:
         """The map from an element of a link to the link."""
@@ -245,10 +262,18 @@ class Poses:
         return np.linalg.inv(self.of(link)) @ self.of(relative) @ pose_of(pose)
 
     def link(self, name: str) -> str:
-        """The link to which a frame is attached; a link is itself."""
-        while name in self._attached and self._attached[name]:
-            name = self._attached[name]
-        return name
+        """The link to which a frame is attached, with the models inside that it is in; a link is itself, and the world
+        is an empty name. What is not there keeps its name."""
+        passed = set()
+        while name in self._attached or name == "__model__":
+            if name in passed:
+                raise ValueError(f"the frame '{name}' is attached to itself")
+            passed.add(name)
+            name = self._canonical if name == "__model__" else self._attached[name] or "__model__"
+        head, _, rest = name.partition("::")
+        if head in self._models:
+            return f"{head}::{self._within(head).link(rest or '__model__')}"
+        return "" if name == "world" else name
 
 
 def _version(entry: tuple[str, str]) -> list[int]:
@@ -280,13 +305,3 @@ SCRIPTS = {
     "Orange": (1, 0.5088, 0.0468), "Wood": (0.5, 0.35, 0.2), "Bricks": (0.6, 0.3, 0.25),
 }  # fmt: skip
 """Diffuse colours of Gazebo's material scripts that worlds name most."""
-
-
-def _upright(normal: Any) -> Matrix:
-    """A map that turns z to a normal."""
-    z = np.asarray(normal, np.float64) / max(float(np.linalg.norm(normal)), 1e-30)
-    x = np.cross([0, 1, 0] if abs(z[1]) < 0.9 else [1, 0, 0], z)
-    x /= np.linalg.norm(x)
-    result = np.eye(4)
-    result[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    return result

@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
-from .robot_scene import Joints, Matrix, Parts
+from .robot_scene import Joints, Matrix, Mimic, Parts, resolved_mimics
 
 
 @dataclass
@@ -21,10 +21,7 @@ class Joint:
     origin: Matrix = field(default_factory=lambda: np.zeros(3))
     axis: Matrix = field(default_factory=lambda: np.zeros(3))
     limits: tuple[float, float] = (-math.inf, math.inf)
-    mimic: str = ""
-    multiplier: float = 1.0
-    offset: float = 0.0
-    reference: float = 0.0
+    mimic: Optional[Mimic] = None
 
     def motion(self, position: float) -> Matrix:
         """The map (4, 4) of what hangs from the joint, in the world in which all joints are at 0."""
@@ -52,8 +49,14 @@ class Tree:
         self._joints[name] = joint
         self._above[child] = (name, parent)
 
+    def resolve_mimics(self) -> None:
+        """Lets each joint that mimics another follow one that mimics none, when all have been joined."""
+        mimics = {name: joint.mimic for name, joint in self._joints.items() if joint.mimic is not None}
+        for name, mimic in resolved_mimics(mimics, self._joints, self._parts).items():
+            self._joints[name].mimic = mimic
+
     def _moving(self) -> dict[str, Joint]:
-        return {name: joint for name, joint in self._joints.items() if joint.axis.any() and not joint.mimic}
+        return {name: joint for name, joint in self._joints.items() if joint.axis.any() and joint.mimic is None}
 
     def limits(self) -> Mapping[str, tuple[float, float]]:
         """Those that can be moved; by their own name, too, where only one has it."""
@@ -86,6 +89,6 @@ class Tree:
     def _motion(self, name: str, given: Mapping[str, float]) -> Matrix:
         joint = self._joints[name]
         position = given.get(name, 0.0)
-        if joint.mimic:
-            position = joint.multiplier * (given.get(joint.mimic, 0.0) - joint.reference) + joint.offset
+        if joint.mimic is not None:
+            position = joint.mimic.multiplier * given.get(joint.mimic.joint, 0.0) + joint.mimic.offset
         return joint.motion(position) if joint.axis.any() else np.eye(4)

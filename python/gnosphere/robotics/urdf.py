@@ -16,7 +16,7 @@ import yourdfpy
 
 from . import xml_lidars
 from .resources import Resources, parse_xml, rotation
-from .robot_scene import Frames, Joints, Matrix, Parts
+from .robot_scene import Frames, Joints, Matrix, Mimic, Parts, resolved_mimics
 
 GEOMETRY = ("box", "sphere", "cylinder", "mesh")
 MOVING = ("revolute", "continuous", "prismatic")
@@ -26,9 +26,11 @@ def read(
     path: Path, parts: Parts, resources: Resources, collisions: bool
 ) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
     root = parse_xml(path)
+    shared = _materials_of_visuals(root)
     capsules = _drop_unknown(root, parts, "collision" if collisions else "visual")
     alone = ET.Element("robot", {"name": root.get("name", path.stem)})  # what else stands there may be malformed
     alone.extend(element for element in root if element.tag in ("link", "joint", "material"))
+    alone.extend(shared)
     log = logging.getLogger("yourdfpy")
     before, log.level = log.level, logging.ERROR  # what it warns about is counted here
     try:
@@ -43,6 +45,7 @@ def read(
             _add(shape, link.name, parts, resources, colors)
     for link_name, shape in capsules:
         _add_capsule(shape, link_name, parts, resources, colors)
+    _resolve_mimics(robot.robot.joints, parts)
     limits = {}
     for joint in robot.robot.joints:
         if joint.mimic is not None:
@@ -66,6 +69,14 @@ def read(
     return frames, limits
 
 
+def _resolve_mimics(joints: Any, parts: Parts) -> None:
+    """Lets each joint that mimics another follow one that mimics none: yourdfpy moves no others."""
+    stated = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
+    mimics = {name: Mimic(mimic.joint, mimic.multiplier, mimic.offset) for name, mimic in stated.items()}
+    for name, found in resolved_mimics(mimics, {joint.name for joint in joints}, parts).items():
+        stated[name].joint, stated[name].multiplier, stated[name].offset = found
+
+
 def _top(link: str, parents: Mapping[str, str]) -> str:
     """The link above all others of a link's tree."""
     for _ in parents:
@@ -73,6 +84,16 @@ def _top(link: str, parents: Mapping[str, str]) -> str:
             break
         link = parents[link]
     return link
+
+
+def _materials_of_visuals(root: ET.Element) -> list[ET.Element]:
+    """The first material of each name that has its colour inside a visual only, from where other visuals name it."""
+    found: dict[str, ET.Element] = {}
+    for material in root.iterfind("link/visual/material"):
+        if material.find("color") is not None:
+            found.setdefault(material.get("name", ""), material)
+    known = {material.get("name") for material in root.findall("material") if material.find("color") is not None}
+    return [material for name, material in found.items() if name and name not in known]
 
 
 def _drop_unknown(root: ET.Element, parts: Parts, kept: str) -> list[tuple[str, ET.Element]]:

@@ -141,13 +141,17 @@ class Reader:
         if kind == "Cube":  # of the unit size: its own is in the map
             return self.resources.primitive("box", [(1, 1, 1)], material)
         if kind == "Plane":
-            return self.resources.primitive(
-                "plane", [get("width", 2.0) / 2, get("length", 2.0) / 2, 1.0 / unit], material
-            )
+            sides = [get("width", 2.0) / 2, get("length", 2.0) / 2]  # along x and y
+            if _axis_name(prim) != "Z":  # _axis() turns x to what the length is along
+                sides.reverse()
+            return self.resources.primitive("plane", [*sides, 1.0 / unit], material)
         if kind.startswith("Capsule"):
             half, radius = get("height", 1.0) / 2, get("radius", 0.5)
-        if "radiusTop" in prim.GetPropertyNames() and get("radiusTop", 1.0) != get("radiusBottom", 1.0):
-            self.parts.leave_out("the second radius of a cylinder or capsule")
+        if kind.endswith("_1"):
+            ends = [get("radiusTop", radius), get("radiusBottom", radius)]
+            radius = max(ends)
+            if min(ends) < radius:
+                self.parts.leave_out("the smaller radius of cylinders and capsules, which have the larger at both ends")
         name = {"Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Cone": "cone"}[kind.split("_")[0]]
         sizes = [radius] if name == "sphere" else [radius, half]
         return self.resources.primitive(name, sizes, material, scale=_scale(self._place(prim)))
@@ -189,11 +193,14 @@ def _scale(place: Matrix) -> float:
     return float(np.linalg.norm(place[:3, :3], axis=0).max())
 
 
+def _axis_name(prim: Any) -> str:
+    attribute = prim.GetAttribute("axis")
+    return str((attribute.Get() if attribute else None) or "Z")
+
+
 def _axis(prim: Any) -> Matrix:
     """The map from a shape along z to one along the axis that the prim states: a turn of the three axes."""
-    attribute = prim.GetAttribute("axis")
-    axis = (attribute.Get() if attribute else None) or "Z"
-    order = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}[axis]
+    order = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}[_axis_name(prim)]
     result = np.eye(4)
     result[:3, :3] = np.eye(3)[order]
     return result
