@@ -333,18 +333,22 @@ def load_mesh(file: Union[str, Path], scale: Union[float, Sequence[float]] = 1.0
     """The triangles of a file that load_scene() reads, all in one mesh, as the file has its axes if it is OBJ, PLY or
     STL."""
     scene = gno.load_scene(file)
-    vertices, faces, count = [], [], 0
+    placed = []
     for instance in scene.instances:
         mesh = scene.meshes[instance.mesh]
-        corners, triangles = primitives.moved(
-            (mesh.positions + np.array(mesh.origin), mesh.indices), instance.transform.rows
-        )
+        corners = mesh.positions + np.array(mesh.origin)
+        placed.append(primitives.moved((corners, mesh.indices), instance.transform.rows))
+    sizes = np.broadcast_to(np.asarray(scale, np.float64), 3)
+    return primitives.moved(joined(placed, str(file)), np.column_stack([np.diag(sizes), np.zeros(3)]))
+
+
+def joined(parts: Iterable[primitives.Triangles], name: str) -> primitives.Triangles:
+    """The triangles of several meshes in one. Raises ValueError with the name if there are none."""
+    vertices, faces, count = [], [], 0
+    for corners, triangles in parts:
         vertices.append(corners)
         faces.append(triangles + np.uint32(count))
         count += len(corners)
     if not count:
-        raise ValueError(f"{file} has no triangles")
-    sizes = np.broadcast_to(np.asarray(scale, np.float64), 3)
-    return primitives.moved(
-        (np.concatenate(vertices), np.concatenate(faces)), np.column_stack([np.diag(sizes), np.zeros(3)])
-    )
+        raise ValueError(f"{name} has no triangles")
+    return np.concatenate(vertices), np.concatenate(faces)

@@ -4,6 +4,7 @@ million beams each. Each is skipped without its package."""
 
 import subprocess
 import sys
+import warnings
 
 import exact
 import numpy as np
@@ -143,8 +144,79 @@ def test_a_plane_of_pybullet_whose_normal_is_not_told(bullet, device):
     from gnosphere.engines.pybullet import Lidar
 
     pb.createMultiBody(0, -1, pb.createVisualShape(pb.GEOM_PLANE, planeNormal=[0, 1, 0]))
-    with pytest.warns(UserWarning, match="the normal of a plane of the body 0 is z, because"):
+    with pytest.warns(UserWarning, match="leaves out normals of planes that are only seen, which PyBullet does not"):
         Lidar(everywhere(10), effects=NONE, options=gnosphere.SimulatorOptions(device))
+
+
+def test_what_pybullet_does_not_tell_is_left_out(bullet, device):
+    pb, _ = bullet
+    from gnosphere.engines.pybullet import Lidar
+
+    box = pb.createCollisionShape(pb.GEOM_BOX, halfExtents=[0.5] * 3)
+    pb.createMultiBody(0, box, -1, [5, 0, 0])
+    field = pb.createCollisionShape(
+        pb.GEOM_HEIGHTFIELD, heightfieldData=[0.0] * 64, numHeightfieldRows=8, numHeightfieldColumns=8
+    )
+    bodies = [pb.createMultiBody(0, field), pb.createMultiBody(1, box, -1, [2, 0, 0], useMaximalCoordinates=True)]
+    told = ("shapes of the type 9, whose triangles PyBullet does not tell", "bodies with maximal coordinates or soft")
+    for ignored in ([], bodies[:1], bodies[1:], bodies):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            lidar = Lidar(
+                listed([[1, 0, 0]], 0, 100), ignore_bodies=ignored, effects=NONE,
+                options=gnosphere.SimulatorOptions(device),
+            )  # fmt: skip
+        text = "".join(str(warning.message) for warning in caught)
+        assert [what in text for what in told] == [body not in ignored for body in bodies]
+        np.testing.assert_allclose(lidar.scan(gnosphere.Pose()).ranges, [4.5], atol=PRECISION)
+
+
+def test_a_mesh_of_pybullet_that_is_not_found_is_left_out(bullet, device, tmp_path):
+    pb, _ = bullet
+    from gnosphere.engines.pybullet import Lidar
+
+    (tmp_path / "wall.obj").write_text("v 3 -1 -1\nv 3 2 -1\nv 3 -1 2\nf 1 2 3\n")
+    pb.setAdditionalSearchPath(str(tmp_path))
+    pb.createMultiBody(0, -1, pb.createVisualShape(pb.GEOM_MESH, fileName="wall.obj"))
+    sensor, options = listed([[1, 0, 0]], 0, 100), gnosphere.SimulatorOptions(device)
+    lidar = Lidar(sensor, folders=[str(tmp_path)], effects=NONE, options=options)
+    assert lidar.scan(gnosphere.Pose()).ranges.tolist() == [3]
+    with pytest.warns(UserWarning, match=r"leaves out the mesh .*wall.obj, which is not found \(1\)"):
+        (tmp_path / "wall.obj").unlink()
+        lidar = Lidar(sensor, effects=NONE, options=options)
+    assert np.isnan(lidar.scan(gnosphere.Pose()).ranges).all()
+
+
+COLLADA = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>
+<unit name="centimeter" meter="0.01"/><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="9">0 0 0 100 0 0 0 300 0</float_array><technique_common>
+<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION"
+source="#p"/></vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><translate>0 0 200
+</translate><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene>
+<instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def test_collada_in_pybullet(bullet, device, tmp_path):
+    """A triangle of 1 m by 3 m, 2 m above the ground. Bullet does not apply the up axis, either."""
+    pytest.importorskip("collada")
+    pb, _ = bullet
+    from gnosphere.engines.pybullet import Lidar
+
+    (tmp_path / "m.dae").write_text(COLLADA)
+    mesh = '<{0}><geometry><mesh filename="m.dae"/></geometry></{0}>'
+    (tmp_path / "m.urdf").write_text(
+        '<robot name="m"><link name="l"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
+        f'izz="1"/></inertial>{mesh.format("visual")}{mesh.format("collision")}</link></robot>'
+    )
+    body = pb.loadURDF(str(tmp_path / "m.urdf"), useFixedBase=True)
+    lowest, highest = pb.getAABB(body)
+    np.testing.assert_allclose([lowest, highest], [[0, 0, 2], [1, 3, 2]], atol=0.1)  # Bullet adds a margin
+    lidar = Lidar(listed([[0, 0, 1]], 0, 100), effects=NONE, options=gnosphere.SimulatorOptions(device))
+    for x, y, seen in ((0.1, 2.5, True), (0.9, 0.1, True), (0.9, 2.5, False)):
+        expected = [2 if seen else np.nan]
+        np.testing.assert_allclose(lidar.scan(gnosphere.Pose((x, y, 0))).ranges, expected, atol=PRECISION)
 
 
 def test_pybullet_robots(bullet, device):
@@ -235,6 +307,33 @@ def test_sapien_against_its_meshes_and_its_own_picture(device):
         assert_right(world, sensor, gnosphere.Pose(), theirs, np.where(segments > 0, segments, -1), precision)
 
 
+def test_sapien_shows_bodies_that_are_not_hidden(device):
+    sapien = pytest.importorskip("sapien")
+    from gnosphere.engines.sapien import Lidar
+
+    scene, entity = sapien.Scene(), sapien.Entity()
+    bodies = [sapien.render.RenderBodyComponent() for _ in range(2)]
+    for body, place in zip(bodies, (2, 4)):
+        shape = sapien.render.RenderShapeBox([0.5] * 3, sapien.render.RenderMaterial())
+        shape.local_pose = sapien.Pose([place, 0, 0])
+        body.attach(shape)
+        entity.add_component(body)
+    scene.add_entity(entity)
+
+    def seen():
+        sensor = listed([[1, 0, 0], [-1, 0, 0]], 0, 100)  # from between the two
+        lidar = Lidar(scene, sensor, effects=NONE, options=gnosphere.SimulatorOptions(device))
+        return np.isfinite(lidar.scan(gnosphere.Pose((3, 0, 0))).ranges).tolist()
+
+    assert seen() == [True, True]
+    bodies[0].visibility = 0.0
+    assert seen() == [True, False]
+    bodies[1].disable()
+    assert seen() == [False, False]
+    bodies[0].visibility = 0.5
+    assert seen() == [False, True]
+
+
 def test_panda3d_against_its_rays(device):
     core = pytest.importorskip("panda3d.core")
     from gnosphere.engines.panda3d import Lidar
@@ -309,6 +408,56 @@ def test_panda3d_against_its_rays(device):
                 if not paths[0].isAncestorOf(entry.getIntoNodePath()) and not far >= theirs[i] and far < 40:
                     theirs[i], hits[i] = far, lidar.nodes.index(entry.getIntoNodePath())
         assert_right(world, some, POSE, theirs, hits, 2 * PRECISION)  # places in the world, in single precision
+
+
+def test_panda3d_shows_what_is_not_hidden(device):
+    core = pytest.importorskip("panda3d.core")
+    from gnosphere.engines.panda3d import Lidar
+
+    root, squares = core.NodePath("root"), []
+    for x in (2, 4, 6):
+        data = core.GeomVertexData("square", core.GeomVertexFormat.getV3(), core.Geom.UHStatic)
+        writer = core.GeomVertexWriter(data, "vertex")
+        for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+            writer.addData3(x, y, z)
+        faces = core.GeomTriangles(core.Geom.UHStatic)
+        faces.addVertices(0, 1, 2)
+        faces.addVertices(0, 2, 3)
+        geom = core.Geom(data)
+        geom.addPrimitive(faces)
+        squares.append(core.GeomNode("square"))
+        squares[-1].addGeom(geom)
+
+    def seen():
+        lidar = Lidar(root, listed([[1, 0, 0]], 0, 100), effects=NONE, options=gnosphere.SimulatorOptions(device))
+        return lidar.scan(gnosphere.Pose()).ranges[0]
+
+    def below(node):
+        root.getChildren().detach()
+        top = root.attachNewNode("top").attachNewNode(node)
+        return [top.attachNewNode(square) for square in squares]
+
+    paths = below(core.PandaNode("all"))
+    assert seen() == 2
+    paths[0].hide()
+    assert seen() == 4
+    paths[1].getParent().hide()
+    assert np.isnan(seen())
+    paths[2].showThrough()
+    assert seen() == 6
+    for path in paths:
+        path.show()
+    switch, sequence, levels = core.SwitchNode("switch"), core.SequenceNode("sequence"), core.LODNode("levels")
+    below(switch)
+    switch.setVisibleChild(1)
+    assert seen() == 4
+    below(sequence)
+    sequence.pose(2)
+    assert seen() == 6
+    for far, near in ((1000, 50), (10, 0), (50, 10)):
+        levels.addSwitch(far, near)
+    below(levels)
+    assert seen() == 4  # the finest level is the second
 
 
 def test_drake_against_its_signed_distances(device):
@@ -468,6 +617,82 @@ def test_blender_instances_of_geometry_nodes(device):
     owners = np.where(np.isnan(scan.ranges), -1, np.minimum(scan.instances, 1).astype(int))
     assert len(lidar.names) == 5
     assert_right(world, sensor, pose, scan.ranges, owners)
+
+
+def test_blender_objects_that_only_make_instances(device):
+    """Nodes put a box in place of a square, which itself has no faces then."""
+    if in_a_process_without_sapien("test_blender_objects_that_only_make_instances"):
+        return
+    bpy = pytest.importorskip("bpy")
+    from gnosphere.engines.blender import Lidar
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_plane_add(size=4)
+    tree = bpy.data.node_groups.new("boxes", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    names = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints")
+    first, last, cube, spread = map(tree.nodes.new, names)
+    tree.links.new(first.outputs[0], spread.inputs["Points"])
+    tree.links.new(cube.outputs["Mesh"], spread.inputs["Instance"])
+    tree.links.new(spread.outputs[0], last.inputs[0])
+    bpy.context.object.modifiers.new("boxes", "NODES").node_group = tree
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    sensor = listed([[1, 0, 0], [0, 1, 0]], 0, 100)
+    lidar = Lidar(depsgraph, sensor, effects=NONE, options=gnosphere.SimulatorOptions(device))
+    assert len(lidar.names) == 4
+    bpy.context.object.location.x = 1
+    depsgraph.update()
+    found = lidar.scan(depsgraph, gnosphere.Pose((-5, 2, 0))).ranges
+    np.testing.assert_allclose(found, [3.5, np.nan], atol=PRECISION)  # a box of 1 m at -1, 2
+
+
+def test_blender_materials_of_slots(device):
+    """Each side of a box has the material of its slot, which an object may choose in place of its mesh."""
+    if in_a_process_without_sapien("test_blender_materials_of_slots"):
+        return
+    bpy = pytest.importorskip("bpy")
+    from gnosphere.engines.blender import Lidar
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    box, made = bpy.context.object, {}
+    for name, color in (("dark", (0.1, 0.1, 0.1, 1)), ("light", (0.7, 0.7, 0.7, 1)), ("own", (0.4, 0.4, 0.4, 1))):
+        made[name] = bpy.data.materials.new(name)
+        made[name].node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
+        box.data.materials.append(made[name])
+    plain = bpy.data.materials.new("plain")
+    plain.node_tree.nodes.clear()
+    plain.diffuse_color = (0.9, 0.9, 0.9, 1)
+    box.material_slots[0].link, box.material_slots[0].material = "OBJECT", plain
+    for side in box.data.polygons:
+        side.material_index = 1 if side.normal.x > 0.5 else 2 if side.normal.y > 0.5 else 0
+    sensor = listed([[-1, 0, 0], [0, -1, 0], [0, 0, -1]], 0, 100)
+    effects = gnosphere.Effects.none()
+    effects.intensity.use = gnosphere.EffectUse.on
+    options = {"fields": "intensity", "effects": effects, "options": gnosphere.SimulatorOptions(device)}
+
+    def intensities(lidar):
+        lidar.move([adapter.rows_of(gnosphere.Pose())])
+        places = [(5, 0, 0), (0, 5, 0), (0, 0, 5)]
+        shots = [gnosphere.Shot(gnosphere.Pose(place)) for place in places]
+        return [lidar.cast(shot).column(gnosphere.Field.intensity)[i] for i, shot in enumerate(shots)]
+
+    shapes = adapter.Shapes()
+    sides = [shapes.material((value,) * 3) for value in (0.7, 0.4, 0.9)]
+    vertices, faces = primitives.box((1, 1, 1))
+    first, second, third = vertices[faces].transpose(1, 0, 2)
+    along = np.abs(np.cross(second - first, third - first)).argmax(axis=1)
+    shapes.instance(shapes.mesh((vertices, faces), np.array(sides)[along]))
+    expected = intensities(adapter.Lidar(shapes, sensor, **options))
+    assert len(set(expected)) == 3
+    assert intensities(Lidar(bpy.context.evaluated_depsgraph_get(), sensor, **options)) == pytest.approx(expected)
+    nodes = made["light"].node_tree
+    nodes.links.new(nodes.nodes.new("ShaderNodeRGB").outputs[0], nodes.nodes["Principled BSDF"].inputs["Base Color"])
+    made["light"].diffuse_color = (0.7, 0.7, 0.7, 1)
+    with pytest.warns(UserWarning, match=r"leaves out the nodes of the Base Color of materials, which .* \(1\)"):
+        lidar = Lidar(bpy.context.evaluated_depsgraph_get(), sensor, **options)
+    assert intensities(lidar) == pytest.approx(expected)
 
 
 def test_blender_against_its_ray_casts(device):

@@ -194,6 +194,78 @@ def test_a_joint_of_sdf_with_the_name_of_a_link(tmp_path):
     assert heights == pytest.approx([0, 2], abs=1e-6)
 
 
+@pytest.mark.parametrize("version", ("1.3", "1.4", "1.5", "1.9"))
+@pytest.mark.parametrize("included", (False, True))
+def test_axes_of_sdf_1_4_are_in_the_frame_of_the_model(tmp_path, version, included):
+    """A joint along z of a link that is turned about x, in a model that is turned about z."""
+    model = f"""<model name="m"><link name="a">{BOX}</link><link name="b"><pose>0 0 0 1.5707963267948966 0 0</pose>{BOX}
+        </link><joint name="j" type="prismatic"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
+        {{}}</model>"""
+    pose = "<pose>0 0 0 0 0 1.5707963267948966</pose>"
+    file = tmp_path / "m.sdf"
+    file.write_text(f'<sdf version="{version}">{model.format("" if included else pose)}</sdf>')
+    if included:
+        file = tmp_path / "w.sdf"
+        file.write_text(f'<sdf version="1.9"><world name="w"><include><uri>m.sdf</uri>{pose}</include></world></sdf>')
+    moved = corners(quiet(file, joints={"j": 1.0}))[1].mean(axis=0)
+    expected = (0, 0, 1) if version < "1.5" else (1, 0, 0)
+    np.testing.assert_allclose(moved, expected, atol=1e-6)
+
+
+def test_things_of_sdf_with_one_name_have_places_of_their_own(tmp_path):
+    part = f"""<model name="part"><pose>0 {{}} 0 0 0 0</pose><link name="l">{BOX}</link><link name="l">
+        <pose>0 0 1 0 0 0</pose>{BOX}</link></model>"""
+    (tmp_path / "part.sdf").write_text(f'<sdf version="1.9">{part.format(0)}</sdf>')
+    include = "<include><uri>part.sdf</uri><pose>0 4 0 0 0 0</pose></include>"
+    joints = "".join(
+        f"""<joint name="j" type="prismatic"><parent>part::l</parent><child>{child}</child><axis><xyz>1 0 0</xyz></axis>
+        </joint>"""
+        for child in ("part::l 2", "part 2::l")
+    )
+    (tmp_path / "w.sdf").write_text(
+        f'<sdf version="1.9"><model name="m">{include}{part.format(2)}{part.format(3)}{joints}</model></sdf>'
+    )
+    with pytest.warns(UserWarning, match="leaves out the name 'l' of another link, which is 'l 2' here"):
+        robot = robotics.load(tmp_path / "w.sdf", joints={"j": 5.0, "j 2": 6.0})
+    assert robot.left_out == {
+        "the name 'l' of another link, which is 'l 2' here": 3,
+        "the name 'part' of another model, which is 'part 2' here": 1,
+        "the name 'part' of another model, which is 'part 3' here": 1,
+        "the name 'j' of another joint, which is 'j 2' here": 1,
+    }
+    places = {frame: points.mean(axis=0) for frame, points in zip(robot.frames, corners(robot))}
+    expected = {
+        "m::part::l": (0, 2, 0), "m::part::l 2": (5, 2, 1), "m::part 2::l": (6, 3, 0), "m::part 2::l 2": (0, 3, 1),
+        "m::part 3::l": (0, 4, 0), "m::part 3::l 2": (0, 4, 1),
+    }  # fmt: skip
+    assert places.keys() == expected.keys()
+    for frame, place in expected.items():
+        np.testing.assert_allclose(places[frame], place, atol=1e-6)
+
+
+def test_a_submesh_is_an_object_of_an_obj(tmp_path):
+    pieces = [f"o {name}\nv 0 0 {z}\nv 1 0 {z}\nv 0 1 {z}\nf -3 -2 -1\n" for name, z in (("low", 0), ("high", 2))]
+    (tmp_path / "parts.obj").write_text("".join(pieces))
+    text = """<sdf version="1.9"><model name="m"><link name="l"><visual name="v"><geometry><mesh><uri>parts.obj</uri>
+        <submesh><name>{}</name></submesh></mesh></geometry></visual></link></model></sdf>"""
+    (tmp_path / "m.sdf").write_text(text.format("high"))
+    (points,) = corners(quiet(tmp_path / "m.sdf"))
+    assert sorted(points.tolist()) == [[0, 0, 2], [0, 1, 2], [1, 0, 2]]
+    (tmp_path / "m.sdf").write_text(text.format("middle"))
+    with pytest.warns(UserWarning, match=r"leaves out the mesh parts.obj, which has no triangles in 'middle' \(1\)"):
+        assert not robotics.load(tmp_path / "m.sdf").frames
+
+
+def test_a_laser_retro_is_told(tmp_path):
+    retro = BOX.replace("</visual>", "<laser_retro>100</laser_retro></visual>")
+    for visual, left_out in ((BOX, {}), (retro, {"<laser_retro>, whose scale is the simulator's": 1})):
+        text = f'<sdf version="1.9"><model name="m"><link name="l">{visual}</link></model></sdf>'
+        (tmp_path / "m.sdf").write_text(text)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            assert robotics.load(tmp_path / "m.sdf").left_out == left_out
+
+
 def chain_of_mimics(kind, first="j"):
     """Links a, b, c and d, each on the one before; the joint k mimics `first`, and l mimics k."""
     links = "abcd"
@@ -250,6 +322,45 @@ def test_a_material_of_urdf_that_a_visual_defines_for_others(tmp_path):
     colors = [scene.materials[scene.meshes[i.mesh].parts[0].material].base_color[:3] for i in scene.instances]
     blue = (0.25, 0.5, 0.75)
     assert colors == [blue, blue, (0, 1, 0), (1, 0, 0), blue]  # capsules are last
+
+
+@pytest.mark.parametrize(
+    "ends, sentence",
+    (
+        ('<parent link="a"/><child link="nope"/>', "the joint 'j' has the child 'nope', which is no link"),
+        ('<parent link="nope"/><child link="a"/>', "the joint 'j' has the parent 'nope', which is no link"),
+        ('<parent link="a"/>', "the joint 'j' has no <child> link"),
+    ),
+)
+def test_a_joint_of_urdf_without_its_links(tmp_path, ends, sentence):
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "m.urdf"
+    joint = f'<joint name="j" type="fixed">{ends}</joint>'
+    file.write_text(f'<robot name="m"><link name="a"/><link name="b"/>{joint}</robot>')
+    with pytest.raises(ValueError, match=f"m.urdf: {sentence}"):
+        robotics.load(file)
+
+
+def test_the_world_of_urdf_need_not_be_a_link(tmp_path):
+    pytest.importorskip("yourdfpy")
+    for world in ("", '<link name="world"/>'):
+        (tmp_path / "m.urdf").write_text(
+            f"""<robot name="m"><link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual></link>{world}
+            <joint name="j" type="fixed"><parent link="world"/><child link="a"/><origin xyz="3 0 0"/></joint></robot>"""
+        )
+        np.testing.assert_allclose(corners(quiet(tmp_path / "m.urdf"))[0].mean(axis=0), (3, 0, 0), atol=1e-6)
+
+
+def test_elements_of_xacro_are_told(tmp_path):
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "m.urdf"
+    names = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    link = '<link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
+    file.write_text(f'<robot name="m" {names}>{link}</robot>')
+    quiet(file)
+    file.write_text(f'<robot name="m" {names}>{link}<xacro:include filename="b.xacro"/><xacro:wheel/></robot>')
+    with pytest.warns(UserWarning, match=r"elements of xacro, which 'xacro m.urdf > robot.urdf' replaces \(2\)"):
+        assert len(robotics.load(file).frames) == 1
 
 
 CARELESS = """
@@ -704,7 +815,7 @@ def test_usd_stages(tmp_path, device):
     )
     assert mesh.triangle_count() == 2 + 1 + 3 and abs(area - (1 + 1 + 2.5)) < 1e-6
     looks = [(found.scene.materials[part.material].name, part.triangle_count) for part in mesh.parts]
-    assert sorted(looks) == [("Glass", 1), ("Paint", 5)]
+    assert looks == [("Paint", 2), ("Glass", 1), ("Paint", 3)]  # faces keep their order
     # Against the bounds that USD itself computes.
     made = Usd.Stage.Open(str(file))
     cache = UsdGeom.BBoxCache(Usd.TimeCode.EarliestTime(), ["default", "render"])
@@ -764,6 +875,32 @@ def test_usd_radii_of_both_ends(tmp_path, kind):
         half = 2 if kind == "Cylinder_1" else 2.3
         np.testing.assert_allclose(points.max(axis=0), (0.3, 0.3, half), atol=2e-3)
         np.testing.assert_allclose(points.min(axis=0), (-0.3, -0.3, -half), atol=2e-3)
+
+
+def test_usd_instances_keep_the_tolerance_at_their_sizes(tmp_path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom
+
+    file = tmp_path / "balls.usda"
+    made = Usd.Stage.CreateNew(str(file))
+    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(made, 1.0)
+    scatter = UsdGeom.PointInstancer.Define(made, "/Scatter")
+    UsdGeom.Sphere.Define(made, "/Scatter/Ball").CreateRadiusAttr(0.05)
+    scatter.CreatePrototypesRel().SetTargets(["/Scatter/Ball"])
+    scales = [1, 100, 0.01, 90, 0]
+    scatter.CreateProtoIndicesAttr([0] * len(scales))
+    scatter.CreatePositionsAttr([(0, 0, 0)] * len(scales))
+    scatter.CreateScalesAttr([(scale,) * 3 for scale in scales])
+    made.GetRootLayer().Save()
+    scene = quiet(file).scene
+    for instance, scale in zip(scene.instances, scales):
+        mesh, rows = scene.meshes[instance.mesh], instance.transform.rows
+        middles = (mesh.positions + np.array(mesh.origin))[mesh.indices].mean(axis=1) @ rows[:, :3].T
+        depth = 0.05 * scale - np.linalg.norm(middles, axis=1)
+        assert depth.max() < 1e-3
+        assert scale != 100 or depth.max() > 1e-4  # it is not much finer than asked for
+    assert scene.instances[1].mesh == scene.instances[3].mesh
 
 
 def test_usd_units_and_axes(tmp_path):

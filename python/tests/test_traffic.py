@@ -48,6 +48,21 @@ def test_sumo(tmp_path, folder):
     assert drives.read_drive(folder / "traffic.json") is not None
 
 
+def test_the_timing_of_open_scenario(tmp_path):
+    def times(timing):
+        reference = f"</TrajectoryRef><TimeReference>{timing}</TimeReference>"
+        (tmp_path / "a.xosc").write_text(XOSC.replace("</TrajectoryRef>", reference))
+        with pytest.warns(UserWarning) as told:
+            (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
+        starts = "the starts of trajectories with relative times, which are taken as 0 (1)" in str(told[0].message)
+        return [point["time"] for point in walker["trajectory"]["waypoints"]], starts
+
+    assert times("<None/>") == ([0, 2], False)
+    timing = '<Timing domainAbsoluteRelative="{}" offset="5" scale="2"/>'
+    assert times(timing.format("absolute")) == ([5, 9], False)
+    assert times(timing.format("relative")) == ([5, 9], True)
+
+
 def test_open_scenario(tmp_path):
     (tmp_path / "a.xosc").write_text(XOSC)
     with pytest.warns(UserWarning, match=r"leaves out vertices without a time or a WorldPosition \(1\)"):

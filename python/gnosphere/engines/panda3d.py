@@ -37,6 +37,31 @@ def _triangles(geom: Any) -> primitives.Triangles:
     return corners.astype(np.float32), np.concatenate(faces)
 
 
+def _shown(path: Any) -> bool:
+    """Whether cameras see the node of a NodePath: the lowest node on its way that says so says that it is shown, and
+    those that show one of their children show the way to it. A LODNode shows its finest level."""
+    way = list(path.getAncestors())  # the node itself is the first
+    all_cameras = core.PandaNode.getOverallBit()
+    for node in (above.node() for above in way):
+        if node.getDrawControlMask().hasBitsInCommon(all_cameras):
+            if not node.getDrawShowMask().hasBitsInCommon(all_cameras):
+                return False
+            break
+    for child, parent in zip(way, way[1:]):
+        node = parent.node()
+        if isinstance(node, core.LODNode):
+            shown = node.getHighestSwitch()
+        elif isinstance(node, core.SwitchNode):
+            shown = node.getVisibleChild()
+        elif isinstance(node, core.SequenceNode):
+            shown = node.getFrame()
+        else:
+            continue
+        if node.findChild(child.node()) != shown:
+            return False
+    return True
+
+
 class Lidar(adapter.Lidar):
     def __init__(
         self, root: Any, sensor: Any, *, ignore_below: Iterable[Any] = (),
@@ -46,7 +71,7 @@ class Lidar(adapter.Lidar):
         with all below them; `classes` are numbers by patterns of node names. The rest: see adapter.Lidar."""
         shapes, self.root = adapter.Shapes(), root
         self.nodes: list[Any] = []  # the NodePath of each instance
-        for path in root.findAllMatches("**/+GeomNode"):
+        for path in filter(_shown, root.findAllMatches("**/+GeomNode")):
             state = path.getNetState()
             for i in range(path.node().getNumGeoms()):
                 triangles = _triangles(path.node().getGeom(i))

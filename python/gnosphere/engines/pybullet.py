@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Optional
@@ -13,7 +12,10 @@ import pybullet as pb
 
 from .. import _gnosphere as gno
 from .. import adapter, primitives
+from ..robotics.resources import UNREADABLE, read_pieces
 
+MULTIBODY = 2
+"""The type of a body in its dynamics information. For others the inertial frame there is not filled in."""
 PLANE = 1000.0
 """Metres: half the size of a plane."""
 
@@ -27,14 +29,22 @@ class Lidar(adapter.Lidar):
         names; `folders` are where mesh files are that PyBullet names without a folder. The rest: see adapter.Lidar."""
         shapes, self.client, self._folders = adapter.Shapes(), client, ["", *folders]
         self._places: list[tuple[int, int]] = []  # body and link of each instance
+        self._ignored, self._left_out = set(ignore_bodies), dict[str, int]()
         for number in range(pb.getNumBodies(client)):
             body = pb.getBodyUniqueId(number, client)
             name = pb.getBodyInfo(body, client)[1].decode()
+            if pb.getDynamicsInfo(body, -1, client)[10] != MULTIBODY:
+                self._leave_out("bodies with maximal coordinates or soft, whose frames PyBullet does not tell", body)
+                continue
             normals: dict[int, list[Any]] = {}  # of the planes of each link
             for _, link, kind, size, file, position, turn, color, *_ in pb.getVisualShapeData(
                 body, physicsClientId=client
             ):
-                triangles = self._triangles(kind, size, file.decode(), tolerance)
+                try:
+                    triangles = self._triangles(kind, size, file.decode(), tolerance)
+                except UNREADABLE as error:
+                    self._leave_out((str(error) or type(error).__name__).splitlines()[0], body)
+                    continue
                 local = adapter.rows_of(gno.Pose(position, turn))
                 if kind == pb.GEOM_PLANE:
                     local = local @ self._upright(normals.setdefault(link, self._normals(body, link)), body)
@@ -42,25 +52,25 @@ class Lidar(adapter.Lidar):
                 of_link = pb.getJointInfo(body, link, client)[12].decode() if link >= 0 else ""
                 shapes.instance(mesh, class_id=adapter.class_of(classes, of_link, name), name=of_link or name)
                 self._places.append((body, link))
-        ignored = set(ignore_bodies)
-        ignore = [i for i, (body, _) in enumerate(self._places) if body in ignored]
+        adapter.warn_left_out("gnosphere.engines.pybullet", self._left_out)
+        ignore = [i for i, (body, _) in enumerate(self._places) if body in self._ignored]
         super().__init__(shapes, sensor, ignore=ignore, **options)
 
     def _normals(self, body: int, link: int) -> list[Any]:
         shapes = pb.getCollisionShapeData(body, link, self.client)
         return [size for _, _, kind, size, *_ in shapes if kind == pb.GEOM_PLANE]
 
-    @staticmethod
-    def _upright(normals: list[Any], body: int) -> Any:
+    def _upright(self, normals: list[Any], body: int) -> Any:
         """What turns the next plane of a link: PyBullet tells the normals of planes that collide."""
         if normals:
             return adapter.upright(normals.pop(0))
-        warnings.warn(
-            f"gnosphere.engines.pybullet: the normal of a plane of the body {body} is z, because PyBullet does not "
-            "tell those of planes that only are seen",
-            stacklevel=3,
-        )
+        self._leave_out("normals of planes that are only seen, which PyBullet does not tell; they are z", body)
         return np.eye(4)
+
+    def _leave_out(self, what: str, body: int) -> None:
+        """Notes what is missing, if the sensor would see it."""
+        if body not in self._ignored:
+            self._left_out[what] = self._left_out.get(what, 0) + 1
 
     def _triangles(self, kind: int, size: Any, file: str, tolerance: float) -> primitives.Triangles:
         if kind == pb.GEOM_SPHERE:
@@ -73,10 +83,13 @@ class Lidar(adapter.Lidar):
             return primitives.capsule(size[1], size[0] / 2, tolerance)
         if kind == pb.GEOM_PLANE:
             return primitives.plane(PLANE, PLANE, 1.0)
-        found = [path for path in (Path(folder) / file for folder in self._folders) if file and path.is_file()]
-        if kind != pb.GEOM_MESH or not found:
-            raise ValueError(f"PyBullet does not tell the triangles of a shape (type {kind}, file '{file}')")
-        return adapter.load_mesh(found[0], size)
+        if kind != pb.GEOM_MESH or not file:
+            raise ValueError(f"shapes of the type {kind}, whose triangles PyBullet does not tell")
+        found = [path for path in (Path(folder) / file for folder in self._folders) if path.is_file()]
+        if not found:
+            raise ValueError(f"the mesh {file}, which is not found")
+        triangles = adapter.joined((piece.triangles for piece in read_pieces(found[0])), file)
+        return primitives.moved(triangles, np.column_stack([np.diag(size), np.zeros(3)]))
 
     def scan(self, pose: gno.Pose, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the bodies where they are now; for a sensor on a link make `pose` of its state."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Optional
 
 import numpy as np
@@ -24,8 +24,7 @@ class Lidar(adapter.Lidar):
         ignore: list[int] = []
         self.entities: list[Any] = []  # the entity of each instance
         for entity in scene.entities:
-            body = entity.find_component_by_type(sapien.render.RenderBodyComponent)
-            for shape in body.render_shapes if body else ():
+            for shape in self._shown(entity):
                 local = shape.local_pose.to_transformation_matrix() @ np.diag([*self._scale(shape), 1.0])
                 for part in shape.parts:
                     triangles = primitives.moved((part.vertices, part.triangles), local)
@@ -35,6 +34,13 @@ class Lidar(adapter.Lidar):
                     if entity in ignored:
                         ignore.append(index)
         super().__init__(shapes, sensor, ignore=ignore, **options)
+
+    @staticmethod
+    def _shown(entity: Any) -> Iterator[Any]:
+        """The shapes that the renderer shows of an entity, which may have several bodies."""
+        for body in entity.components:
+            if isinstance(body, sapien.render.RenderBodyComponent) and body.is_enabled and body.visibility > 0:
+                yield from body.render_shapes
 
     @staticmethod
     def _scale(shape: Any) -> Any:

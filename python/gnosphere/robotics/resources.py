@@ -19,6 +19,8 @@ from .. import primitives
 from .robot_scene import Matrix, Parts
 
 OURS = (".obj", ".stl", ".ply", ".gltf", ".glb")
+UNREADABLE = (ImportError, OSError, ValueError, RuntimeError, LookupError, TypeError, AttributeError)
+"""What libraries raise for a file that they cannot read."""
 VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 
 
@@ -78,7 +80,7 @@ class Resources:
         if key not in self._meshes:
             try:
                 pieces = self._read(path)
-            except (ImportError, OSError, ValueError, RuntimeError, LookupError, TypeError, AttributeError) as error:
+            except UNREADABLE as error:
                 self.parts.leave_out(f"the mesh {uri}: {(str(error) or type(error).__name__).splitlines()[0]}")
                 return None
             chosen = [piece for piece in pieces if not submesh or piece.name == submesh]
@@ -107,8 +109,7 @@ class Resources:
 
     def _read(self, path: Path) -> list[Piece]:
         if path not in self._pieces:
-            known = path.suffix.lower() in OURS
-            self._pieces[path] = list(_read_ours(path) if known else _read_with_trimesh(path))
+            self._pieces[path] = read_pieces(path)
         return self._pieces[path]
 
     def primitive(self, kind: str, sizes: Any, material: int, scale: float = 1.0) -> Optional[int]:
@@ -125,6 +126,11 @@ class Resources:
                 return None
             self._meshes[key] = self.parts.shapes.mesh(triangles, material, kind)
         return self._meshes[key]
+
+
+def read_pieces(path: Path) -> list[Piece]:
+    """What stands in a file of triangles."""
+    return list(_read_ours(path) if path.suffix.lower() in OURS else _read_with_trimesh(path))
 
 
 def _read_ours(path: Path) -> Iterator[Piece]:

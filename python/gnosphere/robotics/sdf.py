@@ -26,7 +26,7 @@ def read(
     path: Path, parts: Parts, resources: Resources, collisions: bool
 ) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
     reader = Reader(parts, resources, collisions)
-    root = parse_xml(path)
+    root = _modern(parse_xml(path))
     if root.tag == "gazebo":
         raise ValueError("is of the time before SDF 1.2; 'gz sdf -p' converts it")
     worlds = root.findall("world")
@@ -46,7 +46,7 @@ class Reader:
         self._files: dict[int, Path] = {}  # of included models, by the identity of their elements
 
     def expand(self, element: ET.Element, files: tuple[Path, ...]) -> None:
-        """Puts models in place of <include>, everywhere below an element."""
+        """Puts models in place of <include>, everywhere below an element, and lets all have names of their own."""
         for child in list(element):
             if child.tag == "model":
                 self.expand(child, files)
@@ -55,6 +55,24 @@ class Reader:
                 model = self._included(child, files)
                 if model is not None:
                     element.append(model)
+        self._tell_apart(element)
+
+    def _tell_apart(self, element: ET.Element) -> None:
+        """Gives other names to things of a model or world whose names are taken; who names them means the first."""
+        for tags in (("link", "model", "frame"), ("joint",)):
+            taken: set[str] = set()
+            for child in element:
+                if child.tag not in tags:
+                    continue
+                name, count = child.get("name", ""), 1
+                unique = name
+                while unique in taken:
+                    count += 1
+                    unique = f"{name} {count}"
+                taken.add(unique)
+                child.set("name", unique)
+                if unique != name:
+                    self.parts.leave_out(f"the name '{name}' of another {child.tag}, which is '{unique}' here")
 
     def _included(self, include: ET.Element, files: tuple[Path, ...]) -> Optional[ET.Element]:
         uri = (include.findtext("uri") or "").strip()
@@ -64,7 +82,7 @@ class Reader:
             return None
         if origin in files:
             raise ValueError(f"{origin} includes itself")
-        model = parse_xml(origin).find("model")
+        model = _modern(parse_xml(origin)).find("model")
         if model is None:
             self.parts.leave_out(f"{origin.name}, which has no <model>")
             return None
@@ -127,6 +145,8 @@ class Reader:
         color, label = _color(shape)
         if shape.find("material/pbr") is not None:
             self.parts.leave_out("textures")
+        if shape.find("laser_retro") is not None:
+            self.parts.leave_out("<laser_retro>, whose scale is the simulator's")
         names = (f"{link}::{shape.get('name', '')}", link, shape.get("name", ""), label)
         if kind.tag == "mesh":
             scale = numbers(kind.findtext("scale"), (1, 1, 1), "a <scale>")
@@ -274,6 +294,14 @@ class Poses:
         if head in self._models:
             return f"{head}::{self._within(head).link(rest or '__model__')}"
         return "" if name == "world" else name
+
+
+def _modern(root: ET.Element) -> ET.Element:
+    """Says in a file of SDF 1.4 and before what it means: the axes of its joints are in the frame of the model."""
+    if _version((root.get("version", "1.5"), "")) < [1, 5]:
+        for axis in root.iterfind(".//joint/axis"):
+            ET.SubElement(axis, "use_parent_model_frame").text = "1"
+    return root
 
 
 def _version(entry: tuple[str, str]) -> list[int]:

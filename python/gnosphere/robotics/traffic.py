@@ -90,7 +90,7 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dic
     tracks: dict[str, Track] = {}
     for group in root.iter("ManeuverGroup"):
         names = [reference.get("entityRef", "") for reference in group.iter("EntityRef")]
-        for trajectory in group.iter("Trajectory"):
+        for trajectory, offset, scale in _trajectories(group, left_out):
             waypoints = []
             for vertex in trajectory.iter("Vertex"):
                 place = vertex.find("Position/WorldPosition")
@@ -99,7 +99,8 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dic
                     left_out[what] = left_out.get(what, 0) + 1
                     continue
                 x, y, z, turn = (float(place.get(key, "0")) for key in "xyzh")
-                waypoints.append(_waypoint(float(vertex.get("time", "0")), (x, y, z), math.degrees(turn)))
+                time = scale * float(vertex.get("time", "0")) + offset
+                waypoints.append(_waypoint(time, (x, y, z), math.degrees(turn)))
             for name in names if waypoints else ():
                 tracks.setdefault(name, (name, kinds.get(name, ""), []))[2].extend(waypoints)
             for curve in trajectory.iter("Shape"):
@@ -109,3 +110,17 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dic
                     )
     for name, kind, waypoints in tracks.values():
         yield name, kind, sorted(waypoints, key=lambda waypoint: waypoint["time"])
+
+
+def _trajectories(group: ET.Element, left_out: dict[str, int]) -> Iterator[tuple[ET.Element, float, float]]:
+    """The trajectories that actors follow, with what is added to their times, in seconds, after these are scaled."""
+    for action in group.iter("FollowTrajectoryAction"):
+        timing = action.find("TimeReference/Timing")
+        offset, scale = 0.0, 1.0
+        if timing is not None:
+            offset, scale = float(timing.get("offset", "0")), float(timing.get("scale", "1"))
+            if timing.get("domainAbsoluteRelative") == "relative":
+                what = "the starts of trajectories with relative times, which are taken as 0"
+                left_out[what] = left_out.get(what, 0) + 1
+        for trajectory in action.iter("Trajectory"):
+            yield trajectory, offset, scale

@@ -26,6 +26,10 @@ def read(
     path: Path, parts: Parts, resources: Resources, collisions: bool
 ) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
     root = parse_xml(path)
+    _check_joints(root)
+    macros = sum("xacro" in element.tag.rpartition("}")[0] for element in root.iter())
+    if macros:
+        parts.leave_out(f"elements of xacro, which 'xacro {path.name} > robot.urdf' replaces", macros)
     shared = _materials_of_visuals(root)
     capsules = _drop_unknown(root, parts, "collision" if collisions else "visual")
     alone = ET.Element("robot", {"name": root.get("name", path.stem)})  # what else stands there may be malformed
@@ -67,6 +71,21 @@ def read(
         return {name: np.asarray(robot.get_transform(name)) if name in joined else np.eye(4) for name in links}
 
     return frames, limits
+
+
+def _check_joints(root: ET.Element) -> None:
+    """Raises ValueError if a joint joins what is no link of the robot. The link 'world' is there for all."""
+    links = {link.get("name") for link in root.findall("link")}
+    if "world" not in links and root.find("joint/parent[@link='world']") is not None:
+        ET.SubElement(root, "link", {"name": "world"})
+        links.add("world")
+    for joint in root.findall("joint"):
+        for end in ("parent", "child"):
+            found = joint.find(end)
+            link = found.get("link") if found is not None else None
+            if link not in links:
+                missing = f"has no <{end}> link" if link is None else f"has the {end} '{link}', which is no link"
+                raise ValueError(f"the joint '{joint.get('name')}' {missing}")
 
 
 def _resolve_mimics(joints: Any, parts: Parts) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Optional
@@ -18,6 +19,8 @@ from .robot_scene import Frames, Matrix, Parts
 from .usd_looks import Looks, classes_of
 
 SHAPES = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Capsule", "Capsule_1", "Cone", "Plane")
+FLAT = ("Mesh", "Cube", "Plane")
+"""The types whose triangles are exact at any scale."""
 NO_SURFACE = (
     "BasisCurves", "HermiteCurves", "NurbsCurves", "NurbsPatch", "Points", "TetMesh", "Volume",
     "ParticleField", "ParticleField3DGaussianSplat",
@@ -89,9 +92,12 @@ class Reader:
         source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         material = self._looks.of(prim)
         subsets = self._looks.of_subsets(prim) if kind == "Mesh" else ()
-        key = (source.GetPath(), material, tuple(number for _, number in subsets))
+        scale = 1.0 if kind in FLAT else _scale(place)
+        key = (source.GetPath(), material, scale, tuple(number for _, number in subsets))
         if key not in self._meshes:
-            self._meshes[key] = self._mesh(prim, material, subsets) if kind == "Mesh" else self._shape(prim, material)
+            self._meshes[key] = (
+                self._mesh(prim, material, subsets) if kind == "Mesh" else self._shape(prim, material, scale)
+            )
         mesh = self._meshes[key]
         if mesh is None:
             return
@@ -131,7 +137,7 @@ class Reader:
             triangles = triangles[:, ::-1]
         return self.parts.shapes.mesh((points, triangles), numbers[of_face], prim.GetName())
 
-    def _shape(self, prim: Any, material: int) -> Optional[int]:
+    def _shape(self, prim: Any, material: int, scale: float) -> Optional[int]:
         def get(name: str, default: float) -> float:
             attribute = prim.GetAttribute(name)
             return float(_value(attribute, self.time, default)) if attribute else default
@@ -154,7 +160,7 @@ class Reader:
                 self.parts.leave_out("the smaller radius of cylinders and capsules, which have the larger at both ends")
         name = {"Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Cone": "cone"}[kind.split("_")[0]]
         sizes = [radius] if name == "sphere" else [radius, half]
-        return self.resources.primitive(name, sizes, material, scale=_scale(self._place(prim)))
+        return self.resources.primitive(name, sizes, material, scale)
 
     def _scatter(self, instancer: Any) -> None:
         if not self._seen(instancer.GetPrim()):
@@ -190,7 +196,10 @@ def _value(attribute: Any, time: Any, default: Any) -> Any:
 
 
 def _scale(place: Matrix) -> float:
-    return float(np.linalg.norm(place[:3, :3], axis=0).max())
+    """How many times as long a map makes lengths, as a power of two that is not less: instances whose sizes differ
+    little share a mesh, and so do those that are only turned, up to rounding."""
+    scale = float(np.linalg.norm(place[:3, :3], axis=0).max())
+    return 2.0 ** math.ceil(math.log2(scale) - 1e-6) if scale > 0 else 1.0
 
 
 def _axis_name(prim: Any) -> str:
