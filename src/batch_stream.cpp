@@ -190,7 +190,7 @@ class BatchStream::Impl {
 BatchStream::BatchStream(Simulator& simulator, const BatchStreamOptions& options)
     : impl_(std::make_unique<Impl>(simulator, options)) {}
 BatchStream::~BatchStream() {
-  if (impl_ && impl_->maker().isParent()) static_cast<void>(impl_.release());  // as a Simulator
+  leaveToParent(impl_);
 }
 BatchStream::BatchStream(BatchStream&&) noexcept = default;
 BatchStream& BatchStream::operator=(BatchStream&& other) noexcept {

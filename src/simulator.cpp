@@ -325,7 +325,7 @@ Simulator::Simulator(const Scene& scene, const SensorRequest& sensor, const Simu
     : Simulator(scene, std::vector{sensor}, options) {}
 // A process that was forked from the one that has made the simulator cannot end the simulator's threads and device.
 Simulator::~Simulator() {
-  if (impl_ && impl_->maker().isParent()) static_cast<void>(impl_.release());  // left where it is
+  leaveToParent(impl_);
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&& other) noexcept {

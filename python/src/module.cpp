@@ -12,8 +12,7 @@ NB_MODULE(_gnosphere, m) {
   if (std::exchange(imported, true))
     throw nb::import_error(
         "gnosphere._gnosphere cannot be initialised a second time in one process, after it was deleted from "
-        "sys.modules "
-        "or its first import failed; start a new process");
+        "sys.modules or its first import failed; start a new process");
   // Python's collector does not look into NumPy arrays. An array of a StreamedBatch keeps its stream, so if an object
   // holds such an array and is what SimulatorOptions.warn refers to, all of them live until the program ends, and
   // nanobind would report them as leaks.

@@ -312,6 +312,15 @@ def test_what_changes_in_the_model_moves_the_sensor(device):
         gm.Lidar(model, ahead, site="nowhere")
 
 
+def forward_beams():
+    """A sensor whose 11 beams look along x, one each 10 ms, and their times."""
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
+    times = np.linspace(0, 0.1, 11)
+    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    return sensor, times
+
+
 def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     model = mujoco.MjModel.from_xml_string(
         """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
@@ -321,10 +330,7 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     )
     data = mujoco.MjData(model)
     data.joint("car").qvel, data.joint("wall").qvel = 10, -5
-    sensor = gnosphere.Sensor()
-    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
-    times = np.linspace(0, 0.1, 11)
-    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    sensor, times = forward_beams()
     lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
     for turn in range(2):
         mujoco.mj_forward(model, data)
@@ -356,10 +362,7 @@ def test_a_motion_that_is_not_simulated_leaves_its_part_as_at_the_end(device, se
     )
     data = mujoco.MjData(model)
     data.joint("car").qvel, data.joint("wall").qvel = 10, -5
-    sensor = gnosphere.Sensor()
-    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
-    times = np.linspace(0, 0.1, 11)
-    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    sensor, times = forward_beams()
     effects = gnosphere.Effects.none()
     use = {False: gnosphere.EffectUse.off, True: gnosphere.EffectUse.on}
     effects.sensor_motion.use, effects.object_motion.use = use[sensor_motion], use[object_motion]
@@ -382,10 +385,7 @@ def test_each_sensor_scans_with_the_records(device):
     )
     data = mujoco.MjData(model)
     data.joint("wall").qvel = -5
-    sensor = gnosphere.Sensor()
-    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
-    times = np.linspace(0, 0.1, 11)
-    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    sensor, times = forward_beams()
     lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
     assert lidar.add(sensor, site="roof") == 1
     flash = gnosphere.Sensor()  # fires at once

@@ -713,6 +713,16 @@ def test_mjcf_against_its_own_rays(tmp_path, device):
         assert abs(lidar.cast(robot.shot()).ranges[0] - data.sensordata[0]) < 1e-5
 
 
+def new_stage(file, up="Z", unit=1.0):
+    """An empty stage in a file, which its root layer saves."""
+    from pxr import Usd, UsdGeom
+
+    made = Usd.Stage.CreateNew(str(file))
+    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.y if up == "Y" else UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(made, unit)
+    return made
+
+
 def stage(tmp_path, up="Z", unit=1.0):
     """A stage with every kind of prim that is read."""
     pxr = pytest.importorskip("pxr")
@@ -720,9 +730,7 @@ def stage(tmp_path, up="Z", unit=1.0):
 
     assert pxr
     file = tmp_path / f"stage{up}{unit}.usda"
-    made = Usd.Stage.CreateNew(str(file))
-    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.y if up == "Y" else UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(made, unit)
+    made = new_stage(file, up, unit)
     root = UsdGeom.Xform.Define(made, "/World")
     root.AddTranslateOp().Set(Gf.Vec3d(1, 2, 3))
     mesh = UsdGeom.Mesh.Define(made, "/World/Thing/Hull")
@@ -839,9 +847,7 @@ def test_usd_planes_that_are_not_square(tmp_path, axis):
     from pxr import Usd, UsdGeom
 
     file = tmp_path / "plane.usda"
-    made = Usd.Stage.CreateNew(str(file))
-    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(made, 1.0)
+    made = new_stage(file)
     plane = UsdGeom.Plane.Define(made, "/Plane")
     plane.CreateAxisAttr(axis)
     plane.CreateWidthAttr(10.0)
@@ -855,13 +861,9 @@ def test_usd_planes_that_are_not_square(tmp_path, axis):
 @pytest.mark.parametrize("kind", ("Cylinder_1", "Capsule_1"))
 def test_usd_radii_of_both_ends(tmp_path, kind):
     pytest.importorskip("pxr")
-    from pxr import Usd, UsdGeom
-
     for top, bottom in ((0.3, 0.3), (0.3, 0.1), (0.1, 0.3)):
         file = tmp_path / f"{top}{bottom}.usda"
-        made = Usd.Stage.CreateNew(str(file))
-        UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
-        UsdGeom.SetStageMetersPerUnit(made, 1.0)
+        made = new_stage(file)
         prim = made.DefinePrim("/Shape", kind)
         for name, value in (("radiusTop", top), ("radiusBottom", bottom), ("height", 4.0)):
             prim.GetAttribute(name).Set(value)
@@ -879,12 +881,10 @@ def test_usd_radii_of_both_ends(tmp_path, kind):
 
 def test_usd_instances_keep_the_tolerance_at_their_sizes(tmp_path):
     pytest.importorskip("pxr")
-    from pxr import Usd, UsdGeom
+    from pxr import UsdGeom
 
     file = tmp_path / "balls.usda"
-    made = Usd.Stage.CreateNew(str(file))
-    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(made, 1.0)
+    made = new_stage(file)
     scatter = UsdGeom.PointInstancer.Define(made, "/Scatter")
     UsdGeom.Sphere.Define(made, "/Scatter/Ball").CreateRadiusAttr(0.05)
     scatter.CreatePrototypesRel().SetTargets(["/Scatter/Ball"])

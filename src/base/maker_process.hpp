@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <memory>
+
 namespace gnosphere {
 
 /// The process that has made an object. A process that was forked from it has none of the threads that work for the
@@ -15,5 +17,11 @@ class MakerProcess {
  private:
   pid_t process_ = getpid();
 };
+
+/// Gives up an object, without destroying it, whose maker() is the parent of this process.
+template <class T>
+void leaveToParent(std::unique_ptr<T>& object) {
+  if (object && object->maker().isParent()) static_cast<void>(object.release());
+}
 
 }  // namespace gnosphere

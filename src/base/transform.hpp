@@ -26,6 +26,12 @@ inline bool samePose(const Pose& a, const Pose& b) {
   return std::memcmp(&a, &b, sizeof(Pose)) == 0;
 }
 
+/// Determinant of the linear part of a transform.
+inline double determinant(const Transform& transform) {
+  const auto& m = transform.rows;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
 /// The inverse of a map whose determinant is not 0.
 inline Transform inverse(const Transform& map) {
   const auto& m = map.rows;

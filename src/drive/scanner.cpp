@@ -35,7 +35,10 @@ Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);
-  for (size_t s = 0; s < requests.size(); ++s) motions_.push_back(motionsOf(simulator_->plan(s)));
+  for (size_t s = 0; s < requests.size(); ++s) {
+    const Plan plan = simulator_->plan(s);
+    motions_.push_back({plan.has("sensor-motion"), plan.has("object-motion")});
+  }
   for (size_t i = 0; i < placed_.size(); ++i) placed_[i] = world.scene().instances[i].transform;
 }
 
@@ -46,14 +49,6 @@ void Scanner::scan(FrameRecord& record) {
     record.scans[i].planned = planned[i];
     scan(record.scans[i]);
   }
-}
-
-Scanner::Motions Scanner::motionsOf(const Plan& plan) {
-  const auto isIn = [&](const char* effect) {
-    const auto decision = std::ranges::find(plan.effects, effect, &Plan::Decision::effect);
-    return decision != plan.effects.end() && decision->in;
-  };
-  return {isIn("sensor-motion"), isIn("object-motion")};
 }
 
 SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {

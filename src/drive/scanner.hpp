@@ -25,7 +25,6 @@ class Scanner {
   struct Motions {
     bool ofSensor = false, ofActors = false;
   };
-  static Motions motionsOf(const Plan& plan);
   SensorRequest requestOf(size_t sensor, std::set<Field> fields) const;
   /// Returns the drive's weather without what the effects of a sensor turn off. Kinds that the drive does not state,
   /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.

@@ -36,10 +36,10 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have.
   /// Replaces the optics of the materials, whose number stays. No slot may be running.
   void setOptics(std::span<const gpu::Optics4> optics);
 
+  /// The most views that a submission may have.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of

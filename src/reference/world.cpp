@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/transform.hpp"
 #include "effects/trajectory.hpp"
 
 namespace gnosphere::reference {
@@ -14,11 +15,6 @@ constexpr double kFarthestWorld = 1e15;
 /// Limit on the condition of a matrix: no single-precision simulator can use a worse one, and a larger error bound
 /// would only widen every beam.
 constexpr double kWorstCondition = 1e3;
-
-double determinant(const Transform& t) {
-  const auto& m = t.rows;
-  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
 
 /// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
 /// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the

@@ -114,8 +114,7 @@ class Publisher::Queue {
     thread_.join();
   }
 
-  /// Whether this process was forked from that of the publisher.
-  bool isForked() const { return maker_.isParent(); }
+  const MakerProcess& maker() const { return maker_; }
 
   void push(Message message) {
     checkMaker(maker_);
@@ -195,7 +194,7 @@ Publisher::Publisher(MessageType type, const std::string& topic, const Publisher
     : queue_(std::make_unique<Queue>(topicOf(type, topic, options))) {}
 // A forked process cannot end a thread that it does not have, nor tell subscribers that the topic is gone.
 Publisher::~Publisher() {
-  if (queue_ && queue_->isForked()) static_cast<void>(queue_.release());
+  leaveToParent(queue_);
 }
 Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&& other) noexcept {

@@ -5,8 +5,8 @@
 #include <set>
 #include <tuple>
 
+#include "base/transform.hpp"
 #include "gnosphere/error.hpp"
-#include "scene/readers.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {

@@ -33,10 +33,6 @@ struct GltfImage {
   int bufferView = -1;
 };
 
-/// tinygltf's model, without the properties that only renderers need and without buffers, images, skins and animations.
-/// tinygltf would drop channels without a word, copy the binary chunk and refuse whole files for a missing texture, for
-/// a buffer without `uri` (which EXT_meshopt_compression requires) and for indices without bufferView (which
-/// KHR_draco_mesh_compression requires). The types of all kept properties have been checked.
 /// Content of a file that the scene leaves out, with how often.
 class LeftOut {
  public:
@@ -47,6 +43,10 @@ class LeftOut {
   std::map<std::string, uint64_t> counts_;
 };
 
+/// tinygltf's model, without the properties that only renderers need and without buffers, images, skins and animations.
+/// tinygltf would drop channels without a word, copy the binary chunk and refuse whole files for a missing texture, for
+/// a buffer without `uri` (which EXT_meshopt_compression requires) and for indices without bufferView (which
+/// KHR_draco_mesh_compression requires). The types of all kept properties have been checked.
 struct GltfFile {
   tinygltf::Model model;
   std::vector<GltfBuffer> buffers;

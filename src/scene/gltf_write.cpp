@@ -11,8 +11,10 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/transform.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
+#include "scene/readers.hpp"
 
 namespace gnosphere {
 namespace {

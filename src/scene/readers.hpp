@@ -60,12 +60,6 @@ inline void turnAround(std::vector<uint32_t>& indices) {
   for (size_t i = 0; i + 2 < indices.size(); i += 3) std::swap(indices[i + 1], indices[i + 2]);
 }
 
-/// Determinant of the linear part of a transform.
-inline double determinant(const Transform& transform) {
-  const auto& m = transform.rows;
-  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
-
 inline std::string_view textOf(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

@@ -12,7 +12,7 @@ void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushC
 
 void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                              uint32_t workgroupsX, uint32_t workgroupsY) {
-  // Of kernels that cannot be divided no step has so many workgroups.
+  // A step of a kernel that cannot be divided never has more workgroups than a dispatch may have.
   const uint32_t most = constants.pass.groups > 0 ? mostGroups_ : workgroupsX;
   PushConstants part = constants;
   for (uint32_t first = 0; first < workgroupsX; first += std::min(most, workgroupsX - first)) {

@@ -252,7 +252,7 @@ TEST_CASE("scans in flight are told of though the scene changes the plan of thei
   scene.meshes.push_back(pane.take());
   scene.meshes.back().parts[0].material = static_cast<uint32_t>(scene.materials.size() - 1);
   const auto mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
-  // As in the test of lists that are too small: the first scans find out.
+  // So many boxes before each other do not fit into the first lists, so the first scans make the lists grow.
   for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
   Recorded recorded(common.app, scene, {listSensor("rosette", rosette(3000, 1.5)), Effects()}, slabOptions(),
                     pointLayout());

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any, Optional
 
@@ -30,7 +31,7 @@ class Materials:
     """The materials of Blender in the shapes, each once."""
 
     def __init__(self, shapes: adapter.Shapes) -> None:
-        self.left_out: dict[str, int] = {}
+        self.left_out = Counter[str]()
         self._shapes = shapes
         self._numbers: dict[str, int] = {}
 
@@ -52,8 +53,7 @@ class Materials:
         for name, seen in (("Base Color", [*material.diffuse_color][:3]), ("Alpha", [material.diffuse_color[3]])):
             stated = links[0].from_node.inputs[name]
             if stated.is_linked:
-                what = f"the nodes of the {name} of materials, which are as in the viewport"
-                self.left_out[what] = self.left_out.get(what, 0) + 1
+                self.left_out[f"the nodes of the {name} of materials, which are as in the viewport"] += 1
             else:
                 seen = np.ravel(stated.default_value)[: len(seen)].tolist()
             color += seen

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Optional
@@ -12,7 +13,7 @@ import pybullet as pb
 
 from .. import _gnosphere as gno
 from .. import adapter, primitives
-from ..robotics.resources import UNREADABLE, read_pieces
+from ..robotics.resources import UNREADABLE, read_pieces, reason
 
 MULTIBODY = 2
 """The type of a body in its dynamics information. For others the inertial frame there is not filled in."""
@@ -29,7 +30,7 @@ class Lidar(adapter.Lidar):
         names; `folders` are where mesh files are that PyBullet names without a folder. The rest: see adapter.Lidar."""
         shapes, self.client, self._folders = adapter.Shapes(), client, ["", *folders]
         self._places: list[tuple[int, int]] = []  # body and link of each instance
-        self._ignored, self._left_out = set(ignore_bodies), dict[str, int]()
+        self._ignored, self._left_out = set(ignore_bodies), Counter[str]()
         for number in range(pb.getNumBodies(client)):
             body = pb.getBodyUniqueId(number, client)
             name = pb.getBodyInfo(body, client)[1].decode()
@@ -43,7 +44,7 @@ class Lidar(adapter.Lidar):
                 try:
                     triangles = self._triangles(kind, size, file.decode(), tolerance)
                 except UNREADABLE as error:
-                    self._leave_out((str(error) or type(error).__name__).splitlines()[0], body)
+                    self._leave_out(reason(error), body)
                     continue
                 local = adapter.rows_of(gno.Pose(position, turn))
                 if kind == pb.GEOM_PLANE:
@@ -70,7 +71,7 @@ class Lidar(adapter.Lidar):
     def _leave_out(self, what: str, body: int) -> None:
         """Notes what is missing, if the sensor would see it."""
         if body not in self._ignored:
-            self._left_out[what] = self._left_out.get(what, 0) + 1
+            self._left_out[what] += 1
 
     def _triangles(self, kind: int, size: Any, file: str, tolerance: float) -> primitives.Triangles:
         if kind == pb.GEOM_SPHERE:

@@ -81,7 +81,7 @@ class Resources:
             try:
                 pieces = self._read(path)
             except UNREADABLE as error:
-                self.parts.leave_out(f"the mesh {uri}: {(str(error) or type(error).__name__).splitlines()[0]}")
+                self.parts.leave_out(f"the mesh {uri}: {reason(error)}")
                 return None
             chosen = [piece for piece in pieces if not submesh or piece.name == submesh]
             if not any(len(piece.triangles[1]) for piece in chosen):
@@ -126,6 +126,11 @@ class Resources:
                 return None
             self._meshes[key] = self.parts.shapes.mesh(triangles, material, kind)
         return self._meshes[key]
+
+
+def reason(error: Exception) -> str:
+    """The first line of an error, or its type if it says nothing."""
+    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 def read_pieces(path: Path) -> list[Piece]:

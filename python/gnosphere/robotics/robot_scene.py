@@ -56,12 +56,17 @@ class Parts:
         self.locals.append(local)
 
     def mount(self, sensor: gno.Sensor, name: str, frame: Any, local: Matrix, rate: float = 0.0) -> None:
-        taken = {other.name for other in self.sensors}
-        unique, count = name, 1
-        while unique in taken:
-            count += 1
-            unique = f"{name} {count}"
+        unique = unique_name(name, {other.name for other in self.sensors})
         self.sensors.append(MountedSensor(unique, sensor, frame, local, rate))
+
+
+def unique_name(name: str, taken: Container[str]) -> str:
+    """A name that is not taken: the given one, or else "NAME 2", "NAME 3" and so on."""
+    unique, count = name, 1
+    while unique in taken:
+        count += 1
+        unique = f"{name} {count}"
+    return unique
 
 
 class Mimic(NamedTuple):

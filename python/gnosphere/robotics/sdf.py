@@ -14,7 +14,7 @@ import numpy as np
 from .. import adapter
 from . import xml_lidars
 from .resources import Resources, parse_xml
-from .robot_scene import Frames, Joints, Matrix, Mimic, Parts
+from .robot_scene import Frames, Joints, Matrix, Mimic, Parts, unique_name
 from .sdf_kinematics import Joint, Tree
 from .xml_lidars import number, numbers, pose_of
 
@@ -64,11 +64,8 @@ class Reader:
             for child in element:
                 if child.tag not in tags:
                     continue
-                name, count = child.get("name", ""), 1
-                unique = name
-                while unique in taken:
-                    count += 1
-                    unique = f"{name} {count}"
+                name = child.get("name", "")
+                unique = unique_name(name, taken)
                 taken.add(unique)
                 child.set("name", unique)
                 if unique != name:

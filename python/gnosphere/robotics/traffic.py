@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import os
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -40,12 +41,12 @@ def read_traffic(
     readers = {"fcd-export": _sumo, "OpenSCENARIO": _open_scenario}
     if root.tag not in readers:
         raise ValueError(f"{path} is XML of <{root.tag}>; SUMO's <fcd-export> and <OpenSCENARIO> are read")
-    left_out: dict[str, int] = {}
+    left_out = Counter[str]()
     actors = []
     for name, kind, waypoints in readers[root.tag](root, lengths or {}, left_out):
         model = adapter.of_longest_pattern(models, kind)
         if model is None:
-            left_out[f"the type '{kind}'"] = left_out.get(f"the type '{kind}'", 0) + 1
+            left_out[f"the type '{kind}'"] += 1
             continue
         actors.append(
             {
@@ -64,7 +65,7 @@ def _waypoint(time: float, position: tuple[float, float, float], yaw_deg: float)
     return {"time": time, "position": [round(value, 4) for value in position], "yaw_deg": round(yaw_deg, 3)}
 
 
-def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: dict[str, int]) -> Iterator[Track]:
+def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
     """SUMO's angles are clockwise from north, which is y."""
     tracks: dict[str, Track] = {}
     for step in root.iter("timestep"):
@@ -81,7 +82,7 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: dict[str, in
     yield from tracks.values()
 
 
-def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dict[str, int]) -> Iterator[Track]:
+def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
     kinds = {}
     for thing in root.iter("ScenarioObject"):
         shape = next((child for child in thing if child.tag in ("Vehicle", "Pedestrian", "MiscObject")), None)
@@ -95,8 +96,7 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dic
             for vertex in trajectory.iter("Vertex"):
                 place = vertex.find("Position/WorldPosition")
                 if place is None or vertex.get("time") is None:
-                    what = "vertices without a time or a WorldPosition"
-                    left_out[what] = left_out.get(what, 0) + 1
+                    left_out["vertices without a time or a WorldPosition"] += 1
                     continue
                 x, y, z, turn = (float(place.get(key, "0")) for key in "xyzh")
                 time = scale * float(vertex.get("time", "0")) + offset
@@ -105,14 +105,12 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: dic
                 tracks.setdefault(name, (name, kinds.get(name, ""), []))[2].extend(waypoints)
             for curve in trajectory.iter("Shape"):
                 if curve.find("Polyline") is None:
-                    left_out["trajectories that are no polylines"] = (
-                        left_out.get("trajectories that are no polylines", 0) + 1
-                    )
+                    left_out["trajectories that are no polylines"] += 1
     for name, kind, waypoints in tracks.values():
         yield name, kind, sorted(waypoints, key=lambda waypoint: waypoint["time"])
 
 
-def _trajectories(group: ET.Element, left_out: dict[str, int]) -> Iterator[tuple[ET.Element, float, float]]:
+def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[tuple[ET.Element, float, float]]:
     """The trajectories that actors follow, with what is added to their times, in seconds, after these are scaled."""
     for action in group.iter("FollowTrajectoryAction"):
         timing = action.find("TimeReference/Timing")
@@ -120,7 +118,6 @@ def _trajectories(group: ET.Element, left_out: dict[str, int]) -> Iterator[tuple
         if timing is not None:
             offset, scale = float(timing.get("offset", "0")), float(timing.get("scale", "1"))
             if timing.get("domainAbsoluteRelative") == "relative":
-                what = "the starts of trajectories with relative times, which are taken as 0"
-                left_out[what] = left_out.get(what, 0) + 1
+                left_out["the starts of trajectories with relative times, which are taken as 0"] += 1
         for trajectory in action.iter("Trajectory"):
             yield trajectory, offset, scale

@@ -152,7 +152,7 @@ class Las : public Format {
     return out;
   }
 
-  /// The header of a variable length record.
+  /// Returns the header of a variable length record.
   static std::string recordHeader(const char* user, uint16_t id, size_t bytes, const char* description) {
     std::string out(2, '\0');
     appendFixed(out, user, 16);
@@ -162,7 +162,7 @@ class Las : public Format {
     return out;
   }
 
-  /// The record of the coordinate reference system; empty if the drive states none.
+  /// Returns the record of the coordinate reference system, which is empty if the drive states none.
   std::string crs() const {
     if (output_.crs.empty()) return "";
     return recordHeader("LASF_Projection", 2112, output_.crs.size() + 1, "OGC WKT") + output_.crs + '\0';

@@ -107,11 +107,7 @@ void applyFireTimes(SensorSource& source, const FireTimes& times) {
     for (size_t row = 0; row < sensor.channels.size(); ++row) delay(sensor.channels[row], times[0][row], speed);
     return;
   }
-  double first = 0;
-  for (const std::vector<double>& kind : times)
-    for (const double t : kind)
-      if (t < first) first = t;
-  if (first < 0) source.assume(startText(first));
+  const double first = startOfScan(source, times);
   BeamList list;
   list.width = sensor.columns;
   list.height = static_cast<uint32_t>(sensor.channels.size());

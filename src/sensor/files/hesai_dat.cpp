@@ -131,15 +131,12 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
     return (1 - part) * adjustments[i] + part * adjustments[i + 1];
   };
   const FireTimes times = source.options.fireTimes.empty() ? FireTimes() : readFireTimes(source, channels);
-  double first = 0;
   for (const std::vector<double>& kind : times)
-    for (size_t channel = 0; channel < kind.size(); ++channel) {
+    for (size_t channel = 0; channel < kind.size(); ++channel)
       if (std::isnan(kind[channel]))
         source.refuse("channel " + std::to_string(channel + 1) +
                       " does not fire in the file of firing times, but every channel of an ATX fires");
-      first = std::min(first, kind[channel]);
-    }
-  if (first < 0) source.assume(startText(first));
+  const double first = startOfScan(source, times);
   for (size_t kind = 0; kind < azimuths.size(); ++kind) {
     BeamList list = emptyList(channels);
     for (size_t channel = 0; channel < channels; ++channel)

@@ -107,8 +107,15 @@ Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vec
 
 }  // namespace
 
-std::string startText(double first) {
-  return "that a scan starts when its first beam fires, " + numberText(-1e6 * first) + " us before its first column";
+double startOfScan(SensorSource& source, const FireTimes& times) {
+  double first = 0;
+  for (const std::vector<double>& kind : times)
+    for (const double time : kind)
+      if (time < first) first = time;
+  if (first < 0)
+    source.assume("that a scan starts when its first beam fires, " + numberText(-1e6 * first) +
+                  " us before its first column");
+  return first;
 }
 
 FireTimes readFireTimes(SensorSource& angles, size_t channels) {

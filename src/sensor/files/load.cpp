@@ -50,7 +50,7 @@ std::string_view firstLine(std::string_view bytes) {
   return bytes.substr(0, std::min({bytes.find('\n'), bytes.size(), size_t{1000}}));
 }
 
-/// Whether the header of a CSV file is that of an angle correction: a channel and its angles.
+/// Returns whether the header of a CSV file is that of an angle correction, which has a channel and its angles.
 bool isAngleTable(std::string_view bytes) {
   const std::string_view line = firstLine(bytes), channel = cellsOf(line)[0];
   const auto has = [&](const char* word) { return containsWord(line, word); };

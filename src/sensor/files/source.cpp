@@ -81,6 +81,10 @@ void dropTimes(SensorSource& source, BeamList& list, size_t size) {
   list.times.clear();
 }
 
+void ignoreRate(SensorSource& source) {
+  if (source.rateAsked) source.ignore("the scan rate, because the file has firing times");
+}
+
 void spreadOver(BeamList& list, double rate) {
   for (size_t i = 0; i < list.size(); ++i)
     list.times.push_back(static_cast<double>(i) / (static_cast<double>(list.size()) * rate));
@@ -95,7 +99,7 @@ void setPatterns(SensorSource& source, std::vector<BeamList> patterns) {
     timed = timed || !list.times.empty();
     if (list.times.empty() && source.options.scanRate > 0) spreadOver(list, source.options.scanRate);
   }
-  if (timed && source.rateAsked) source.ignore("the scan rate, because the file has firing times");
+  if (timed) ignoreRate(source);
   source.file.sensor.patterns = std::move(patterns);
 }
 
@@ -107,7 +111,7 @@ void setBeams(SensorSource& source, BeamList list) {
   if (size == 0 || size == count) return setPatterns(source, {std::move(list)});
   dropTimes(source, list, size);
   const bool timed = !list.times.empty();
-  if (timed && source.rateAsked) source.ignore("the scan rate, because the file has firing times");
+  if (timed) ignoreRate(source);
   const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
   if (source.options.scanRate == 0 && !timed) source.assume("10 scans per second; --rate sets another number");
   for (size_t first = 0; first + size <= count; first += size) {

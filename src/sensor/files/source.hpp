@@ -60,8 +60,9 @@ void fromVelodyneLasers(SensorSource& source, std::vector<VelodyneLaser> lasers,
 /// Columns take the kinds in turn.
 using FireTimes = std::vector<std::vector<double>>;
 FireTimes readFireTimes(SensorSource& source, size_t channels);
-/// Tells when a scan starts whose first beam fires at `first`, a negative time in seconds.
-std::string startText(double first);
+/// Returns when the first beam fires, in seconds after the first column, and says so if it is before it; 0 if no beam
+/// fires before the column.
+double startOfScan(SensorSource& source, const FireTimes& times);
 
 // Steps that several readers take.
 
