@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensor files of other simulators: small ones written here, with beams computed by hand.
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "gnosphere/sensor.hpp"
+#include "sensor/beams.hpp"
+#include "sensor/sensor_file_samples.hpp"
+#include "sensor/sensor_file_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+
+TEST_CASE("Isaac Sim: a rotary profile is a grid at exact firing times") {
+  const SensorFile file = readSensorFile(kIsaacRotary, "i.json");
+  CHECK(file.family == "Isaac Sim profile");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.isGrid());
+  CHECK(sensor.columns == 333);  // 3333 firings a second, 10 turns
+  CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(6.5, 1e-12));
+  CHECK_THAT(azimuthDeg(sensor, 10), WithinAbs(6.5 - 36000.0 / 3333, 1e-12));
+  CHECK_THAT(timeOf(sensor, 333 + 10), WithinAbs(10.0 / 3333 + 2.665e-6, 1e-15));
+  checkOrigin(sensor.channels[1].origin, {0, 0.01, 0.066});
+  CHECK(rangeWindowOf(sensor, 0).most == 200);
+  CHECK(rangeWindowOf(sensor, 333).least == 2);
+  CHECK(rangeWindowOf(sensor, 333).most == 50);
+  CHECK(sensor.maxReturns == 2);
+  CHECK(lists(file.ignored, "wavelengthNm"));
+  CHECK(lists(file.ignored, "bank of the emitters"));
+  CHECK_FALSE(lists(file.ignored, "comment"));
+
+  const std::string turned = replaced(kIsaacRotary, "\"CW\"", "\"CCW\"");
+  CHECK_THAT(azimuthDeg(readSensorFile(turned, "i.json").sensor, 10), WithinAbs(6.5 + 36000.0 / 3333, 1e-12));
+}
+
+TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan to scan") {
+  std::string text = replaced(kIsaacRotary, "\"emitterStateCount\": 1", "\"emitterStateCount\": 2");
+  text =
+      replaced(text, "\"emitterStates\": [", R"("emitterStates": [{"azimuthDeg": [1, 2], "elevationDeg": [30, 40]}, )");
+  const Sensor turning = readSensorFile(text, "i.json").sensor;
+  REQUIRE(turning.patterns.size() == 1);
+  CHECK(turning.width() == 333);
+  CHECK_THAT(elevationDeg(turning, 0), WithinAbs(30, 1e-12));
+  CHECK_THAT(elevationDeg(turning, 1), WithinAbs(-11.75, 1e-12));
+  CHECK_THAT(azimuthDeg(turning, 333 + 2), WithinAbs(2 - 2 * 3600.0 / 3333, 1e-12));
+  CHECK(ringOf(turning, 333) == 1);
+
+  const Sensor solid = readSensorFile(replaced(text, "rotary", "solidState"), "i.json").sensor;
+  REQUIRE(solid.patterns.size() == 2);
+  CHECK_THAT(elevationDeg(solid, 1, 0), WithinAbs(40, 1e-12));
+  CHECK_THAT(elevationDeg(solid, 0, 1), WithinAbs(-11.75, 1e-12));
+}
+
+TEST_CASE("Isaac Sim: mistakes are named with their keys") {
+  const auto edited = [](const std::string& from, const std::string& to) {
+    return problemOf(replaced(kIsaacRotary, from, to), "i.json");
+  };
+  CHECK_THAT(edited("[-11.75, 3.5]", "[-11.75]"), ContainsSubstring("'elevationDeg' has 1 entries, 'azimuthDeg' 2"));
+  CHECK_THAT(edited("\"numberOfEmitters\": 2", "\"numberOfEmitters\": 3"),
+             ContainsSubstring("'numberOfEmitters' is 3"));
+  CHECK_THAT(edited("\"emitterStateCount\": 1", "\"emitterStateCount\": 9"), ContainsSubstring("has 1 entries"));
+  CHECK_THAT(edited("\"rangeId\": [0, 1]", "\"rangeId\": [0, 2]"), ContainsSubstring("'ranges' has 2 entries"));
+  CHECK_THAT(edited("\"bank\"", "\"channelId\": [0, 65536], \"bank\""), ContainsSubstring("no ring from 0 to 65535"));
+  CHECK_THAT(edited("\"rotary\"", "\"spinning\""), ContainsSubstring("expected is rotary or solidState"));
+  CHECK_THAT(edited("3333", "5"), ContainsSubstring("firings and turns per second"));
+  CHECK_THAT(edited("-11.75", "-98"), ContainsSubstring("elevation of channel 0"));
+  CHECK_THAT(edited("\"profile\"", "\"profil\""), ContainsSubstring("of no known family"));
+}
+
+TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of them") {
+  const std::string text = R"(<?xml version="1.0"?><sdf version="1.9"><model name="m"><link name="l">
+    <sensor name="camera" type="camera"/>
+    <sensor name="front" type="gpu_lidar"><update_rate>10</update_rate><lidar><scan>
+      <horizontal><samples>5</samples><resolution>1</resolution><min_angle>-0.7853981633974483</min_angle>
+        <max_angle>0.7853981633974483</max_angle></horizontal>
+      <vertical><samples>3</samples><min_angle>-0.2617993877991494</min_angle><max_angle>0.5235987755982988</max_angle>
+      </vertical></scan><range><min>0.08</min><max>10.5</max><resolution>0.01</resolution></range></lidar></sensor>
+    <sensor name="round" type="ray"><ray><scan><horizontal><samples>9</samples><min_angle>-3.141592653589793</min_angle>
+        <max_angle>3.141592653589793</max_angle></horizontal></scan><range><min>1</min><max> 30 </max></range></ray>
+    </sensor></link></model></sdf>)";
+  const SensorFile file = readSensorFile(text, "model.sdf");
+  CHECK(file.family == "SDF lidar");
+  CHECK(file.sensor.name == "front");
+  CHECK(file.sensor.columns == 5);
+  REQUIRE(file.sensor.channels.size() == 3);
+  CHECK_THAT(azimuthDeg(file.sensor, 0), WithinAbs(-45, 1e-9));
+  CHECK_THAT(azimuthDeg(file.sensor, 4), WithinAbs(45, 1e-9));
+  CHECK_THAT(elevationDeg(file.sensor, 0), WithinAbs(-15, 1e-9));
+  CHECK_THAT(elevationDeg(file.sensor, 5), WithinAbs(7.5, 1e-9));
+  CHECK(file.sensor.rangeMin == 0.08);
+  CHECK(file.sensor.rangeMax == 10.5);
+  CHECK(lists(file.assumed, "the first of the lidars front, round"));
+  const SensorFile round = readSensorFile(text, "model.sdf", {.mode = "round"});
+  CHECK(round.sensor.columns == 8);
+  CHECK(round.sensor.channels.size() == 1);
+  CHECK_THAT(azimuthDeg(round.sensor, 2), WithinAbs(-90, 1e-9));
+  CHECK(round.sensor.rangeMax == 30);
+  CHECK(lists(round.ignored, "the last column"));
+  CHECK_THAT(problemOf(text, "model.sdf", {.mode = "back"}), ContainsSubstring("no lidar 'back', but front, round"));
+  CHECK_THAT(problemOf(replaced(text, "<samples>5", "<samples>x"), "model.sdf"), ContainsSubstring("<samples> is 'x'"));
+  CHECK_THAT(problemOf(replaced(text, "<max>10.5</max>", ""), "model.sdf"), ContainsSubstring("<max> of <range>"));
+}
+
+TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points forward") {
+  // From vlp16 of scanners_tls.xml, with an origin and a second turn.
+  const std::string text = R"(<?xml version="1.0"?><document>
+    <scanner id="als" optics="oscillating" pulseFreqs_Hz="100"/>
+    <scanner id="vlp16" optics="rotating" beamDivergence_rad="0.0007" pulseFreqs_Hz="18750,300" rangeMin_m="0.01"
+      rangeMax_m="100" maxNOR="2" headRotatePerSecMax_deg="7200" wavelength_nm="903"><channels>
+      <channel id="0"><beamOrigin x="0" y="0" z="0"><rot axis="x" angle_deg="-15"/></beamOrigin></channel>
+      <channel id="1"><beamOrigin x="0.1" y="0.2" z="0.3"><rot axis="x" angle_deg="1"/><rot axis="z" angle_deg="30"/>
+      </beamOrigin></channel></channels></scanner></document>)";
+  const SensorFile file = readSensorFile(text, "scanners.xml");
+  CHECK(file.family == "HELIOS++ scanner");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.name == "vlp16");
+  CHECK(sensor.columns == 937);  // 18750 pulses per second, 20 turns
+  CHECK_THAT(sensor.rotationPeriod, WithinAbs(937 / 18750.0, 1e-15));
+  CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(7200 / 18750.0, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 0), WithinAbs(-15, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 937), WithinAbs(1, 1e-9));
+  CHECK_THAT(azimuthDeg(sensor, 937), WithinAbs(30, 1e-9));
+  checkOrigin(originOf(sensor, 937), {0.2, -0.1, 0.3});
+  CHECK(sensor.divergenceVertical == 0.0007);
+  CHECK(sensor.maxReturns == 2);
+  CHECK(lists(file.assumed, "the first of the pulse rates 18750,300"));
+  CHECK(lists(file.ignored, "wavelength_nm"));
+  CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "als"}),
+             ContainsSubstring("'als' has oscillating optics and one line"));
+  CHECK_THAT(problemOf("<document><assets/></document>", "scene.xml"),
+             ContainsSubstring("is XML of <document>, not of a lidar"));
+
+  const auto changed = [&](std::string_view from, const std::string& to) {
+    std::string other = text;
+    return other.replace(other.find(from), from.size(), to);
+  };
+  // Local turns are about axes that have been turned: z is then that of the tilted beam, so y goes to -x of HELIOS++.
+  const Sensor local =
+      readSensorFile(changed(R"(z="0.3"><rot axis="x" angle_deg="1"/><rot axis="z" angle_deg="30"/>)",
+                             R"(z="0" rotations="local"><rot axis="x" angle_deg="30"/><rot axis="z" angle_deg="90"/>)"),
+                     "s.xml")
+          .sensor;
+  CHECK_THAT(elevationDeg(local, 937), WithinAbs(0, 1e-9));
+  CHECK_THAT(azimuthDeg(local, 937), WithinAbs(90, 1e-9));
+  const SensorFile own = readSensorFile(
+      changed(R"(<channel id="1">)", R"(<channel id="1" rangeMin_m="7" beamDivergence_rad="0.001">)"), "s.xml");
+  CHECK(rangeWindowOf(own.sensor, 0).least == 0.01);
+  CHECK(rangeWindowOf(own.sensor, 937).least == 7);
+  CHECK(rangeWindowOf(own.sensor, 937).most == 100);
+  CHECK(lists(own.ignored, "beamDivergence_rad of the channel '1'"));
+  CHECK_THAT(
+      problemOf(changed(R"(headRotatePerSecMax_deg="7200")", R"(scanFreqMax_Hz="600")"), "s.xml", {.scanRate = 9}),
+      ContainsSubstring("'vlp16' has a mirror that turns and a head that does not"));
+  CHECK_THAT(problemOf(changed("<channels>", R"(<headRotateAxis x="0" y="1" z="0"/><channels>)"), "s.xml"),
+             ContainsSubstring("does not turn about z"));
+}
+
+TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
+  const std::string text = R"(#usda 1.0
+def OmniLidar "lidar" (
+    prepend apiSchemas = ["OmniSensorGenericLidarCoreAPI"]
+)
+{
+    float omni:sensor:tickRate = 10.0
+    uint omni:sensor:Core:scanRateBaseHz = 10
+    uint omni:sensor:Core:patternFiringRateHz = 3333
+    token omni:sensor:Core:scanType = "ROTARY"
+    token omni:sensor:Core:rotationDirection = "CW"
+    float omni:sensor:Core:nearRangeM = 0.3
+    float omni:sensor:Core:farRangeM = 120
+    uint omni:sensor:Core:maxReturns = 2
+    uint omni:sensor:Core:numberOfEmitters = 2
+    float2[] omni:sensor:Core:ranges = [(0, 1)]
+    float[] omni:sensor:Core:emitterState:s001:azimuthDeg = [6.5,
+        -6.5]
+    float[] omni:sensor:Core:emitterState:s001:elevationDeg = [-11.75, 3.5]
+    uint[] omni:sensor:Core:emitterState:s001:channelId = [1, 2]
+    uint[] omni:sensor:Core:emitterState:s001:fireTimeNs = [0, 2665]
+}
+)";
+  const SensorFile file = readSensorFile(text, "lidar.usda");
+  CHECK(file.family == "Isaac Sim USD");
+  CHECK(file.sensor.isGrid());
+  CHECK(file.sensor.columns == 333);
+  CHECK_THAT(azimuthDeg(file.sensor, 10), WithinAbs(6.5 - 36000.0 / 3333, 1e-12));
+  CHECK_THAT(timeOf(file.sensor, 333 + 10), WithinAbs(10.0 / 3333 + 2.665e-6, 1e-15));
+  CHECK(file.sensor.rangeMax == 120);
+  CHECK(file.sensor.maxReturns == 2);
+  CHECK(lists(file.ignored, "ranges"));
+  const std::string fine = replaced(text, "uint omni:sensor:Core:patternFiringRateHz = 3333",
+                                    "float omni:sensor:Core:rotPatternFiringResDeg = 0.4");
+  CHECK(readSensorFile(fine, "lidar.usda").sensor.columns == 900);
+  CHECK_THAT(problemOf(replaced(text, "\"ROTARY\"", "\"SPINNING\""), "lidar.usda"), ContainsSubstring("'SPINNING'"));
+  CHECK_THAT(problemOf(replaced(text, "s001:azimuthDeg", "s001:azimuth"), "lidar.usda"),
+             ContainsSubstring("is missing"));
+  CHECK_THAT(problemOf("#usda 1.0\ndef Xform \"a\" {}\n", "lidar.usda"), ContainsSubstring("without an OmniLidar"));
+  CHECK_THAT(problemOf("PXR-USDC" + std::string(80, '\1'), "lidar.usd"), ContainsSubstring("is binary USD"));
+}
+
+TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is missing") {
+  const SensorFile file = readSensorFile(kCarla, "objects.json");
+  CHECK(file.family == "CARLA attributes");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.name == "top");
+  CHECK(sensor.columns == 50);
+  CHECK(sensor.rotationPeriod == 0.05);
+  REQUIRE(sensor.channels.size() == 4);
+  CHECK(elevationDeg(sensor, 0) == 2);
+  CHECK(elevationDeg(sensor, 150) == -28);
+  CHECK_THAT(elevationDeg(sensor, 50), WithinAbs(-8, 1e-12));
+  CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(60, 1e-12));
+  CHECK_THAT(azimuthDeg(sensor, 25), WithinAbs(0, 1e-12));
+  CHECK_THAT(azimuthDeg(sensor, 49), WithinAbs(60 - 120 * 0.98, 1e-12));
+  CHECK(sensor.rangeMax == 50);
+  CHECK(lists(file.ignored, "spawn_point"));
+  CHECK(lists(file.ignored, "dropoff_general_rate"));
+  CHECK_FALSE(lists(file.ignored, "noise_stddev"));
+  CHECK(lists(file.assumed, "top, second"));
+  const SensorFile second = readSensorFile(kCarla, "objects.json", {.mode = "second"});
+  CHECK(second.sensor.channels.size() == 32);
+  CHECK(lists(second.assumed, "'channels' 32, CARLA's default"));
+  CHECK_THAT(problemOf(kCarla, "objects.json", {.mode = "third"}), ContainsSubstring("but top, second"));
+  CHECK_THAT(problemOf(R"({"type": "sensor.camera.rgb"})", "o.json"), ContainsSubstring("no 'sensor.lidar.ray_cast'"));
+  CHECK_THAT(problemOf(R"({"type": "sensor.lidar.ray_cast", "channels": 1.5})", "o.json"),
+             ContainsSubstring("'channels' is 1.5"));
+  CHECK_THAT(problemOf(R"([{"type": "sensor.lidar.ray_cast", "rotation_frequency": "x"}])", "o.json"),
+             ContainsSubstring("'rotation_frequency' is 'x'"));
+}
