@@ -40,7 +40,7 @@ extern "C" {
 #endif
 
 /* The version of this header. gno_version() tells that of the library: 10000 * major + 100 * minor + patch. */
-#define GNO_VERSION 200
+#define GNO_VERSION 300
 
 /* ------------------------------------------------------------------------------------------------ status */
 
@@ -218,7 +218,7 @@ GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table tabl
  * gno_mesh::origin. All devices see these. */
 GNO_API gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const gno_deformation* deformation,
                                                     float* positions, size_t vertex_count);
-/* What the file of the scene says about motion and the scene leaves out, a line each. */
+/* What the scene leaves out of its file, a line per kind of motion and per material library that cannot be read. */
 GNO_API gno_status gno_scene_get_left_out(gno_scene scene, const char** lines);
 
 /* --------------------------------------------------------------------------------------------- animation */
@@ -452,7 +452,7 @@ GNO_API gno_status gno_material_table_destroy(gno_material_table table);
 
 /* What a scan or a cloud file may hold per return. */
 typedef int32_t gno_field;
-enum { /* docs/api.md and include/gnosphere/scan.hpp say what each is */
+enum { /* docs/api.md says what each is */
        GNO_FIELD_X = 0,
        GNO_FIELD_Y,
        GNO_FIELD_Z,

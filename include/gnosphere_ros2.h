@@ -77,9 +77,9 @@ typedef struct gno_ros2_transform {
 typedef struct gno_ros2_counts {
   size_t struct_size;
   uint64_t published; /* messages that were given to the functions below */
-  uint64_t sent;      /* of them, those that went to the network */
-  uint64_t dropped;   /* of them, those that newer ones replaced before they went there, or that it refused */
-  uint64_t waiting;   /* of them, those that wait now */
+  uint64_t sent;      /* published messages that went to the network */
+  uint64_t dropped;   /* published messages that newer ones replaced before, or that the network refused */
+  uint64_t waiting;   /* published messages that wait to be sent */
   uint32_t subscribers;
 } gno_ros2_counts;
 

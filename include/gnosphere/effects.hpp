@@ -21,8 +21,8 @@ enum class EffectUse { off, on, automatic };
 /// code is compiled into a pipeline, no memory is allocated and no work is dispatched. Units are metres, radians,
 /// seconds and 1/m; powers are relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.
 struct Effects {
-  /// Every random number is keyed by (seed, sensor, frame, beam, sub-ray, effect): one effect never changes the draws
-  /// of another, and the same seed gives the same draws on every device.
+  /// Every random number is keyed by (seed, sensor, frame, beam, sub-ray or echo, effect): one effect never changes the
+  /// draws of another, and the same seed gives the same draws on every device.
   uint64_t seed = 1;
 
   /// Strength of a return from reflectance, incidence and range. Automatic: on if a field or another effect needs it.
@@ -129,7 +129,8 @@ struct Effects {
     EffectUse use = EffectUse::automatic;
   } cutOuts;
 
-  /// The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor has a rotation period.
+  /// The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor states a
+  /// rotation period, or if the beams of a list have times.
   struct SensorMotion {
     EffectUse use = EffectUse::automatic;
     bool deskew =
@@ -216,7 +217,7 @@ struct Optics {
 };
 
 /// Derives optics from the glTF properties base colour (red stands for near infrared), metallic, roughness,
-/// transmission and alpha.
+/// transmission and alpha. docs/effects/intensity.md has the formulas.
 GNOSPHERE_API Optics opticsOf(const Material& material);
 
 /// Optical properties by material name, which override those of the scene's materials. A stated reflectance is that of

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GnoSphere: a LiDAR simulator that never casts a ray. Everything public, in one include.
+// GnoSphere: a LiDAR simulator that never casts a ray. One include of the API, all but gnosphere/vulkan.hpp, which
+// needs Vulkan's headers, gnosphere/ros2.hpp and gnosphere/eval.
 #pragma once
 
 #include "gnosphere/animation.hpp"

@@ -38,7 +38,7 @@ struct RecordHeader {
   uint32_t instanceCount = 1;  ///< always 1
   uint32_t firstVertex = 0, firstInstance = 0;
   uint32_t wanted = 0;      ///< rows that the scan has; more than `rows` if the buffer is too small
-  uint32_t hits = 0;        ///< returns of all beams
+  uint32_t hits = 0;        ///< returns of all beams, of which one may have several
   uint32_t incomplete = 0;  ///< not 0 if a list was too small, so that hits may be missing
   uint32_t frame = 0;       ///< low 32 bits of Shot::frame
 };

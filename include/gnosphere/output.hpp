@@ -45,9 +45,10 @@ struct CloudOptions {
 /// cannot be written. Links are followed, and pipes and devices are written directly.
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
-/// Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. If beams
-/// have several returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges,
-/// and Error(file) if the file cannot be written.
+/// Writes a PNG: a range image over columns and channels as the sensor sees it (upper channels on top, beams to the
+/// left on the left), and below it a bird's-eye view coloured by height, with the x axis upwards. If beams have several
+/// returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges, and
+/// Error(file) if the file cannot be written.
 GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud that writeCloud() wrote. The scan gets the fields of the file except ring, beam,
@@ -62,7 +63,7 @@ GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 /// `reference` is taken as the truth. Returns that the reference marks as ties are counted separately.
 struct Comparison {
   uint64_t beams = 0;
-  uint64_t hits = 0;            ///< returns of the reference
+  uint64_t hits = 0;            ///< returns of the reference, not beams
   uint64_t missed = 0;          ///< returns of the reference that the other does not have, without ties
   uint64_t falseHits = 0;       ///< returns of the other that the reference does not have, without ties
   uint64_t wrongOwner = 0;      ///< both hit, but different triangles, without ties

@@ -81,9 +81,9 @@ struct PublisherOptions {
 /// Numbers of messages of a publisher, by what has become of them.
 struct PublisherCounts {
   uint64_t published = 0;    ///< messages that were given to publish()
-  uint64_t sent = 0;         ///< of them, those that went to the network
-  uint64_t dropped = 0;      ///< of them, those that newer ones replaced before they went there, or that it refused
-  uint64_t waiting = 0;      ///< of them, those that wait now
+  uint64_t sent = 0;         ///< published messages that went to the network
+  uint64_t dropped = 0;      ///< published messages that newer ones replaced before, or that the network refused
+  uint64_t waiting = 0;      ///< published messages that wait to be sent
   uint32_t subscribers = 0;  ///< now
 };
 

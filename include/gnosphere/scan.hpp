@@ -143,8 +143,8 @@ enum class Label : uint8_t {
 /// these places. The counts of culled and projected triangles depend on the scan before and, on CPU devices, on the
 /// threads' timing; clouds do not. A triangle in motion may be projected several times, for parts of the scan.
 struct Counters {
-  uint64_t beams = 0;
-  uint64_t hits = 0;
+  uint64_t beams = 0;            ///< of the sensor
+  uint64_t hits = 0;             ///< beams with at least one return
   uint64_t misses = 0;           ///< beams - hits
   uint64_t triangles = 0;        ///< triangles placed in the scene, summed over instances
   uint64_t nonFinite = 0;        ///< dropped because a vertex is NaN, infinite or beyond 1e9 m

@@ -62,8 +62,10 @@ struct Sensor {
   double rangeMax = 0;  ///< metres
   /// Full angles of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a line.
   double divergenceHorizontal = 0, divergenceVertical = 0;
-  uint32_t maxReturns = 1;    ///< number of echoes that the sensor reports per beam, 1..5
-  double rotationPeriod = 0;  ///< seconds; column i fires at i / columns of it. If 0, all beams fire at once
+  uint32_t maxReturns = 1;  ///< number of echoes that the sensor reports per beam, 1..5
+  /// Seconds. Column i of a grid fires at i / columns of it; if 0, all columns fire at once. The beams of a list fire
+  /// at BeamList::times.
+  double rotationPeriod = 0;
   /// Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.
   double azimuthStartDeg = -180, azimuthSpanDeg = 360;
   NearHits nearHits = NearHits::seeThrough;
@@ -89,7 +91,7 @@ GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
 /// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
 /// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s, lists of unequal lengths, patterns of
-/// unequal sizes or without beams, organised clouds of another size, or more beams than a 32-bit index holds. Zero
+/// unequal sizes or without beams, organised clouds of another size, or more than 2,147,483,647 beams. Zero
 /// channels are allowed: the cloud is then empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
@@ -118,8 +120,9 @@ struct SensorFileOptions {
   /// Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels also the
   /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
   std::string head;
-  /// One of several that a file describes: a lidar mode (Ouster), a sensor's id (CARLA), an operational state (firing
-  /// times of Hesai). If empty, that of the file, or its first.
+  /// One of several that a file describes: a lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner
+  /// (HELIOS++) or of a lidar (CARLA), an operational state (firing times of Hesai). If empty, that of the file, or its
+  /// first.
   std::string mode;
   double scanRate = 0;              ///< scans per second; if 0, what the file or the head states, or else 10
   uint32_t columns = 0;             ///< columns of a turn; if 0, what the file or the head states, or else 1800

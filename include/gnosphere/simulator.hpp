@@ -255,14 +255,15 @@ struct SensorMotion {
   std::vector<Stamp> stamps;  ///< if empty, the sensor stands still
 };
 
-/// How an instance moves during a scan: from its own transform at the start to `end`, Sensor::rotationPeriod later.
-/// Vertices move along straight lines at constant speed.
+/// How an instance moves during a scan: from its own transform at the start to `end`, Sensor::rotationPeriod later, or
+/// for a list without a rotation period at the time of its last beam. Vertices move along straight lines at constant
+/// speed.
 struct InstanceMotion {
   size_t instance = 0;
   Transform end;
 };
 
-/// How a deformable mesh moves during a scan: from its deformation at the start to `end`, Sensor::rotationPeriod later.
+/// How a deformable mesh moves during a scan: from its deformation at the start to `end`, as InstanceMotion does.
 /// Vertices move along straight lines at constant speed, those of every instance of the mesh.
 struct MeshMotion {
   size_t mesh = 0;
@@ -273,8 +274,8 @@ struct MeshMotion {
 struct Shot {
   Pose pose;  ///< of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose
   size_t sensor = 0;
-  uint64_t frame = 0;   ///< frame number, part of the key of the random numbers
-  uint32_t world = 0;   ///< the shot sees the instances of this world and those of world 0, as if there were no others
+  uint64_t frame = 0;  ///< frame number: part of the key of the random numbers, and of a list the number of the pattern
+  uint32_t world = 0;  ///< the shot sees the instances of this world and those of world 0, as if there were no others
   SensorMotion motion;  ///< ignored, with a scan from `pose`, where Effects::SensorMotion is not planned: see the plan
   std::vector<InstanceMotion> instanceMotions;
   std::vector<MeshMotion> meshMotions;
@@ -300,8 +301,10 @@ class GNOSPHERE_API Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  /// Makes one scan from the fixed pose `pose`. Throws Error(invalidArgument) for a pose that is not finite or an
-  /// unknown sensor, Error(device) or Error(outOfMemory) if the device fails.
+  /// Makes one scan from the fixed pose `pose`. Its frame number is 0, so every call has the same random numbers, and a
+  /// sensor of several patterns uses the first one; scanInto() takes a Shot with another frame. Throws
+  /// Error(invalidArgument) for a pose that is not finite or an unknown sensor, Error(device) or Error(outOfMemory) if
+  /// the device fails.
   Scan scan(const Pose& pose, size_t sensor = 0);
   /// Makes one scan of a shot, with motion, weather and frame number, into an existing Scan. Its arrays are reused, so
   /// nothing is allocated once they have their size. Throws as scan() does, and Error(invalidArgument) for weather that
@@ -332,6 +335,7 @@ class GNOSPHERE_API Simulator {
 
   /// Adds a sensor and returns its index.
   size_t addSensor(const SensorRequest& request);
+  /// Removes a sensor.
   void removeSensor(size_t sensor);
 
   /// Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode::mask; the
@@ -358,7 +362,9 @@ class GNOSPHERE_API Simulator {
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0, uint32_t world = 0);
   /// Adds many instances and returns their indices, in order. Instance::name and Instance::className are ignored.
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
+  /// Removes an instance.
   void removeInstance(size_t instance);
+  /// Moves an instance: `transform` maps the mesh frame to the world frame, in metres.
   void setTransform(size_t instance, const Transform& transform);
   /// Moves many instances, as setTransform() does one after another. `values` holds 12 numbers per instance, the rows
   /// of its Transform, or 7: the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as
@@ -370,9 +376,9 @@ class GNOSPHERE_API Simulator {
   /// Describes what the next scan of the sensor computes, and why; with `views`, what so many scans do that are made
   /// together in one submission, as those of batches are. The simulator stays as it is.
   Plan plan(size_t sensor = 0, size_t views = 1) const;
-  const DeviceInfo& device() const;
-  MemoryUse memory() const;
-  size_t clusterCount() const;  ///< number of clusters of all meshes; 0 on the reference
+  const DeviceInfo& device() const;  ///< the device that scans
+  MemoryUse memory() const;          ///< bytes of the arrays that there are now
+  size_t clusterCount() const;       ///< number of clusters of all meshes; 0 on the reference
 
  private:
   friend class vulkan::Recorder;

@@ -148,7 +148,8 @@ struct RecordedScan {
 /// recorded with it before must have completed. All commands go to one queue, in the order in which they were recorded.
 class GNOSPHERE_API Recorder {
  public:
-  /// The simulator must outlive the recorder. Throws Error(invalidArgument) if its device is not an adopted one.
+  /// The simulator must outlive the recorder. `framesInFlight` is 1 to 16. Throws Error(invalidArgument) if the device
+  /// is not an adopted one, or for another number of frames.
   Recorder(Simulator& simulator, size_t framesInFlight = 2);
 
   /// Records the scans, of sensors that have a layout, into a command buffer in the recording state, outside of a

@@ -2,7 +2,7 @@
 """What stands between a physics or graphics engine and GnoSphere: shapes in, poses per frame in, arrays out.
 
 An adapter of an engine collects its shapes once (`Shapes`), says in each frame where they are (`Lidar.move`), and scans
-from a pose (`Lidar.scan`). See gnosphere.mujoco, and the modules of gnosphere.engines, which are about 50 lines each.
+by a Shot (`Lidar.cast`). See gnosphere.mujoco, and the modules of gnosphere.engines, which are about 50 lines each.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Lidar:
         fields: Fields = (),
         ignore: Iterable[int] = (),
     ) -> int:
-        """Adds a sensor to the same scene and returns its number, for scan()."""
+        """Adds a sensor to the same scene and returns its number, for Shot.sensor."""
         request = _request(sensor, effects, fields, ignore)
         number = self.simulator.add_sensor(request)
         self.sensors[number:] = [request.sensor]
@@ -247,7 +247,8 @@ def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:
 def point_cloud2(
     scan: gno.Scan, fields: Fields = "x,y,z", *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
-    """The returns of a scan as the members of sensor_msgs/PointCloud2; `data` is an array of bytes. Needs no ROS."""
+    """The returns of a scan as the members of sensor_msgs/PointCloud2; `data` is an array of bytes. `stamp` is in seconds
+    (gnosphere.ros2 takes nanoseconds). Needs no ROS."""
     rows = records(scan, fields)
     places: Mapping[str, Any] = rows.dtype.fields or {}
     return {
@@ -270,7 +271,7 @@ def laser_scan(
     scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
-    `angle_increment` is less than 0. `stamp` is the time of its first beam. Beams that fire in another order than that
+    `angle_increment` is less than 0. `stamp` is the time of its first beam in seconds. Beams that fire in another order than that
     of their azimuths are sorted by azimuth, and have a `time_increment` of 0. A beam without a return has infinity (REP
     117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
     the scan does not have, and if its beams are not evenly spaced in azimuth."""
@@ -324,7 +325,7 @@ def _around(azimuths: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
 
 
 def header(frame_id: str, stamp: float) -> dict[str, Any]:
-    """The members of std_msgs/Header."""
+    """The members of std_msgs/Header; `stamp` is in seconds."""
     nanoseconds = round(stamp * 1e9)
     return {"stamp": {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}, "frame_id": frame_id}
 

@@ -19,7 +19,9 @@ _TYPES = {
 
 
 def cloud_of_array(points: np.ndarray, frame: str, stamp: int, dense: bool = True) -> PointCloud2:
-    """A cloud of an array of records, whose names and types become the fields; a row of the cloud per row of the array."""
+    """A cloud of an array of records, whose names and types become the fields; a row of the cloud per row of the array.
+    `stamp` is in nanoseconds. Raises ValueError for an array that has no fields or more than two dimensions, and for field
+    types that a PointCloud2 lacks."""
     points = np.ascontiguousarray(points)
     if points.dtype.fields is None or points.ndim not in (1, 2):
         raise ValueError("points: an array of records with one or two dimensions is needed")

@@ -37,8 +37,8 @@ void bindDrive(nb::module_& parent) {
   nb::class_<Drive> drive(m, "Drive", "What a drive file says, with every file that it names read.");
   drive.def_ro("name", &Drive::name, "What the file calls the drive.")
       .def_ro("rate", &Drive::rate, "Frames per second.")
-      .def_ro("start", &Drive::start, "Seconds of the trajectories' clock.")
-      .def_ro("duration", &Drive::duration, "Seconds.")
+      .def_ro("start", &Drive::start, "Time of frame 0, in seconds of the trajectories' clock.")
+      .def_ro("duration", &Drive::duration, "Length of the drive in seconds.")
       .def_ro("fingerprint", &Drive::fingerprint, "Hash of the drive file and of everything that was read for it.")
       .def("frame_count", &Drive::frameCount, "Number of frames.");
   readTuple(drive, "warnings", &Drive::warnings, "What a user may want to know and is no mistake.");
@@ -77,14 +77,14 @@ void bindDrive(nb::module_& parent) {
 
   nb::class_<RunReport> report(m, "RunReport", "What was made, and what was there.");
   report.def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
-      .def_ro("kept", &RunReport::kept, "Those that were complete.")
-      .def_ro("scans", &RunReport::scans, "Made now.")
-      .def_ro("points", &RunReport::points, "Made now.")
-      .def_ro("files", &RunReport::files, "Made now.")
-      .def_ro("bytes", &RunReport::bytes, "Made now.")
+      .def_ro("kept", &RunReport::kept, "Chosen frames that were complete before the run.")
+      .def_ro("scans", &RunReport::scans, "Scans made in this run.")
+      .def_ro("points", &RunReport::points, "Points of the scans of this run.")
+      .def_ro("files", &RunReport::files, "Files written in this run.")
+      .def_ro("bytes", &RunReport::bytes, "Bytes of the files of this run.")
       .def_ro("finished", &RunReport::finished,
               "Whether all frames of the drive are complete, and the files that need all are written.")
-      .def_ro("device", &RunReport::device, "Its name; empty if nothing had to be made.");
+      .def_ro("device", &RunReport::device, "Name of the device; empty if nothing had to be made.");
   readTuple(report, "broken", &RunReport::broken,
             "Files that need every frame and were not as they had been written; they are removed, and made again with "
             "the last frame.");

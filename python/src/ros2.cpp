@@ -107,11 +107,11 @@ void bindLaserScan(nb::module_& m) {
 void bindPublisher(nb::module_& m) {
   nb::class_<PublisherCounts>(m, "PublisherCounts", "What has become of the messages of a publisher.")
       .def_ro("published", &PublisherCounts::published, "Messages that were given to publish().")
-      .def_ro("sent", &PublisherCounts::sent, "Of them, those that went to the network.")
+      .def_ro("sent", &PublisherCounts::sent, "Published messages that went to the network.")
       .def_ro("dropped", &PublisherCounts::dropped,
-              "Of them, those that newer ones replaced before they went there, or that it refused.")
-      .def_ro("waiting", &PublisherCounts::waiting, "Of them, those that wait now.")
-      .def_ro("subscribers", &PublisherCounts::subscribers, "Now.");
+              "Published messages that newer ones replaced before they were sent, or that the network refused.")
+      .def_ro("waiting", &PublisherCounts::waiting, "Published messages that wait to be sent.")
+      .def_ro("subscribers", &PublisherCounts::subscribers, "Subscribers at this moment.");
   nb::class_<Publisher>(m, "Publisher",
                         "Publishes the messages of one topic. A thread of its own sends them, so that publish() never "
                         "waits for subscribers or for the network.")
@@ -174,14 +174,17 @@ void bindRos2(nb::module_& parent) {
         return cloudOf(*scan.value, fields, frame, stamp);
       },
       "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
-      "The returns of a scan as a cloud with these fields and without gaps.");
+      "The returns of a scan as a cloud with these fields and without gaps; `stamp` is in nanoseconds. Raises "
+      "Error(invalid_argument) for a field that the scan does not have.");
   m.def(
       "laser_scan_of",
       [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
         return laserScanOf(sensor, *scan.value, channel, frame, stamp);
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
-      "The first returns of one channel of a grid of beams that turns, from the first column to the last.");
+      "The first returns of one channel of a grid of beams that turns, from the first column to the last; `stamp` is "
+      "in "
+      "nanoseconds. Raises Error(invalid_argument) for a channel that there is not, and for a list of beams.");
 }
 
 }  // namespace gnosphere::python

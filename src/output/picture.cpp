@@ -34,10 +34,11 @@ std::string metres(float value) {
   return text;
 }
 
-/// How columns and channels map to pixels: large grids are grouped, small ones are stretched.
+/// How columns and channels map to pixels: those of large grids are grouped, those of small ones are stretched.
 struct RangeImage {
   uint32_t columnsPerPixel = 1, channelsPerPixel = 1;
-  int pixelsPerColumn = 1, pixelsPerChannel = 1;
+  int columns = 0, channels = 0;  ///< groups
+  int pixelsPerChannel = 1;
   int width = 0, height = 0;
 
   explicit RangeImage(const Scan& scan) {
@@ -45,14 +46,15 @@ struct RangeImage {
     constexpr int kNarrowest = 1400, kLowest = 300;
     columnsPerPixel = std::max(1u, (scan.columns + kWidest - 1) / kWidest);
     channelsPerPixel = std::max(1u, (scan.channels + kHighest - 1) / kHighest);
-    const int columns = static_cast<int>((scan.columns + columnsPerPixel - 1) / columnsPerPixel);
-    const int channels = static_cast<int>((scan.channels + channelsPerPixel - 1) / channelsPerPixel);
-    // Only a grid of very few columns is stretched sideways; any other is wide enough.
-    pixelsPerColumn = std::max(1, kNarrowest / std::max(columns, 1));
+    columns = static_cast<int>((scan.columns + columnsPerPixel - 1) / columnsPerPixel);
+    channels = static_cast<int>((scan.channels + channelsPerPixel - 1) / channelsPerPixel);
     pixelsPerChannel = std::clamp(kLowest / std::max(channels, 1), 1, 40);
-    width = std::max(columns * pixelsPerColumn, kNarrowest);
+    width = std::max(columns, kNarrowest);
     height = std::max(channels * pixelsPerChannel, 1);
   }
+
+  /// Number of pixels to the left of a column, counted from the left.
+  int leftOf(int column) const { return static_cast<int>(int64_t{column} * width / columns); }
 };
 
 /// Whether channel 0 is the uppermost: hits of earlier channels are higher, seen from the sensor.
@@ -78,8 +80,8 @@ bool countsFromLeft(const Scan& scan) {
 }
 
 /// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped; infinite without a hit.
-std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int columns, int channels) {
-  std::vector<float> nearest(static_cast<size_t>(columns) * static_cast<size_t>(channels),
+std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image) {
+  std::vector<float> nearest(static_cast<size_t>(image.columns) * static_cast<size_t>(image.channels),
                              std::numeric_limits<float>::infinity());
   const bool fromTop = countsFromTop(scan), fromLeft = countsFromLeft(scan);
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
@@ -88,7 +90,7 @@ std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int 
     const size_t place = beam % scan.columns, row = beam / scan.columns;
     const size_t column = (fromLeft ? scan.columns - 1 - place : place) / image.columnsPerPixel;
     const size_t channel = (fromTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
-    float& pixel = nearest[channel * static_cast<size_t>(columns) + column];
+    float& pixel = nearest[channel * static_cast<size_t>(image.columns) + column];
     pixel = std::min(pixel, range);
   }
   return nearest;
@@ -152,18 +154,16 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
   const float near = std::max(quantile(hits, 0.005), 0.05f);
   const float far = std::max(quantile(hits, 0.995), near * 1.5f);
 
-  const int columns = static_cast<int>((scan.columns + image.columnsPerPixel - 1) / image.columnsPerPixel);
-  const int channels = static_cast<int>((scan.channels + image.channelsPerPixel - 1) / image.channelsPerPixel);
-  const Ranges ranges = {columns, channels, nearestRanges(scan, image, columns, channels)};
-  for (int j = 0; j < channels; ++j) {
-    for (int i = 0; i < columns; ++i) {
+  const Ranges ranges = {image.columns, image.channels, nearestRanges(scan, image)};
+  for (int j = 0; j < image.channels; ++j) {
+    for (int i = 0; i < image.columns; ++i) {
       const float range = ranges.at(i, j);
       if (!std::isfinite(range) || range <= 0) continue;
       // The scale is logarithmic: it shows the shape of near objects and still orders far ones.
       const float t = std::log(std::max(range, near) / near) / std::log(far / near);
-      canvas.fill(left + (columns - 1 - i) * image.pixelsPerColumn, top + (channels - 1 - j) * image.pixelsPerChannel,
-                  image.pixelsPerColumn, image.pixelsPerChannel,
-                  kRangeShades.at(std::min(t, 1.0f)) * edgeLight(ranges, i, j));
+      const int first = image.leftOf(image.columns - 1 - i), end = image.leftOf(image.columns - i);
+      canvas.fill(left + first, top + (image.channels - 1 - j) * image.pixelsPerChannel, end - first,
+                  image.pixelsPerChannel, kRangeShades.at(std::min(t, 1.0f)) * edgeLight(ranges, i, j));
     }
   }
   drawScale(canvas, left + image.width, top - 26, metres(near), metres(far), kRangeShades);

@@ -21,7 +21,7 @@ constexpr uint64_t kShellTriangles = 30'000;
 constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
 // Each shell is four dispatches that wait for one another, and on a graphics card a scan is little but their latency.
 // On an H100 scans of an OS1-64 and an Alpha-Prime with two shells took 0.89 and 0.91 of the time with three in a town
-// of 300,000 triangles, and 0.92 and 0.90 in a street of 2.8 million, where four shells took 1.11 and 1.06 of it.
+// of 300,000 triangles, and 0.92 and 0.90 in a street of 1.8 million, where four shells took 1.11 and 1.06 of it.
 constexpr uint32_t kShellsOfGpu = 2;
 // EACH_RAY of each_ray.glsl has code for one and for two places, and then for seven.
 constexpr uint32_t kMostRaysPerLane = 2;

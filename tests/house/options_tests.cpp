@@ -5,7 +5,9 @@
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "base/file.hpp"
 #include "base/limits.hpp"
 #include "common/effects/parameters.h"
 #include "drive/formats/format.hpp"
@@ -15,6 +17,7 @@
 #include "house/table_docs.hpp"
 #include "option_table.hpp"
 #include "output/cloud_format.hpp"
+#include "scan/fields.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -90,6 +93,25 @@ TEST_CASE("docs/limits.md has the table of limits, and the kernels keep to it") 
   CHECK(limits::kEchoes.most == gpu::kMaxEchoes);
   CHECK(limits::kCoordinate.holds(gpu::kCoordinateLimit));
   CHECK_FALSE(limits::kCoordinate.holds(1.0001 * gpu::kCoordinateLimit));
+}
+
+TEST_CASE("docs/api.md has a row with name and type for every field") {
+  const std::string page = readWholeFile(kSource + "/docs/api.md");
+  const size_t begin = page.find("| name | `Field` | type |");
+  REQUIRE(begin != page.npos);
+  std::istringstream rows(page.substr(begin, page.find("\n\n", begin) - begin));
+  std::string row;
+  std::getline(rows, row);
+  std::getline(rows, row);
+  for (size_t i = 0; i < kFieldCount; ++i) {
+    const FieldInfo field = fieldInfo(static_cast<Field>(i));
+    const std::string count = field.components > 1 ? std::to_string(field.components) + " " : "";
+    REQUIRE(std::getline(rows, row));
+    INFO(row);
+    CHECK(row.starts_with("| `" + std::string(field.name) + "` | "));
+    CHECK(row.find(" | " + count + nameOf(field.type) + " | ") != row.npos);
+  }
+  CHECK_FALSE(std::getline(rows, row));
 }
 
 TEST_CASE("a count beyond a limit is an error that names whose it is and the limit") {

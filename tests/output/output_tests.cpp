@@ -4,6 +4,12 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <memory>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb_image.h>
 
 #include "base/file.hpp"
 #include "cloud_support.hpp"
@@ -222,6 +228,29 @@ TEST_CASE("a picture is no mirror image, whichever way the head turns") {
   sensor.azimuthSpanDeg = -360;
   writePicture(syntheticScan(sensor), folder / "right.png");
   CHECK(bytesOf(folder / "left.png") == bytesOf(folder / "right.png"));
+}
+
+TEST_CASE("the range image of a grid of any number of columns fills the width of its picture") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  sensor.columns = GENERATE(3u, 360u, 1024u, 1399u, 1800u, 2048u);
+  writePicture(syntheticScan(sensor), folder / "a.png");
+  int width = 0, height = 0, channels = 0;
+  const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
+      stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
+  REQUIRE(pixels);
+  constexpr int kMargin = 24, kTop = 64;  // the range image begins above this row
+  int empty = 0;
+  for (int x = kMargin; x < width - kMargin; ++x) {
+    const auto isHit = [&](int y) {
+      const uint8_t* pixel = pixels.get() + 3 * (static_cast<ptrdiff_t>(y) * width + x);
+      return std::max({pixel[0], pixel[1], pixel[2]}) > 60;  // misses and the background are darker
+    };
+    bool any = false;
+    for (int y = kTop; y < kTop + 200 && !any; ++y) any = isHit(y);
+    empty += !any;
+  }
+  CHECK(empty == 0);
 }
 
 TEST_CASE("a picture is a PNG of a reasonable size for every grid") {

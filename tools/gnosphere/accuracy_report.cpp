@@ -54,7 +54,7 @@ void printErrors(const AccuracyReport& report) {
   for (const AccuracyRow& row : report.settings) rows.push_back(errorRow(row));
   printTable(rows);
   if (report.parts.empty()) return;
-  std::printf("\nwhat each exactness buys: standard, with one of its parts taken away\n");
+  std::printf("\nwhat each part of standard buys: standard, with that part replaced by a cheaper one\n");
   rows = {headed("with only", kErrorColumns)};
   rows[0].insert(rows[0].begin() + 1, "instead of");
   for (const AccuracyRow& row : report.parts) {

@@ -63,7 +63,7 @@ struct AccuracyReport {
 
 /// The options of an accuracy report.
 struct AccuracyOptions {
-  SimulatorOptions simulator;  ///< its `accuracy` and `exactness` are ignored
+  SimulatorOptions simulator;  ///< its `accuracy` and `accuracyParts` are ignored
   uint32_t runs = 20;   ///< timed scans per row; the rows take turns, so that slow drifts affect all of them alike
   bool parts = true;    ///< also measures the rows AccuracyReport::parts
   bool nearest = true;  ///< also computes the paper's histogram, AccuracyRow::nearest
