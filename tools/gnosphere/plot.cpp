@@ -82,10 +82,14 @@ struct Axis {
 };
 
 std::string tickLabel(double value) {
-  const double exponent = std::round(std::log10(value));
-  const bool decade = std::abs(value / std::pow(10, exponent) - 1) < 1e-9;
-  if (!decade || std::abs(exponent) < 3.5) return formatted("%.4g", value);
-  return formatted("10<tspan dy='-4' font-size='8'>%.0f</tspan>", exponent);
+  if (value >= 0.9999e10 || value < 0.9999e-3) {
+    const double exponent = std::floor(std::log10(value) + 1e-9), mantissa = value / std::pow(10, exponent);
+    const std::string factor = std::abs(mantissa - 1) < 1e-6 ? "" : formatted("%.3g", mantissa) + "\u00b7";
+    return factor + formatted("10<tspan dy='-4' font-size='8'>%.0f</tspan>", exponent);
+  }
+  if (value >= 0.9999e6) return formatted("%.4gM", value * 1e-6);
+  if (value >= 0.9999e4) return formatted("%.4gk", value * 1e-3);
+  return formatted("%.4g", value);
 }
 
 /// Keeps track of occupied areas, so that no label covers another or a marker.
