@@ -48,7 +48,7 @@ inline constexpr Case kCases[] = {
     {"beams", "Sectors, lists of beams, lasers away from the axis", {1'000'000, 7, 1}, beams},
     {"effects", "Time of each effect relative to a scan without effects", {1'000'000, 7, 1}, effects},
     {"heads", "Every head of the catalogue, clean and by default", {300'000, 3, 2}, heads},
-    {"batches", "Many views and worlds in one call; --frames is the most views", {300'000, 5, 4096}, batches},
+    {"batches", "Many views (up to --frames) and worlds in one call", {300'000, 5, 4096}, batches},
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };
 
