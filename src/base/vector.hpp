@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operations on vectors of doubles, which use only + - *, so they give the same bits on every machine.
+// Operations on vectors of doubles, which use only + - * and square roots, so they give the same bits on every machine.
 #pragma once
+
+#include <cmath>
 
 #include "gnosphere/scene.hpp"
 
@@ -20,6 +22,13 @@ inline double dot(const Vec3& a, const Vec3& b) {
 }
 inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// It is not std::hypot(), which C libraries round in one way on arm64 and in another on x86-64.
+inline double lengthOf(const Vec3& a) {
+  return std::sqrt(dot(a, a));
+}
+inline double lengthOf(double x, double y) {
+  return std::sqrt(x * x + y * y);
 }
 
 }  // namespace gnosphere

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "base/vector.hpp"
 #include "drive/pose_math.hpp"
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
@@ -57,7 +58,7 @@ void headAlong(std::vector<Trajectory::Stamp>& stamps) {
     const Vec3 &from = stamps[i == 0 ? 0 : i - 1].pose.position,
                &to = stamps[std::min(i + 1, stamps.size() - 1)].pose.position;
     const double x = to.x - from.x, y = to.y - from.y;
-    if (std::hypot(x, y) > kStill) {
+    if (lengthOf(x, y) > kStill) {
       heading = yawPitchRoll(std::atan2(y, x), 0, 0);
       first = std::min(first, i);
     }

@@ -31,7 +31,7 @@ struct Line {
     throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
   }
   Quaternion unit(const Quaternion& q) const {
-    const double length = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
+    const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
     if (!(std::abs(length - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
     return {q.x / length, q.y / length, q.z / length, q.w / length};
   }
@@ -131,7 +131,7 @@ Stamps readNuScenes(const std::filesystem::path& file) {
     for (const nlohmann::json& row : rows) {
       const auto p = row.at("translation").get<std::array<double, 3>>();
       const auto q = row.at("rotation").get<std::array<double, 4>>();
-      const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
       if (!(std::abs(length - 1) < kUnitTolerance))
         throw Error(ErrorCode::format, file.string() + ": has a rotation whose length is not 1");
       poses[row.at("timestamp").get<int64_t>()] = {{p[0], p[1], p[2]}, normalized({q[1], q[2], q[3], q[0]})};

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "base/vector.hpp"
 #include "common/effects/noise.h"
 #include "effects/decide.hpp"
 #include "gnosphere/error.hpp"
@@ -50,7 +51,7 @@ double steepestOf(const Sensor& sensor) {
     steepest = std::max(steepest, std::abs(std::tan(kDegree * channel.elevationDeg)));
   for (const BeamList& list : sensor.patterns)
     for (const Vec3& direction : list.directions)
-      steepest = std::max(steepest, std::abs(direction.z) / std::max(std::hypot(direction.x, direction.y), 1e-9));
+      steepest = std::max(steepest, std::abs(direction.z) / std::max(lengthOf(direction.x, direction.y), 1e-9));
   return steepest;
 }
 
@@ -64,15 +65,15 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   const double elevation = strays ? gpu::kAngleCutOff * noise.elevation : 0;
   double angle = 0, across = 0, up = 0;
   for (const SubRay& ray : plan.subRays) {
-    angle = std::max(angle, std::hypot(double{ray.u}, double{ray.v}));
+    angle = std::max(angle, lengthOf(double{ray.u}, double{ray.v}));
     across = std::max(across, std::abs(double{ray.u}));
     up = std::max(up, std::abs(double{ray.v}));
   }
-  angle += std::hypot(azimuth, elevation);
+  angle += lengthOf(azimuth, elevation);
   across += azimuth;
   up += elevation;
   const double steepest = angle > 0 ? steepestOf(plan.sensor) : 0;
-  if (up * steepest > 0.04 || across * std::hypot(1, steepest) > 0.25)
+  if (up * steepest > 0.04 || across * lengthOf(1, steepest) > 0.25)
     across = up = angle;
   else
     up += across * across * steepest;

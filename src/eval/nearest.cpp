@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nanoflann.hpp>
 
+#include "base/vector.hpp"
 #include "gnosphere/eval/accuracy.hpp"
 
 namespace gnosphere {
@@ -46,7 +47,7 @@ NearestHistogram nearestHistogram(const Scan& reference, const Scan& other) {
     // The nearest point is the beam's own or a nearer one; both fall into the first bin.
     if (beam < reference.beamCount() && reference.hit(beam)) {
       const float* own = &reference.points[3 * beam];
-      if (binOf(std::hypot(query[0] - own[0], query[1] - own[1], query[2] - own[2])) == 0) {
+      if (binOf(lengthOf({query[0] - own[0], query[1] - own[1], query[2] - own[2]})) == 0) {
         ++histogram[0];
         continue;
       }

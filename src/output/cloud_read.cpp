@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/file.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
 #include "scan/columns.hpp"
@@ -244,7 +245,7 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
     scan.ranges.reserve(entryCount);
     for (size_t entry = 0; entry < entryCount; ++entry) {
       const float* p = &scan.points[3 * entry];
-      scan.ranges.push_back(static_cast<float>(std::hypot(double{p[0]}, double{p[1]}, double{p[2]})));
+      scan.ranges.push_back(static_cast<float>(lengthOf({p[0], p[1], p[2]})));
     }
   }
   placer.place("triangle", scan.triangles, kNoTriangle);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 #include "output/comparison_sum.hpp"
 #include "scan/fields.hpp"
@@ -48,7 +49,7 @@ bool hasPoints(const Scan& scan) {
 
 /// The distance of two points in metres.
 double distance(const float* a, const float* b) {
-  return std::hypot(double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]);
+  return lengthOf({double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]});
 }
 
 /// The share of the range by which points may be apart beside the tolerance: the rounding of their coordinates.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/decimal_point.hpp"
+#include "base/vector.hpp"
 #include "output/canvas.hpp"
 
 namespace gnosphere {
@@ -44,7 +45,7 @@ std::vector<Dot> dotsOf(const Sensor& sensor, uint64_t frame) {
     if (masked[beam]) continue;
     const Vec3& d = beams.directions[beam];
     dots.push_back({static_cast<float>(kDegrees * std::atan2(d.y, d.x)),
-                    static_cast<float>(kDegrees * std::atan2(d.z, std::hypot(d.x, d.y))),
+                    static_cast<float>(kDegrees * std::atan2(d.z, lengthOf(d.x, d.y))),
                     beams.times.empty() ? 0 : beams.times[beam]});
   }
   return dots;

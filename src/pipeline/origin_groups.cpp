@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -29,7 +31,7 @@ class Divider {
     Numbers all(sensor_.beamCount());
     for (uint32_t beam = 0; beam < all.size(); ++beam) all[beam] = beam;
     double farthest = 0;
-    for (const Vec3& o : origins_) farthest = std::max(farthest, std::hypot(o.x, o.y, o.z));
+    for (const Vec3& o : origins_) farthest = std::max(farthest, lengthOf(o));
     if (origins_.empty() || !isWide(static_cast<double>(all.size()), farthest))
       add(startTogether() ? origins_[0] : middleOfLasers(sensor_), all);
     else

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "base/vector.hpp"
 #include "effects/trajectory.hpp"
 #include "sensor/beams.hpp"
 
@@ -201,7 +202,7 @@ Light lightOf(const Beam& beam, const SensorPlan& plan, const Receiver& receiver
   Light light = {0, 0, 0, beam.axis.direction};
   if (!plan.has(gpu::kStrays)) return light;
   const auto [azimuth, elevation] = receiver.angleError(index);
-  light.left = azimuth.value * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
+  light.left = azimuth.value * lengthOf(beam.axis.direction.x, beam.axis.direction.y);
   light.up = elevation.value;
   light.astray = azimuth.error + elevation.error;
   light.direction = lineOf(beam, light.left, light.up).direction;

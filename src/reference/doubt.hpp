@@ -71,11 +71,6 @@ struct SeenCorner {
   double reach;     ///< r_i: error of its position across the beam
 };
 
-/// Faster than std::hypot(), which guards against overflow; coordinates up to 1e9 m cannot overflow.
-inline double length(double x, double y) {
-  return std::sqrt(x * x + y * y);
-}
-
 inline double cross(const SeenCorner& a, const SeenCorner& b) {
   return a.x * b.y - a.y * b.x;
 }
@@ -89,7 +84,7 @@ inline bool near(const SeenCorner& a, const SeenCorner& b) {
   const double slope = a.x * x + a.y * y - a.reach * r;
   if (!(square > 0) || slope >= 0 || -slope >= square) return false;
   const double s = -slope / square;
-  return length(a.x + s * x, a.y + s * y) <= a.reach + s * r;
+  return lengthOf(a.x + s * x, a.y + s * y) <= a.reach + s * r;
 }
 
 /// Bounds the ranges: by the triangle's plane if it is wide enough, and always by the depths of its corners.
@@ -110,7 +105,7 @@ inline void depths(const SeenCorner (&c)[3], double area, double thinness, Doubt
     size += c[(k + 1) % 3].distance * c[(k + 2) % 3].distance * std::abs((c[k].depth - range) / area);
   const double x1 = c[1].x - c[0].x, y1 = c[1].y - c[0].y, z1 = c[1].depth - c[0].depth;
   const double x2 = c[2].x - c[0].x, y2 = c[2].y - c[0].y, z2 = c[2].depth - c[0].depth;
-  const double gradient = length(y1 * z2 - z1 * y2, z1 * x2 - x1 * z2) / std::abs(area);
+  const double gradient = lengthOf(y1 * z2 - z1 * y2, z1 * x2 - x1 * z2) / std::abs(area);
   const double spread = (gradient * reach + error) / (1 - thinness) + kArithmeticError * size;
   doubt.nearest = std::max(doubt.nearest, range - spread);
   doubt.farthest = std::min(doubt.farthest, range + spread);
@@ -134,15 +129,16 @@ inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, co
     return std::min({x0, x1, x2}) > 2 * reach || std::max({x0, x1, x2}) < -2 * reach;
   };
   if (beside(c[0].x, c[1].x, c[2].x) || beside(c[0].y, c[1].y, c[2].y)) return {};
-  for (SeenCorner& corner : c) corner.distance = length(corner.x, corner.y);
+  for (SeenCorner& corner : c) corner.distance = lengthOf(corner.x, corner.y);
   const double ab = cross(c[0], c[1]), bc = cross(c[1], c[2]), ca = cross(c[2], c[0]);
   const bool inside = (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
   const bool edgy = near(c[0], c[1]) || near(c[1], c[2]) || near(c[2], c[0]);
   if (!inside && !edgy) return {};
 
   const double area = ab + bc + ca;
-  const double longest = std::max({length(c[1].x - c[0].x, c[1].y - c[0].y), length(c[2].x - c[1].x, c[2].y - c[1].y),
-                                   length(c[0].x - c[2].x, c[0].y - c[2].y)});
+  const double longest =
+      std::max({lengthOf(c[1].x - c[0].x, c[1].y - c[0].y), lengthOf(c[2].x - c[1].x, c[2].y - c[1].y),
+                lengthOf(c[0].x - c[2].x, c[0].y - c[2].y)});
   const double thinness = 2 * reach * longest / std::abs(area);  // 2 max r / H; infinite where edge-on
   const bool turns = front != 0 && !(thinness < 1);
   if (front != 0 && !turns && (area > 0) != (front > 0)) return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/results.hpp"
 
+#include "base/vector.hpp"
 #include "effects/trajectory.hpp"
 #include "scan/columns.hpp"
 
@@ -17,7 +18,7 @@ void put(const Vec3& value, float* to) {
 /// Rotates a direction about the vertical axis and away from the horizon, by radians.
 Vec3 turnedBy(const Vec3& direction, double azimuth, double elevation) {
   const double az = std::atan2(direction.y, direction.x) + azimuth;
-  const double el = std::atan2(direction.z, std::hypot(direction.x, direction.y)) + elevation;
+  const double el = std::atan2(direction.z, lengthOf(direction.x, direction.y)) + elevation;
   return {std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el)};
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/units.hpp"
+#include "base/vector.hpp"
 
 namespace gnosphere {
 namespace {
@@ -87,7 +88,7 @@ double azimuthOf(const Sensor& sensor, size_t beam, uint64_t frame) {
 double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (sensor.isGrid()) return kDegree * sensor.channels[beam / sensor.columns].elevationDeg;
   const Vec3& d = patternOf(sensor, frame).directions[beam];
-  return std::atan2(d.z, std::hypot(d.x, d.y));
+  return std::atan2(d.z, lengthOf(d.x, d.y));
 }
 
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame) {
@@ -157,7 +158,7 @@ bool hasOrigins(const Sensor& sensor) {
 OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams) {
   OriginBounds bounds = {centre};
   const auto include = [&](double forward, double left, double up) {
-    bounds.distance = std::max(bounds.distance, std::hypot(forward, left, up));
+    bounds.distance = std::max(bounds.distance, lengthOf({forward, left, up}));
     bounds.forward = std::max(bounds.forward, std::abs(forward));
     bounds.left = std::max(bounds.left, std::abs(left));
     bounds.up = std::max(bounds.up, std::abs(up));

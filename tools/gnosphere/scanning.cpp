@@ -34,7 +34,9 @@ Pose parsePose(const std::string& text) {
   Pose pose;
   pose.position = {numbers[0], numbers[1], numbers[2]};
   if (numbers.size() == 3) return pose;
-  const double norm = std::hypot(std::hypot(numbers[3], numbers[4]), std::hypot(numbers[5], numbers[6]));
+  double square = 0;
+  for (size_t i = 3; i < 7; ++i) square += numbers[i] * numbers[i];
+  const double norm = std::sqrt(square);
   if (!(norm > 1e-6) || !std::isfinite(norm)) {
     throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
   }

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/units.hpp"
+#include "base/vector.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -190,7 +191,7 @@ void placeBeams(SensorSource& source, const Metadata& metadata, const PixelAngle
     source.assume("the usual lidar_to_sensor_transform: half a turn, 36.18 mm up");
   // A grid turns about z, on the z axis of the sensor.
   const bool upright = m[2] == 0 && m[6] == 0 && m[8] == 0 && m[9] == 0 && m[10] == 1 && m[3] == 0 && m[7] == 0 &&
-                       m[0] == m[5] && m[1] == -m[4] && std::abs(std::hypot(m[0], m[4]) - 1) < 1e-9;
+                       m[0] == m[5] && m[1] == -m[4] && std::abs(lengthOf(m[0], m[4]) - 1) < 1e-9;
   if (!upright) source.refuse("'lidar_to_sensor_transform' is more than a turn about z and a shift along z");
   // Half a turn is exact.
   const double turnDeg = m[4] == 0 ? (m[0] < 0 ? 180 : 0) : std::atan2(m[4], m[0]) / kDegree;
