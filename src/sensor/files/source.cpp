@@ -17,7 +17,7 @@ using nlohmann::json;
 
 std::string printable(std::string text) {
   std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < 32 || c == 127; }, '?');
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
   return text;
 }
 
