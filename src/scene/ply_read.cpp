@@ -4,6 +4,7 @@
 // to float.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -134,28 +135,27 @@ class PlyReader {
     }
     const size_t size = kPlySizes[static_cast<size_t>(type)];
     if (rest_.size() < size) source_.fail(std::string("the PLY file is cut off in its ") + what);
-    std::array<char, 8> raw = {};
-    std::memcpy(raw.data(), rest_.data(), size);
+    const char* at = rest_.data();
     rest_.remove_prefix(size);
-    if (swapped_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
     switch (type) {
-      case PlyType::int8: return as<int8_t>(raw);
-      case PlyType::uint8: return as<uint8_t>(raw);
-      case PlyType::int16: return as<int16_t>(raw);
-      case PlyType::uint16: return as<uint16_t>(raw);
-      case PlyType::int32: return as<int32_t>(raw);
-      case PlyType::uint32: return as<uint32_t>(raw);
-      case PlyType::float32: return as<float>(raw);
-      case PlyType::float64: return as<double>(raw);
+      case PlyType::int8: return as<int8_t>(at);
+      case PlyType::uint8: return as<uint8_t>(at);
+      case PlyType::int16: return as<int16_t>(at);
+      case PlyType::uint16: return as<uint16_t>(at);
+      case PlyType::int32: return as<int32_t>(at);
+      case PlyType::uint32: return as<uint32_t>(at);
+      case PlyType::float32: return as<float>(at);
+      case PlyType::float64: return as<double>(at);
     }
     return 0;
   }
 
   template <typename T>
-  static double as(const std::array<char, 8>& raw) {
-    T value;
-    std::memcpy(&value, raw.data(), sizeof value);
-    return value;
+  double as(const char* at) const {
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), at, sizeof raw);
+    if (swapped_) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<T>(raw);
   }
 
   size_t listCount(const PlyProperty& property, const char* what) {
