@@ -63,8 +63,8 @@ struct Sensor {
   /// Full angles of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a line.
   double divergenceHorizontal = 0, divergenceVertical = 0;
   uint32_t maxReturns = 1;  ///< number of echoes that the sensor reports per beam, 1..5
-  /// Seconds. Column i of a grid fires at i / columns of it; if 0, all columns fire at once. The beams of a list fire
-  /// at BeamList::times.
+  /// Column i of a grid fires at i / columns of this time in seconds; if 0, all columns fire at once. The beams of a
+  /// list fire at BeamList::times.
   double rotationPeriod = 0;
   /// Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.
   double azimuthStartDeg = -180, azimuthSpanDeg = 360;

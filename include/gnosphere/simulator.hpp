@@ -335,7 +335,7 @@ class GNOSPHERE_API Simulator {
 
   /// Adds a sensor and returns its index.
   size_t addSensor(const SensorRequest& request);
-  /// Removes a sensor.
+  /// Removes a sensor; the next one that is added gets its index.
   void removeSensor(size_t sensor);
 
   /// Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode::mask; the
@@ -362,7 +362,7 @@ class GNOSPHERE_API Simulator {
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0, uint32_t world = 0);
   /// Adds many instances and returns their indices, in order. Instance::name and Instance::className are ignored.
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
-  /// Removes an instance.
+  /// Removes an instance; the next one that is added gets its index.
   void removeInstance(size_t instance);
   /// Moves an instance: `transform` maps the mesh frame to the world frame, in metres.
   void setTransform(size_t instance, const Transform& transform);

@@ -23,7 +23,7 @@ inline double dot(const Vec3& a, const Vec3& b) {
 inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// It is not std::hypot(), which C libraries round in one way on arm64 and in another on x86-64.
+/// Lengths are no job for std::hypot(), which C libraries round in one way on arm64 and in another on x86-64.
 inline double lengthOf(const Vec3& a) {
   return std::sqrt(dot(a, a));
 }

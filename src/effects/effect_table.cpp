@@ -334,7 +334,8 @@ std::vector<EffectInfo> makeTable() {
                           "Holes in surfaces: materials with alpha mode MASK."),
       effect<&E::sensorMotion>(
           "sensor-motion", gpu::kSensorMotion, appliesMotion, never,
-          "The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor has a rotation period.",
+          "The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor states a rotation "
+          "period, or if the beams of a list have times.",
           {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
               "deskew",
               "If true, points are reported in the frame of Shot::pose, otherwise in that of their column.")}),
@@ -380,10 +381,11 @@ Effects Effects::none() {
 }
 
 const Parameter<Effects>& seedParameter() {
-  static const Parameter<Effects> seed = rows::count<&Effects::seed>(
-      "seed", "", 0, UINT64_MAX,
-      "Every random number is keyed by (seed, sensor, frame, beam, sub-ray, effect): one effect never changes the "
-      "draws of another, and the same seed gives the same draws on every device.");
+  static const Parameter<Effects> seed =
+      rows::count<&Effects::seed>("seed", "", 0, UINT64_MAX,
+                                  "Every random number is keyed by (seed, sensor, frame, beam, sub-ray or echo, "
+                                  "effect): one effect never changes the "
+                                  "draws of another, and the same seed gives the same draws on every device.");
   return seed;
 }
 

@@ -47,7 +47,8 @@ Sensor solidState() {
   return sensor;
 }
 
-/// Two lidars on one scene: one as the data sheet has it, one that is geometry alone and reports surface normals.
+/// Two lidars on one scene: one with the noise and footprint of a preset, one that is geometry alone and reports
+/// surface normals.
 Simulator twoLidars(const Scene& scene) {
   Effects worn = effectPreset("hdl-64e");
   worn.rangeNoise = {EffectUse::on, 0, 0.03};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of the readers of sensor files share.
+// Checks and angles for the tests of the readers of sensor files.
 #pragma once
 
 #include <algorithm>
