@@ -141,7 +141,7 @@ TEST_CASE("names of Vulkan's API occur only in src/vulkan, and in the C interfac
   });
 }
 
-TEST_CASE("only pictures use std::hypot, which C libraries round differently on arm64 and on x86-64") {
+TEST_CASE("only pictures use hypot(), which C libraries round differently on arm64 and on x86-64") {
   const Tree tree = readTree(GNOSPHERE_SOURCES);
   eachLine(tree, [&](const std::string& file, int number, const std::string& line) {
     const bool draws = file == "output/picture.cpp" || file == "output/canvas.cpp";

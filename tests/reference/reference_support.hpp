@@ -18,7 +18,7 @@
 
 namespace gnosphere::test {
 
-__extension__ typedef __float128 Quad;
+typedef float Quad __attribute__((mode(TF)));  // __float128 on x86-64, long double on arm64
 inline constexpr double kPi = 3.14159265358979323846;
 
 inline Sensor grid(uint32_t columns, uint32_t channels, double low, double high, double rangeMax = 120) {
