@@ -72,7 +72,8 @@ std::vector<Option<S>> makeSimulatorTable() {
        cloud},
       {choice<&S::tuning, &Tuning::binning>(
            "tuning.binning",
-           {{"auto", "Slabs on a CPU; nearest on other devices and for footprints, but lists if these pass panes."},
+           {{"auto",
+             "Slabs on a CPU; nearest on other devices and for footprints; lists with the bounds of the paper."},
             {"nearest", "One 64-bit atomic minimum per hit; replaced by lists on devices without that instruction."},
             {"lists", "A list of candidates per beam: count, prefix sum, fill."},
             {"slabs",

@@ -86,7 +86,7 @@ enum class ReflectingFaces {
 
 /// How the hits of each beam are collected. Every choice gives the same cloud.
 enum class Binning {
-  automatic,  ///< slabs on a CPU; nearest on other devices and for footprints, but lists if these pass panes
+  automatic,  ///< slabs on a CPU; nearest on other devices and for footprints; lists with the bounds of the paper
   nearest,    ///< one 64-bit atomic minimum per hit; replaced by lists on devices without that instruction
   lists,      ///< a list of candidates per beam: count, prefix sum, fill
   slabs,  ///< one subgroup owns a slab of columns, so the minimum needs no atomics; replaced by lists as `nearest` is
