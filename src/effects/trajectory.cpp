@@ -87,13 +87,6 @@ Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
   return {scale * axis.x, scale * axis.y, scale * axis.z};
 }
 
-Transform transformAt(const Transform& start, const Transform& end, double period, double time) {
-  const double share = time / period;
-  Transform result = start;
-  for (size_t i = 0; i < 12; ++i) result.rows[i] += share * (end.rows[i] - start.rows[i]);
-  return result;
-}
-
 Transform velocityOf(const Transform& start, const Transform& end, double period) {
   Transform result;
   for (size_t i = 0; i < 12; ++i) result.rows[i] = (end.rows[i] - start.rows[i]) / period;

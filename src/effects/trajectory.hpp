@@ -17,9 +17,8 @@ Vec3 velocityAt(const SensorMotion& motion, double time);
 /// Returns the angular velocity in rad/s in the frame of the sensor, of the same interval.
 Vec3 angularVelocityAt(const SensorMotion& motion, double time);
 
-/// Returns the transform at `time` of an instance that moves from `start` to `end` within `period` seconds.
-Transform transformAt(const Transform& start, const Transform& end, double period, double time);
-/// Returns the map from a point of the mesh to its velocity in m/s in the world: velocity = velocityOf(...) * point.
+/// Returns the map from a point of the mesh to its velocity in m/s in the world, velocity = velocityOf(...) * point, of
+/// an instance that moves from `start` to `end` within `period` seconds.
 Transform velocityOf(const Transform& start, const Transform& end, double period);
 
 }  // namespace gnosphere
