@@ -63,7 +63,7 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
     triangle = seenFrom(triangle, tile.slot, tile.box.rowFirst, first);
   }
   vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
-  float blur = blurOf(triangle, prepared, far);
+  float blur = blurOf(prepared, far);
   if (MOTION) blur += driftWithin(triangle, angle * frame.columnsPerRadian);
   if (ORIGINS) blur += seemingAngle(motion.origins, 0.0, triangle.rangeMin);
   if (angle + blur > 0.5) return;

@@ -40,7 +40,7 @@ Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   float span = max(max(angle.x, angle.y), 0.0) - min(min(angle.x, angle.y), 0.0);
   result.known = max(abs(tangent.x), abs(tangent.y)) < 0.1 && min(along.x, along.y) > 0.0 && steepest < 1.5 &&
                  boxColumnCount(box) < frame.columns;
-  float blur = blurOf(triangle, prepared, vec3(length(a), length(b), length(c)));
+  float blur = blurOf(prepared, vec3(length(a), length(b), length(c)));
   // The derivative of the tangent by the elevation key is (1 + tangent)^2.
   float slope = (1.1 + steepest) * (1.1 + steepest), key = steepest / (1.0 + steepest);
   result.slackUp = slope * (kKeySlack + blur + seemingUp) + 0.14 * span * span * steepest;

@@ -3,7 +3,7 @@
 // out of the triangle; the highest and lowest points of the wedge lie on the triangle's clipped edges.
 
 // Returns the angle by which a beam can miss a triangle and still count as a hit.
-float blurOf(Triangle triangle, Prepared prepared, vec3 far) {
+float blurOf(Prepared prepared, vec3 far) {
   float blur = 2e-6 + 1.001 * (SPREADS ? frame.footprint : 0.0);
   // The normal of an edge, a x b, has an error of 1e-7 |a| |b|, which tilts it by that error divided by its length.
   if (INSIDE == kInsidePlain) {

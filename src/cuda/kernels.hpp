@@ -25,10 +25,10 @@ struct Job {
 /// Launches the given number of workgroups; the next launch sees what this one has written. There are two
 /// implementations: `parity` compiles without fused multiply-add, `fast` with it.
 namespace parity {
-void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY = 1);
+void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY);
 }
 namespace fast {
-void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY = 1);
+void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgroupsY);
 }
 
 }  // namespace gnosphere::cuda

@@ -19,6 +19,8 @@ uint8_t toByte(float value) {
   return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
 }
 
+constexpr int kScale = 2;  // pixels of a dot of a letter
+
 }  // namespace
 
 Colour turbo(float t) {
@@ -74,7 +76,7 @@ void Canvas::circle(float x, float y, float radius, const Colour& colour, float 
   }
 }
 
-void Canvas::text(int x, int y, const std::string& text, const Colour& colour, int scale) {
+void Canvas::text(int x, int y, const std::string& text, const Colour& colour) {
   struct Vertex {
     float x, y, z;
     uint8_t colour[4];
@@ -86,14 +88,14 @@ void Canvas::text(int x, int y, const std::string& text, const Colour& colour, i
   for (int q = 0; q < quads; ++q) {
     const Vertex& a = corners[static_cast<size_t>(q) * 4];
     const Vertex& c = corners[static_cast<size_t>(q) * 4 + 2];
-    const auto at = [&](float v) { return static_cast<int>(std::lround(v)) * scale; };
+    const auto at = [&](float v) { return static_cast<int>(std::lround(v)) * kScale; };
     fill(x + at(a.x), y + at(a.y), at(c.x) - at(a.x), at(c.y) - at(a.y), colour);
   }
 }
 
-int Canvas::textWidth(const std::string& text, int scale) {
+int Canvas::textWidth(const std::string& text) {
   std::string copy = text;
-  return stb_easy_font_width(copy.data()) * scale;
+  return stb_easy_font_width(copy.data()) * kScale;
 }
 
 void Canvas::writePng(const std::filesystem::path& file) const {

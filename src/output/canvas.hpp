@@ -34,9 +34,9 @@ class Canvas {
   void blend(int x, int y, const Colour& colour, float alpha = 1);
   void fill(int x, int y, int w, int h, const Colour& colour);
   void circle(float x, float y, float radius, const Colour& colour, float alpha);
-  /// `y` is the top of the letters; they are 7 * scale pixels high.
-  void text(int x, int y, const std::string& text, const Colour& colour, int scale = 2);
-  static int textWidth(const std::string& text, int scale = 2);
+  /// `y` is the top of the letters; they are 14 pixels high.
+  void text(int x, int y, const std::string& text, const Colour& colour);
+  static int textWidth(const std::string& text);
   /// Throws Error(file) if the picture cannot be written.
   void writePng(const std::filesystem::path& file) const;
 

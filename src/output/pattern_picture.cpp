@@ -36,8 +36,8 @@ struct Dot {
   double time;
 };
 
-std::vector<Dot> dotsOf(const Sensor& sensor, uint64_t frame) {
-  const BeamList beams = beamsOf(sensor, frame);
+std::vector<Dot> dotsOf(const Sensor& sensor) {
+  const BeamList beams = beamsOf(sensor);
   std::vector<bool> masked(beams.size());
   for (const uint32_t beam : sensor.maskedBeams) masked[beam] = true;
   std::vector<Dot> dots;
@@ -75,8 +75,8 @@ std::string degreesText(double degrees) {
 
 }  // namespace
 
-void writePatternPicture(const Sensor& sensor, const std::filesystem::path& file, uint64_t frame) {
-  const std::vector<Dot> dots = dotsOf(sensor, frame);
+void writePatternPicture(const Sensor& sensor, const std::filesystem::path& file) {
+  const std::vector<Dot> dots = dotsOf(sensor);
   Axis across = axisOf(
       dots, [](const Dot& dot) { return dot.azimuth; }, 180);
   Axis up = axisOf(

@@ -207,7 +207,7 @@ void drawRings(Canvas& canvas, const BirdsEye& view, int left, int top) {
     const float pixels = radius * view.pixelsPerMetre();
     canvas.circle(x, y, pixels, kFaint, 0.35f);
     canvas.text(static_cast<int>(x + pixels * 0.7071f) + 6, static_cast<int>(y - pixels * 0.7071f) - 14, metres(radius),
-                kFaint * 0.8f, 2);
+                kFaint * 0.8f);
   }
 }
 

@@ -19,7 +19,7 @@ void writePicture(const Scan&, const std::filesystem::path& file) {
   refuse(file);
 }
 
-void writePatternPicture(const Sensor&, const std::filesystem::path& file, uint64_t) {
+void writePatternPicture(const Sensor&, const std::filesystem::path& file) {
   refuse(file);
 }
 
