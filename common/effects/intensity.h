@@ -11,8 +11,6 @@ namespace gnosphere::gpu {
 
 // Least alpha of the GGX lobe. A narrower lobe would be missed, or hit by chance, between two beams.
 GNO_CONST float kLeastGloss = 0.05f;
-// Unit intensity of the retro-reflector that is 255 on the byte scale; stronger ones are 255 too.
-GNO_CONST float kStrongestRetro = 1000.0f;
 
 // The glossy lobe seen from the light source: GGX with alpha = roughness^2 (Walter et al., EGSR 2007) and Smith's
 // shadowing (Heitz, JCGT 2014), where half vector, light and view coincide. Returns pi * f * cosine, a scale on which
@@ -81,7 +79,8 @@ GNO_INLINE float scaled(EffectParameters p, float unit, float range) {
   if (p.intensityScale == kScaleRaw) return p.intensityModel == kModelCarla ? unit : received(unit, range, 0.0f);
   if (p.intensityScale == kScaleUnit) return min(unit, 1.0f);
   GNO_PRECISE float diffuse = 100.0f * unit;
-  GNO_PRECISE float retro = 100.0f + 22.438445f * naturalLog(max(unit, 1.0f));  // 155 / ln kStrongestRetro
+  // The factor is 155 / ln 1000: a retro-reflector of unit intensity 1000 is 255, and so are stronger ones.
+  GNO_PRECISE float retro = 100.0f + 22.438445f * naturalLog(max(unit, 1.0f));
   GNO_PRECISE float rounded = floor(min(unit > 1.0f ? retro : diffuse, 255.0f) + 0.5f);
   return rounded;
 }
