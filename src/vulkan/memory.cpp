@@ -130,10 +130,7 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   frame.reserve(device_, bytes, mostBytes_);
   frame.recording = ++recording_;
   commands.fullBarrier();
-  if (bytes == 0) {
-    frame.taken.clear();
-    return;
-  }
+  if (bytes == 0) return;
   size_t chunk = 0;
   uint64_t at = 0;
   for (const auto& [memory, runs] : writes_)
