@@ -12,7 +12,8 @@
 
 namespace gnosphere {
 
-/// The kernels in the order in which they run, with the names of the shaders. All but the first belong to a scan.
+/// The kernels in the order in which they run, with the names of the shaders. All but the first two belong
+/// to a scan.
 enum class Kernel : uint32_t {
   fit_clusters,
   place_instances,

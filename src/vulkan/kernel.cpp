@@ -49,41 +49,40 @@ Module byAtomics(const Variant& variant, Module without, Module with, Module wit
 
 Module moduleOf(const Variant& variant, bool unrolls) {
   switch (variant.kernel) {
-    case gnosphere::Kernel::fit_clusters: return fit_clusters;
-    case gnosphere::Kernel::place_instances: return place_instances;
-    case gnosphere::Kernel::beam_frames: return beam_frames;
-    case gnosphere::Kernel::project_groups: return byAtomics(variant, project_groups, project_groups_int64);
-    case gnosphere::Kernel::project_clusters: return byAtomics(variant, project_clusters, project_clusters_int64);
-    case gnosphere::Kernel::project_triangles:
+    case Kernel::fit_clusters: return fit_clusters;
+    case Kernel::place_instances: return place_instances;
+    case Kernel::beam_frames: return beam_frames;
+    case Kernel::project_groups: return byAtomics(variant, project_groups, project_groups_int64);
+    case Kernel::project_clusters: return byAtomics(variant, project_clusters, project_clusters_int64);
+    case Kernel::project_triangles:
       return byAtomics(variant, project_triangles, project_triangles_int64, project_triangles_int64_float64);
-    case gnosphere::Kernel::bin: return byAtomics(variant, bin, bin_int64, bin_int64_float64);
-    case gnosphere::Kernel::prefix_sum: return prefix_sum;
-    case gnosphere::Kernel::resolve: return resolve;
-    case gnosphere::Kernel::effects_strays: return effects_strays;
-    case gnosphere::Kernel::effects_footprint:
+    case Kernel::bin: return byAtomics(variant, bin, bin_int64, bin_int64_float64);
+    case Kernel::prefix_sum: return prefix_sum;
+    case Kernel::resolve: return resolve;
+    case Kernel::effects_strays: return effects_strays;
+    case Kernel::effects_footprint:
       return byAtomics(variant, effects_footprint_looped,
                        unrolls ? Module(effects_footprint_int64) : effects_footprint_looped);
-    case gnosphere::Kernel::effects_panes: return effects_panes;
-    case gnosphere::Kernel::records: return records;
-    case gnosphere::Kernel::effects: break;
+    case Kernel::effects_panes: return effects_panes;
+    case Kernel::records: return records;
+    case Kernel::effects: break;
   }
   return effects;
 }
 
 // A kernel without subgroup operations leaves the size of its subgroups to the driver.
-bool usesSubgroups(gnosphere::Kernel kernel) {
-  return kernel != gnosphere::Kernel::place_instances && kernel != gnosphere::Kernel::prefix_sum &&
-         kernel != gnosphere::Kernel::records;
+bool usesSubgroups(Kernel kernel) {
+  return kernel != Kernel::place_instances && kernel != Kernel::prefix_sum && kernel != Kernel::records;
 }
 
 // Returns whether a lane of the kernel holds so many values that fewer lanes are better where registers are short, by
 // the table in docs/gpus.md.
 bool holdsMuch(const Variant& variant) {
   const Options& options = variant.options;
-  if (variant.kernel == gnosphere::Kernel::bin)
+  if (variant.kernel == Kernel::bin)
     return options.MOTION != 0 || options.RAYS > 1 || options.RANGE == gpu::kRangeExact;
-  return variant.kernel == gnosphere::Kernel::project_triangles ||
-         (variant.kernel == gnosphere::Kernel::effects_footprint && variant.options.SPREAD_RAYS == 0);
+  return variant.kernel == Kernel::project_triangles ||
+         (variant.kernel == Kernel::effects_footprint && variant.options.SPREAD_RAYS == 0);
 }
 
 uint32_t lanesOf(const FullSubgroups& subgroups, const Variant& variant) {
