@@ -2,10 +2,10 @@
 #include "gnosphere/simulator.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <set>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "base/index_pool.hpp"
 #include "base/maker_process.hpp"
 #include "effects/sensor_plan.hpp"
@@ -24,8 +24,6 @@
 
 namespace gnosphere {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // The arrays of a result that failed are of no size in particular, so it is made empty.
 template <typename Result>
@@ -171,7 +169,7 @@ class Simulator::Impl {
         advance(view);
       });
     }
-    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    result.timings.wallMs = millisecondsSince(start);
     unfinished.result = nullptr;
   }
 

@@ -2,16 +2,11 @@
 #include "rivals/vulkan_rival.hpp"
 
 #include <algorithm>
-#include <chrono>
+
+#include "base/clock.hpp"
 
 namespace gnosphere::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double msSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 bool sameBeams(const Sensor& a, const Sensor& b) {
   const auto same = [](const Channel& x, const Channel& y) {
@@ -95,7 +90,7 @@ double VulkanRival::build() {
     structure_.recordMeshes(commands);
     structure_.recordTop(commands);
   });
-  const double wallMs = msSince(start);
+  const double wallMs = millisecondsSince(start);
   device_.throwOnMessages();
   return wallMs;
 }
@@ -107,7 +102,7 @@ double VulkanRival::update(std::span<const Moved> moved) {
     if (motion_ == Motion::everything) structure_.recordRefit(commands);
     structure_.recordTop(commands);
   });
-  const double wallMs = msSince(start);
+  const double wallMs = millisecondsSince(start);
   device_.throwOnMessages();
   return wallMs;
 }
@@ -177,7 +172,7 @@ double VulkanRival::trace(const Sensor& sensor, const Pose& pose, Hits& hits) {
   std::copy_n(ranges, beams, hits.ranges.begin());
   std::copy_n(ids + beams, beams, hits.triangles.begin());
   std::copy_n(ids + 2 * beams, beams, hits.instances.begin());
-  const double wallMs = msSince(start);
+  const double wallMs = millisecondsSince(start);
   device_.throwOnMessages();
   return wallMs;
 }

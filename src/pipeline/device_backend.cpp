@@ -2,9 +2,9 @@
 #include "pipeline/device_backend.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"
@@ -13,8 +13,6 @@
 
 namespace gnosphere {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Returns the range in metres within which 95 % of a sample of the returns lie; 0 if there are hardly any.
 float shellHintOf(const Scan& scan) {
@@ -400,10 +398,6 @@ class DeviceBackend final : public Backend {
       to.scan.counters.culledByCluster -= slots_[slot].reused;
     }
     for (size_t view = 0; view < part.shots.size(); ++view) to.receive(part.index + view);
-  }
-
-  static double millisecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 
   const SimulatorOptions options_;

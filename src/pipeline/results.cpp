@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/clock.hpp"
 #include "base/threads.hpp"
 #include "common/effects/incidence.h"
 #include "effects/trajectory.hpp"
@@ -17,8 +17,6 @@
 
 namespace gnosphere {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Resolving fewer beams than this is not worth waking a thread: 4,000 take about 0.06 ms, and waking a thread 0.01 ms.
 constexpr uint64_t kBeamsPerThread = 4'000;
@@ -33,8 +31,7 @@ void inSlices(Workers& workers, uint64_t count, uint64_t beamsEach, const Work& 
 
 // Adds the time since `start` as that of stage resolve, if the stages on the device are timed.
 void addResolve(Clock::time_point start, Timings& timings) {
-  if (!timings.stages.empty())
-    timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  if (!timings.stages.empty()) timings.add("resolve", millisecondsSince(start));
 }
 
 // Returns into how many runs resolveWords() can divide the beams of a table, and how many beams each has.

@@ -4,11 +4,11 @@
 #include "pipeline/backend.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "base/threads.hpp"
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
@@ -179,7 +179,7 @@ void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const 
 }
 
 void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   const Pose& pose = shot.pose;
   const Quaternion& q = pose.orientation;
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 0))
@@ -213,7 +213,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
     if (plan.signals()) ++scan.counters.causes[static_cast<size_t>(causes[i])];
   }
   scan.counters.misses = beams - scan.counters.hits;
-  scan.timings.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  scan.timings.wallMs = millisecondsSince(start);
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 #include "vulkan/kernel.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <set>
 #include <span>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "base/hash.hpp"
 #include "base/threads.hpp"
 #include "beam_frames.spv.h"
@@ -198,9 +198,9 @@ struct Kernels::Missing {
 };
 
 void Kernels::make(Missing& one) const {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   one.compiled.pipeline = compile(device_, one.variant, one.code, layout_.get(), cache_.handle());
-  one.compiled.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  one.compiled.ms = millisecondsSince(start);
 }
 
 const Kernels::Compiled* Kernels::find(const Variant& variant) const {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Machine for Vulkan: memory, and scans recorded from lists of steps.
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <deque>
 #include <string>
 
+#include "base/clock.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/device_backend.hpp"
 #include "vulkan/commands.hpp"
@@ -17,8 +17,6 @@
 namespace gnosphere {
 namespace vulkan {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Number of scans submitted at a time: the device works on one while the host receives the one before.
 constexpr size_t kSlots = 2;
