@@ -139,8 +139,7 @@ class Search {
 };
 
 double distance(const Place& a, const Place& b) {
-  const Vec3 between = a.pose.position - b.pose.position;
-  return std::sqrt(dot(between, between));
+  return lengthOf(a.pose.position - b.pose.position);
 }
 
 /// Takes the best places that are at least `spacing` apart, until there are `count`.

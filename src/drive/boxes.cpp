@@ -53,9 +53,9 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
   constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
   const Beams& beams = beamsOf(recorded.planned);
   const Vec3 centre = seen.position;
-  const double radius = std::sqrt(dot(size, size)) / 2, distance = std::sqrt(dot(centre, centre));
+  const double radius = lengthOf(size) / 2, distance = lengthOf(centre);
   double reach = radius;  // beams leave from within this distance of the sensor's origin
-  for (const Vec3& origin : beams.origins) reach = std::max(reach, radius + std::sqrt(dot(origin, origin)));
+  for (const Vec3& origin : beams.origins) reach = std::max(reach, radius + lengthOf(origin));
   // A beam meets the ball around the box if its angle to the centre is small enough.
   const float least =
       distance > reach ? static_cast<float>(std::sqrt(distance * distance - reach * reach) - 1e-3) : -INFINITY;

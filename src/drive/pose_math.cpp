@@ -13,7 +13,7 @@ Quaternion operator*(const Quaternion& a, const Quaternion& b) {
 
 double angleBetween(const Quaternion& a, const Quaternion& b) {
   const Quaternion turn = Quaternion{-a.x, -a.y, -a.z, a.w} * b;
-  return 2 * std::atan2(std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z), std::abs(turn.w));
+  return 2 * std::atan2(lengthOf({turn.x, turn.y, turn.z}), std::abs(turn.w));
 }
 
 Quaternion normalized(const Quaternion& q) {

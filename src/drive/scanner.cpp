@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drive/pose_math.hpp"
 #include "gnosphere/options.hpp"
 #include "sensor/beams.hpp"
 
@@ -107,7 +108,7 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
   times.insert(times.end(), {begin, end});
   std::sort(times.begin(), times.end());
   const Vec3& arm = drive_.sensors[recorded.planned.sensor].mount.position;
-  const double length = std::sqrt(dot(arm, arm));
+  const double length = lengthOf(arm);
   SensorMotion motion;
   const auto add = [&](double time) {
     if (motion.stamps.empty() || time - begin > motion.stamps.back().time)

@@ -182,9 +182,9 @@ Stamps readCarlaRoute(const std::filesystem::path& file, const TrajectoryFileOpt
     if (!std::isfinite(p.x + p.y + p.z)) refuse("has a waypoint without finite x, y and z");
     double time = 0;
     if (!stamps.empty()) {
-      const Vec3 step = p - stamps.back().pose.position;
-      if (!(dot(step, step) > 0)) return;
-      time = stamps.back().time + std::sqrt(dot(step, step)) / options.speed;
+      const double distance = lengthOf(p - stamps.back().pose.position);
+      if (!(distance > 0)) return;
+      time = stamps.back().time + distance / options.speed;
     }
     stamps.push_back({time, {p, {}}});
   };

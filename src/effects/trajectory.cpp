@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -80,7 +82,7 @@ Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
   // The rotation conj(p) q leads from the one pose to the other along the shorter arc.
   const Vec3 axis = {p.w * q.x - p.x * q.w - p.y * q.z + p.z * q.y, p.w * q.y + p.x * q.z - p.y * q.w - p.z * q.x,
                      p.w * q.z - p.x * q.y + p.y * q.x - p.z * q.w};
-  const double sine = std::sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z), cosine = dot(p, q);
+  const double sine = lengthOf(axis), cosine = dot(p, q);
   if (sine == 0) return {};
   const double angle = 2 * std::atan2(sine, std::abs(cosine));
   const double scale = std::copysign(angle / sine / (b.time - a.time), cosine);

@@ -36,11 +36,11 @@ struct Shares {
 Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
   const Vec3 corners[3] = {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
                            line.frame.toSensor(triangle.corners[2])};
-  const double longest =
-      std::max({norm(corners[1] - corners[0]), norm(corners[2] - corners[1]), norm(corners[0] - corners[2])});
-  const double height = norm(cross(corners[1] - corners[0], corners[2] - corners[0])) / longest;
+  const double longest = std::max(
+      {lengthOf(corners[1] - corners[0]), lengthOf(corners[2] - corners[1]), lengthOf(corners[0] - corners[2])});
+  const double height = lengthOf(cross(corners[1] - corners[0], corners[2] - corners[0])) / longest;
   const CornerError& error = view.errors[triangle.instance];
-  const double farthest = std::max({norm(corners[0]), norm(corners[1]), norm(corners[2])});
+  const double farthest = std::max({lengthOf(corners[0]), lengthOf(corners[1]), lengthOf(corners[2])});
   const double tilt = (2 * (error.relative * farthest + error.absolute) + 10 * kUnitRoundoff * longest) / height +
                       kDirectionError + line.astray;
   const double cosine = std::abs(dot(normalTowardsOrigin(corners), line.direction));
@@ -92,7 +92,7 @@ void trace(const View& view, const Line& line, const BeamEffects& effects, size_
 
 Line lineOf(const Beam& beam, double u, double v) {
   const Vec3 along = beam.axis.direction + u * beam.left + v * beam.up;
-  return {beam.axis.frame, (1 / norm(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
+  return {beam.axis.frame, (1 / lengthOf(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
 }
 
 /// Merges sorted pieces that follow each other within the separation. If pieces of two surfaces are equally strong, it
@@ -191,7 +191,7 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
   Beam beam = {{SensorFrame(pose), direction, time, window}, {}, {}, {}, pose, least};
   beam.origin = originOf(sensor, index, shot.frame);
   // Lists are seen from a place near each laser.
-  beam.axis.reach = sensor.isGrid() ? norm(beam.origin) : std::min(norm(beam.origin), kFarthestLaser);
+  beam.axis.reach = sensor.isGrid() ? lengthOf(beam.origin) : std::min(lengthOf(beam.origin), kFarthestLaser);
   beam.left = {-s, c, 0};
   beam.up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
   beam.axis.frame.position = beam.axis.frame.position + beam.axis.frame.directionToWorld(beam.origin);

@@ -48,7 +48,7 @@ struct Across {
   explicit Across(const Vec3& direction) : d(direction) {
     const Vec3 other = std::abs(d.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 n = cross(d, other);
-    u = (1 / norm(n)) * n;
+    u = (1 / lengthOf(n)) * n;
     v = cross(d, u);
   }
   Vec3 d, u, v;
@@ -120,7 +120,7 @@ inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, co
     c[k].x = dot(beam.u, v);
     c[k].y = dot(beam.v, v);
     c[k].depth = dot(beam.d, v);
-    c[k].place = error.relative * norm(v) + error.absolute;
+    c[k].place = error.relative * lengthOf(v) + error.absolute;
     c[k].reach = c[k].place + kDirectionError * c[k].depth;
   }
   // Most triangles are clearly beside the beam.

@@ -12,9 +12,6 @@
 
 namespace gnosphere::reference {
 
-inline double norm(const Vec3& a) {
-  return std::sqrt(dot(a, a));
-}
 /// A total order of points. Any order will do that is the same for all triangles that share a corner.
 inline bool before(const Vec3& a, const Vec3& b) {
   if (a.x != b.x) return a.x < b.x;

@@ -54,7 +54,7 @@ Medium::Medium(const SensorPlan& plan, const Shot& shot)
   vertical_ = stated ? asked.vertical : plan.sensor.divergenceVertical;
   if (!(horizontal_ > 0 || vertical_ > 0)) horizontal_ = vertical_ = kUsualSpread;
   for (const SensorMotion::Stamp& stamp : shot.motion.stamps)
-    travel_ = std::max(travel_, 2 * norm(stamp.pose.position - shot.motion.stamps.front().pose.position));
+    travel_ = std::max(travel_, 2 * lengthOf(stamp.pose.position - shot.motion.stamps.front().pose.position));
 
   // Contrast falls to 5 % at the visibility: Koschmieder (1924), WMO-No. 8. Rain and dry snow: ITU-R P.1814 (2007).
   const double rain = effects.rain.rate, snow = effects.snow.rate;

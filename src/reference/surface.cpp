@@ -41,7 +41,7 @@ std::array<double, 2> barycentricsOf(const Triangle& triangle, const Weights& we
 
 Vec3 normalTowardsOrigin(const Vec3 (&corners)[3]) {
   const Vec3 normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
-  const double length = norm(normal);
+  const double length = lengthOf(normal);
   if (!(length > 0)) return {};
   return (dot(normal, corners[0]) > 0 ? -1 / length : 1 / length) * normal;
 }

@@ -39,7 +39,7 @@ View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& 
   if (tree.triangles().empty()) return view;
   const Vec3 low = bounds.min - pose.position, high = bounds.max - pose.position;
   // The distance bounds every coordinate in any orientation; within half the limit no triangle need be checked.
-  if (norm({std::max(-low.x, high.x), std::max(-low.y, high.y), std::max(-low.z, high.z)}) < 0.5 * kFarthest)
+  if (lengthOf({std::max(-low.x, high.x), std::max(-low.y, high.y), std::max(-low.z, high.z)}) < 0.5 * kFarthest)
     return view;
   const SensorFrame frame(pose);
   view.dropped.resize(tree.triangles().size());

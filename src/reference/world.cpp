@@ -24,7 +24,7 @@ double condition(const Transform& t) {
   int empty = -1, emptyCount = 0;
   for (int k = 0; k < 3; ++k) {
     columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
-    const double length = norm(columns[k]);
+    const double length = lengthOf(columns[k]);
     if (length > 0) {
       columns[k] = (1 / length) * columns[k];
     } else {
@@ -35,7 +35,7 @@ double condition(const Transform& t) {
   if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
   if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
     const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
-    columns[empty] = (1 / std::max(norm(n), 1e-30)) * n;
+    columns[empty] = (1 / std::max(lengthOf(n), 1e-30)) * n;
   }
   double squares = 0;
   for (int k = 0; k < 3; ++k) {
@@ -138,7 +138,7 @@ std::vector<PlacedMesh> placedMeshesOf(const Scene& scene) {
 }
 
 double absoluteError(const PlacedMesh& place, const Vec3& position) {
-  return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
+  return 1e-9 + 0x1p-48 * (lengthOf(place.origin) + lengthOf(position)) + 0x1p-45 * lengthOf(place.origin - position);
 }
 
 std::vector<Triangle> placeAll(const Scene& scene, uint32_t world, ReflectingFaces faces,

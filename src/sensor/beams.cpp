@@ -56,7 +56,7 @@ const BeamList& patternOf(const Sensor& sensor, uint64_t frame) {
 Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (!sensor.isGrid()) {
     const Vec3& d = patternOf(sensor, frame).directions[beam];
-    const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    const double length = lengthOf(d);
     return {d.x / length, d.y / length, d.z / length};
   }
   const SinCos azimuth = sinCosDegrees(azimuthDegOf(sensor, beam));

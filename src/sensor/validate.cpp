@@ -5,6 +5,7 @@
 
 #include "base/limits.hpp"
 #include "base/text.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
@@ -22,10 +23,6 @@ std::string coordinates(const Vec3& v) {
   return std::string("[") + numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z) + "]";
 }
 
-double square(const Vec3& v) {
-  return v.x * v.x + v.y * v.y + v.z * v.z;
-}
-
 void checkChannel(const Sensor& sensor, size_t j) {
   const Channel& channel = sensor.channels[j];
   const auto refuseIts = [&](const char* what, const std::string& why) {
@@ -35,7 +32,7 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuseIts("elevation", "within -90..90 degrees, is " + numberText(channel.elevationDeg));
   if (!(std::abs(channel.azimuthOffsetDeg) <= 360))
     refuseIts("azimuth offset", "within -360..360 degrees, is " + numberText(channel.azimuthOffsetDeg));
-  if (!limits::kOrigin.holds(std::sqrt(square(channel.origin))))
+  if (!limits::kOrigin.holds(lengthOf(channel.origin)))
     refuseIts("origin", "within 1 m of the sensor's, is " + coordinates(channel.origin));
   if (!(std::abs(channel.timeOffset) <= 1))
     refuseIts("time offset", "within -1..1 s, is " + numberText(channel.timeOffset));
@@ -89,10 +86,9 @@ void Pattern::check() const {
     refuse("has " + std::to_string(list.size()) + " beams, pattern 0 has " + std::to_string(sensor.patterns[0].size()) +
            "; all patterns must have the same number");
   checkEach(
-      "direction", list.directions, [&](const Vec3& d) { return std::abs(std::sqrt(square(d)) - 1) <= 1e-4; },
-      "a unit vector");
+      "direction", list.directions, [&](const Vec3& d) { return std::abs(lengthOf(d) - 1) <= 1e-4; }, "a unit vector");
   checkEach(
-      "origin", list.origins, [](const Vec3& o) { return limits::kListedOrigin.holds(std::sqrt(square(o))); },
+      "origin", list.origins, [](const Vec3& o) { return limits::kListedOrigin.holds(lengthOf(o)); },
       "within 1 km of the sensor's");
   checkEach(
       "time", list.times, [](double t) { return t >= 0 && limits::kSeconds.holds(t); }, "within 0..10 s");

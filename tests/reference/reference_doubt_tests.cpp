@@ -127,7 +127,7 @@ TEST_CASE("moving corners as far as single precision may changes only ties") {
       for (QuadVector& c : corners) {
         const Vec3 to = {normal(random), normal(random), normal(random)};
         const double far = std::sqrt(static_cast<double>(dot(c, c)));
-        const double step = 0.99 * reference::kCornerError * far / reference::norm(to);
+        const double step = 0.99 * reference::kCornerError * far / lengthOf(to);
         c = {c.x + step * to.x, c.y + step * to.y, c.z + step * to.z};
       }
       Scan moved;

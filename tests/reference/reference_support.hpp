@@ -182,7 +182,7 @@ inline bool clearlyBeside(const QuadVector& corner, const QuadVector& side1, con
   const Vec3 a = rounded(corner), e1 = rounded(side1), e2 = rounded(side2);
   const Vec3 p = gnosphere::cross(d, e2), q = gnosphere::cross(e1, a);
   double det = gnosphere::dot(e1, p), u = -gnosphere::dot(a, p), v = gnosphere::dot(d, q);
-  const double size = reference::norm(a) + reference::norm(e1) + reference::norm(e2), error = 1e-13 * size * size;
+  const double size = lengthOf(a) + lengthOf(e1) + lengthOf(e2), error = 1e-13 * size * size;
   if (!(std::abs(det) > error)) return false;
   if (det < 0) det = -det, u = -u, v = -v;
   return u < -error || v < -error || u + v - det > 3 * error;

@@ -62,7 +62,7 @@ TEST_CASE("no beam passes the corners and edges of a closed mesh") {
   }
   std::vector<float> positions;
   for (const Vec3& p : corners)
-    for (double c : {p.x, p.y, p.z}) positions.push_back(static_cast<float>(10 / reference::norm(p) * c));
+    for (double c : {p.x, p.y, p.z}) positions.push_back(static_cast<float>(10 / lengthOf(p) * c));
   const Scene sphere = sceneOf(positions, faces);
   const Pose pose = poseAt({1.1, -0.7, 2.3}, 0.4, 0.3);
   const reference::SensorFrame frame(pose);
@@ -78,7 +78,7 @@ TEST_CASE("no beam passes the corners and edges of a closed mesh") {
   }
   const Scan scan = scanOf(sphere, aimed(targets), pose);
   CHECK(scan.counters.misses == 0);
-  for (size_t i = 0; i < targets.size(); ++i) REQUIRE(std::abs(scan.ranges[i] - reference::norm(targets[i])) < 1e-5);
+  for (size_t i = 0; i < targets.size(); ++i) REQUIRE(std::abs(scan.ranges[i] - lengthOf(targets[i])) < 1e-5);
   CHECK(tieCount(scan) == targets.size());
 }
 

@@ -18,10 +18,8 @@ constexpr double kBaseline = 0.4;  ///< metres before and after a pose that defi
 class Way {
  public:
   explicit Way(const std::vector<Vec3>& points) : points_(points), distances_{0} {
-    for (size_t i = 1; i < points.size(); ++i) {
-      const Vec3 step = points[i] - points[i - 1];
-      distances_.push_back(distances_.back() + std::sqrt(dot(step, step)));
-    }
+    for (size_t i = 1; i < points.size(); ++i)
+      distances_.push_back(distances_.back() + lengthOf(points[i] - points[i - 1]));
   }
   double length() const { return distances_.back(); }
   Vec3 at(double distance) const {

@@ -28,7 +28,7 @@ uint64_t mix(uint64_t z) {  // splitmix64 (Steele, Lea, Flood 2014)
 }  // namespace
 
 Vec3 normalized(const Vec3& a) {
-  return 1 / std::sqrt(dot(a, a)) * a;
+  return 1 / lengthOf(a) * a;
 }
 
 double sine(double turns) {

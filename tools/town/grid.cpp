@@ -123,7 +123,7 @@ std::vector<Vec3> roundedWay(const std::vector<Vec3>& corners) {
   std::vector<Vec3> points;
   const auto addLine = [&](const Vec3& from, const Vec3& to) {
     const Vec3 way = to - from;
-    const int count = static_cast<int>(std::sqrt(dot(way, way)) / kStep);
+    const int count = static_cast<int>(lengthOf(way) / kStep);
     for (int i = 0; i < count; ++i) points.push_back(from + static_cast<double>(i) / count * way);
   };
   Vec3 from = corners.front();

@@ -192,9 +192,9 @@ class Osi : public Format {
       addIdentifier(detection, LidarDetection::objectId, object == kNoTriangle ? kNoObject : object);
       {
         protozero::pbf_builder<Spherical3d> position(detection, LidarDetection::position);
-        position.add_double(Spherical3d::distance, std::sqrt(x * x + y * y + z * z));
+        position.add_double(Spherical3d::distance, lengthOf({x, y, z}));
         position.add_double(Spherical3d::azimuth, std::atan2(y, x));
-        position.add_double(Spherical3d::elevation, std::atan2(z, std::sqrt(x * x + y * y)));
+        position.add_double(Spherical3d::elevation, std::atan2(z, lengthOf(x, y)));
       }
       if (strong) detection.add_double(LidarDetection::intensity, percent * intensities[entry]);
       if (object == kNoTriangle) detection.add_enum(LidarDetection::classification, kClutter);

@@ -10,6 +10,7 @@
 #include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "base/vector.hpp"
 
 namespace gnosphere {
 
@@ -43,7 +44,7 @@ void delay(Channel& channel, double seconds, double degreesPerSecond) {
 }
 
 void addDirection(const SensorSource& source, BeamList& list, const Vec3& d) {
-  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+  const double length = lengthOf(d);
   if (!(length > 0) || !std::isfinite(length))
     source.refuse("the direction of beam " + std::to_string(list.size()) +
                   (length == 0 ? " has no length" : " is not finite"));

@@ -126,8 +126,7 @@ double Geometry::largestCurvature() const {
   Vec3 before = at(0).along;
   for (int i = 1; i <= kSamples; ++i) {
     const Vec3 along = at(length * i / kSamples).along;
-    const Vec3 change = along - before;
-    largest = std::max(largest, std::sqrt(dot(change, change)) * kSamples / length);
+    largest = std::max(largest, lengthOf(along - before) * kSamples / length);
     before = along;
   }
   return largest;
