@@ -57,8 +57,8 @@ class Divider {
     Vec3 low = origins_[beams[0]], high = low;
     for (const uint32_t beam : beams) {
       const Vec3& o = origins_[beam];
-      low = {std::min(low.x, o.x), std::min(low.y, o.y), std::min(low.z, o.z)};
-      high = {std::max(high.x, o.x), std::max(high.y, o.y), std::max(high.z, o.z)};
+      low = lowest(low, o);
+      high = highest(high, o);
     }
     const Vec3 middle = {0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.5 * (low.z + high.z)};
     const double x = high.x - middle.x, y = high.y - middle.y, z = high.z - middle.z, radius = std::max({x, y, z});

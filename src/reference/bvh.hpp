@@ -16,8 +16,8 @@ struct Box {
   Vec3 max{-kInfinity, -kInfinity, -kInfinity};
 
   void add(const Vec3& p) {
-    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
-    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+    min = lowest(min, p);
+    max = highest(max, p);
   }
   void add(const Box& box) {
     add(box.min);

@@ -6,6 +6,7 @@
 
 #include "base/limits.hpp"
 #include "base/text.hpp"
+#include "base/vector.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -54,8 +55,8 @@ Bounds worldBounds(const Scene& scene) {
       const Vec3 p = instance.transform * Vec3{mesh.origin.x + positions[3 * v], mesh.origin.y + positions[3 * v + 1],
                                                mesh.origin.z + positions[3 * v + 2]};
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
-      bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
-      bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
+      bounds.min = lowest(bounds.min, p);
+      bounds.max = highest(bounds.max, p);
     }
   }
   return bounds;

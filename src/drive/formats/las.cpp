@@ -117,8 +117,8 @@ class Las : public Format {
     append(out, gpsTime);
     append(out, object);
     const Vec3 at = kScale * Vec3{double(point.x), double(point.y), double(point.z)} + offset;
-    points.min = {std::min(points.min.x, at.x), std::min(points.min.y, at.y), std::min(points.min.z, at.z)};
-    points.max = {std::max(points.max.x, at.x), std::max(points.max.y, at.y), std::max(points.max.z, at.z)};
+    points.min = lowest(points.min, at);
+    points.max = highest(points.max, at);
     ++points.count;
     ++points.byReturn[number - 1];
   }

@@ -282,8 +282,8 @@ Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
     reader.who = "road " + road.id;
     for (const Geometry& geometry : road.geometries) {
       const Vec3 p = road.frame(geometry.s).at;
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      low = lowest(low, p);
+      high = highest(high, p);
     }
     if (std::max({high.x - low.x, high.y - low.y, high.z - low.z}) > kWidestNetwork)
       reader.fail("with it the roads are more than 20 km apart; cut the map into parts");
