@@ -5,6 +5,7 @@
 #include <atomic>
 #include <utility>
 
+#include "base/finite.hpp"
 #include "base/limits.hpp"
 #include "base/room.hpp"
 #include "base/threads.hpp"
@@ -192,7 +193,7 @@ std::vector<uint32_t> KeptScene::addInstances(std::span<const Instance> instance
   indices.reserve(instances.size());
   for (size_t i = 0; i < instances.size(); ++i) {
     meshes_.check(instances[i].mesh, "entry " + std::to_string(i) + ": ");
-    if (!finite(instances[i].transform))
+    if (!allFinite(instances[i].transform.rows))
       throw Error(ErrorCode::invalidArgument, "entry " + std::to_string(i) + ": the transform is not finite");
   }
   try {
@@ -235,7 +236,7 @@ void KeptScene::setTransforms(std::span<const uint32_t> instances, std::span<con
 template <typename T>
 void KeptScene::moveAll(std::span<const uint32_t> instances, std::span<const T> values) {
   readTransforms(values, instances.size(), transforms_);
-  const auto isRight = [&](size_t i) { return instances_.has(instances[i]) && finite(transforms_[i]); };
+  const auto isRight = [&](size_t i) { return instances_.has(instances[i]) && allFinite(transforms_[i].rows); };
   std::atomic<bool> right = true;
   inRuns(instances.size(), kTransformsPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
     for (uint64_t i = first; i < end; ++i)

@@ -2,8 +2,10 @@
 #include "shot_checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/finite.hpp"
 #include "gnosphere/error.hpp"
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
@@ -18,19 +20,14 @@ void validate(const AccuracyParts& parts) {
 
 void validate(const Pose& pose, const std::string& which) {
   const auto& [p, q] = pose;
-  for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
-    if (!std::isfinite(value))
-      throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
+  if (!allFinite(std::array{p.x, p.y, p.z, q.x, q.y, q.z, q.w}))
+    throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
     throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
 }
 
-bool finite(const Transform& transform) {
-  return std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); });
-}
-
 void validate(const Transform& transform, size_t instance, const std::string& which) {
-  if (!finite(transform))
+  if (!allFinite(transform.rows))
     throw Error(ErrorCode::invalidArgument,
                 which + "instance " + std::to_string(instance) + ": its transform is not finite");
 }

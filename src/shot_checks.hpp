@@ -11,7 +11,6 @@ namespace gnosphere {
 
 void validate(const AccuracyParts& parts);
 void validate(const Pose& pose, const std::string& which);
-bool finite(const Transform& transform);
 void validate(const Transform& transform, size_t instance, const std::string& which = "");
 void validate(const SensorMotion& motion, const std::string& which);
 /// Checks that the shots of a batch have one sensor.

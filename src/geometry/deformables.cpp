@@ -17,11 +17,6 @@ using gpu::Array;
 static_assert(3 * gpu::kClusterTriangles * gpu::kMostInfluences <= gpu::kMostBones,
               "every bone of a cluster has a number");
 
-bool isFinite(const gpu::vec3& p) {
-  return std::abs(p.x) <= gpu::kCoordinateLimit && std::abs(p.y) <= gpu::kCoordinateLimit &&
-         std::abs(p.z) <= gpu::kCoordinateLimit;
-}
-
 // Extends the box of a joint; the boxes are in the order of the joints.
 void include(std::vector<JointBox>& boxes, uint32_t joint, const gpu::vec3& position) {
   auto place = std::find_if(boxes.begin(), boxes.end(), [&](const JointBox& other) { return other.joint >= joint; });
@@ -127,7 +122,7 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
       for (size_t i = 0; i < count; ++i) {
         influencesOf(mesh, flat.vertices[first + i], influences[i]);
         const gpu::vec3 position = vertexAt(mesh.positions, flat.vertices[first + i]);
-        if (!isFinite(position)) continue;
+        if (!inLimits(&position.x)) continue;
         if (mesh.influences == 0) include(entry.groups[g], gpu::kNone, position);
         for (const Influence& influence : influences[i]) include(entry.groups[g], influence.joint, position);
       }
@@ -139,7 +134,7 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   for (const std::vector<float>& target : mesh.morphTargets) {
     std::array<gpu::vec3, 2>& bounds = entry.offsetBounds.emplace_back();
     for (size_t v = 0; v < mesh.vertexCount(); ++v)
-      if (const gpu::vec3 offset = vertexAt(target, v); isFinite(offset))
+      if (const gpu::vec3 offset = vertexAt(target, v); inLimits(&offset.x))
         bounds = {glm::min(bounds[0], offset), glm::max(bounds[1], offset)};
   }
 

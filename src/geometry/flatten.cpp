@@ -129,10 +129,12 @@ class MeshFlattener {
 
 }  // namespace
 
+bool inLimits(const float* point) {
+  return std::all_of(point, point + 3, [](float value) { return std::abs(value) <= gpu::kCoordinateLimit; });
+}
+
 Fate fateOf(const float* a, const float* b, const float* c) {
-  for (const float* corner : {a, b, c})
-    for (int axis = 0; axis < 3; ++axis)
-      if (!(std::abs(corner[axis]) <= gpu::kCoordinateLimit)) return Fate::nonFinite;
+  if (!inLimits(a) || !inLimits(b) || !inLimits(c)) return Fate::nonFinite;
   const bool same = std::equal(a, a + 3, b) || std::equal(b, b + 3, c) || std::equal(c, c + 3, a);
   return same ? Fate::degenerate : Fate::usable;
 }

@@ -33,6 +33,8 @@ enum class Fate {
   nonFinite,   ///< a corner is NaN, infinite or beyond 1e9 m
   degenerate,  ///< two corners at the same place
 };
+/// Whether a point can be a corner: no coordinate is NaN, infinite or beyond 1e9 m.
+bool inLimits(const float* point);
 Fate fateOf(const float* a, const float* b, const float* c);
 
 /// One mesh as clusters in groups. Places count from the mesh's own first entry. A cluster owns a run of `positions` (3

@@ -5,6 +5,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/finite.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/error.hpp"
 #include "scene/validate.hpp"
@@ -24,18 +25,13 @@ std::string missing(const char* kind, uint32_t index, size_t count) {
   return std::string(kind) + " " + std::to_string(index) + " does not exist, there are " + std::to_string(count);
 }
 
-template <typename Values>
-bool finite(const Values& values) {
-  return std::all_of(std::begin(values), std::end(values), [](double value) { return std::isfinite(value); });
-}
-
 void checkNode(const Node& node, size_t index) {
   const std::string name = label("node", index, node.name);
   if (node.parent != kNoNode && node.parent >= index)
     refuse(name + ": its parent is node " + std::to_string(node.parent) + "; parents come before their children");
   const auto& [t, r, s] = std::tie(node.translation, node.rotation, node.scale);
   const double numbers[] = {t.x, t.y, t.z, r.x, r.y, r.z, r.w, s.x, s.y, s.z};
-  if (!finite(numbers) || (node.matrix && !finite(node.matrix->rows)) || !finite(node.morphWeights))
+  if (!allFinite(numbers) || (node.matrix && !allFinite(node.matrix->rows)) || !allFinite(node.morphWeights))
     refuse(name + ": its transform or its morph weights are not finite");
   if (r.x == 0 && r.y == 0 && r.z == 0 && r.w == 0) refuse(name + ": its rotation is a quaternion of length 0");
 }
@@ -49,7 +45,7 @@ void checkSkin(const SceneAnimation& animation, size_t index) {
   for (uint32_t joint : skin.joints)
     if (joint >= animation.nodes.size()) refuse(name + ": " + missing("node", joint, animation.nodes.size()));
   for (const Transform& map : skin.inverseBinds)
-    if (!finite(map.rows)) refuse(name + ": an inverse bind map is not finite");
+    if (!allFinite(map.rows)) refuse(name + ": an inverse bind map is not finite");
 }
 
 /// Numbers per key of a track.
@@ -75,9 +71,9 @@ void checkTrack(const Track& track, const std::string& name, const SceneAnimatio
   if (track.values.size() != width * track.times.size())
     refuse(name + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) + " numbers need " +
            std::to_string(width * track.times.size()) + ", there are " + std::to_string(track.values.size()));
-  if (!finite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()))
+  if (!allFinite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()))
     refuse(name + ": its times are not ascending");
-  if (!finite(track.values)) refuse(name + ": a value is not finite");
+  if (!allFinite(track.values)) refuse(name + ": a value is not finite");
 }
 
 /// Returns the number of morph targets by the node that places them.
@@ -98,7 +94,7 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
     if (animated.skin != kNoSkin && animated.skin >= animation.skins.size())
       refuse(name + ": " + missing("skin", animated.skin, animation.skins.size()));
     const auto& m = animated.offset.rows;
-    if (!finite(m) || (animated.skin != kNoSkin && !std::isnormal(determinant(animated.offset))))
+    if (!allFinite(m) || (animated.skin != kNoSkin && !std::isnormal(determinant(animated.offset))))
       refuse(name + ": its offset is not finite, or has no inverse");
     const uint32_t number = scene.instances[animated.instance].mesh;
     const Mesh& mesh = scene.meshes[number];
@@ -124,7 +120,7 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
 
 void validateAnimation(const Scene& scene) {
   const SceneAnimation& animation = scene.animation;
-  if (!finite(animation.root.rows)) refuse("the transform above all nodes is not finite");
+  if (!allFinite(animation.root.rows)) refuse("the transform above all nodes is not finite");
   for (size_t i = 0; i < animation.nodes.size(); ++i) checkNode(animation.nodes[i], i);
   for (size_t i = 0; i < animation.skins.size(); ++i) checkSkin(animation, i);
   const std::map<uint32_t, size_t> morphTargets = checkInstances(scene);

@@ -2,9 +2,9 @@
 #include "scene/gltf_animation.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
+#include "base/finite.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/animation.hpp"
 #include "scene/gltf_clips.hpp"
@@ -13,11 +13,6 @@ namespace gnosphere {
 namespace {
 
 constexpr size_t kNumberedJoints = 65536;  // what Mesh::joints can number
-
-template <typename Values>
-bool allFinite(const Values& values) {
-  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-}
 
 class AnimationReader {
  public:

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/finite.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -120,9 +122,6 @@ void ClipReader::keys(const Json& sampler, const std::string& who, Track& track)
   const auto floats = [&](const char* accessor, int components) {
     const std::vector<double> values = arrays_.vectors(sampler[accessor].get<int>(), components, who);
     return std::vector<float>(values.begin(), values.end());
-  };
-  const auto allFinite = [](const std::vector<float>& values) {
-    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
   };
   track.times = floats("input", 1);
   const bool weights = track.property == Track::Property::morphWeights;

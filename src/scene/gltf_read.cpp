@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.hpp"
 #include "base/transform.hpp"
 #include "scene/gltf_animation.hpp"
 
@@ -200,8 +201,7 @@ void Reader::readNodes() {
 
 void Reader::add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
                  const std::string& who) {
-  if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); }))
-    source_.fail(who + ": its transform is not finite");
+  if (!allFinite(transform.rows)) source_.fail(who + ": its transform is not finite");
   const tinygltf::Node& node = model_.nodes[placement.node];
   scene_.instances.push_back({node.name, static_cast<uint32_t>(node.mesh), transform, stated.id, stated.name});
   placements_.push_back(placement);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 
+#include "base/finite.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
 #include "scene/readers.hpp"
@@ -115,8 +116,7 @@ Scene loadScene(const fs::path& file, const LoadOptions& options) {
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     Transform& transform = scene.instances[i].transform;
     transform = root * transform;
-    if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double v) { return std::isfinite(v); }))
-      source.fail("instance " + std::to_string(i) + " is out of bounds at this scale");
+    if (!allFinite(transform.rows)) source.fail("instance " + std::to_string(i) + " is out of bounds at this scale");
   }
   return scene;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
+#include "base/finite.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
@@ -120,8 +120,8 @@ void validate(const Deformation& deformation, const std::string& name, const Mes
          std::to_string(deformation.morphWeights.size()) + " morph weights, the mesh has " +
          std::to_string(mesh.jointCount) + " and " + std::to_string(mesh.morphTargets.size()));
   for (size_t i = 0; i < deformation.joints.size(); ++i)
-    for (double value : deformation.joints[i].rows)
-      if (!std::isfinite(value)) fail(name + ": the map of joint " + std::to_string(i) + " is not finite");
+    if (!allFinite(deformation.joints[i].rows))
+      fail(name + ": the map of joint " + std::to_string(i) + " is not finite");
   for (size_t i = 0; i < deformation.morphWeights.size(); ++i)
     if (!std::isfinite(deformation.morphWeights[i]))
       fail(name + ": the weight of morph target " + std::to_string(i) + " is not finite");
@@ -189,8 +189,7 @@ void validate(const Scene& scene) {
     if (instance.mesh >= scene.meshes.size())
       fail("instance " + std::to_string(i) + ": mesh " + std::to_string(instance.mesh) +
            " does not exist, the scene has " + std::to_string(scene.meshes.size()));
-    for (double value : instance.transform.rows)
-      if (!std::isfinite(value)) fail("instance " + std::to_string(i) + ": its transform is not finite");
+    if (!allFinite(instance.transform.rows)) fail("instance " + std::to_string(i) + ": its transform is not finite");
     placed += scene.meshes[instance.mesh].triangleCount();
   }
   limits::kTriangles.check(placed, "the scene places");
