@@ -4,23 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "base/limits.hpp"
 #include "base/units.hpp"
 #include "pipeline/tuning.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
 
 std::vector<gpu::Row> makeRows(const Sensor& sensor) {
-  std::vector<uint32_t> order(sensor.channels.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
-  });
   std::vector<gpu::Row> rows;
-  for (uint32_t channel : order) rows.push_back(rowAt(sensor.channels[channel].elevationDeg * kDegree, channel));
+  for (const uint32_t channel : channelsByElevation(sensor))
+    rows.push_back(rowAt(sensor.channels[channel].elevationDeg * kDegree, channel));
   return rows;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -144,6 +145,15 @@ bool hasTimeOffsets(const Sensor& sensor) {
 bool hasAzimuthOffsets(const Sensor& sensor) {
   return std::any_of(sensor.channels.begin(), sensor.channels.end(),
                      [](const Channel& c) { return c.azimuthOffsetDeg != 0; });
+}
+
+std::vector<uint32_t> channelsByElevation(const Sensor& sensor) {
+  std::vector<uint32_t> order(sensor.channels.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
+  });
+  return order;
 }
 
 bool hasOrigins(const Sensor& sensor) {

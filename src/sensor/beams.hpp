@@ -56,6 +56,8 @@ bool hasRings(const Sensor& sensor);
 bool hasTimeOffsets(const Sensor& sensor);
 /// Whether channels of a grid have azimuth offsets.
 bool hasAzimuthOffsets(const Sensor& sensor);
+/// The channels of a grid in the order of rising elevation; those of equal elevation stay in their order.
+std::vector<uint32_t> channelsByElevation(const Sensor& sensor);
 /// Whether any beam leaves another point than the sensor's origin.
 bool hasOrigins(const Sensor& sensor);
 /// How far lasers are from `centre`, a point in the sensor's frame, in metres: in all; along the azimuth of the beam,

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/limits.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -70,11 +70,7 @@ std::optional<RowGrid> rowGridOf(const Sensor& sensor) {
 
   const double startDeg =
       grid.clockwise ? sensor.azimuthStartDeg - span * (sensor.columns - 1) / sensor.columns : sensor.azimuthStartDeg;
-  std::vector<uint32_t> order(sensor.channels.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
-  });
+  const std::vector<uint32_t> order = channelsByElevation(sensor);
   const auto shiftOf = [&](uint32_t channel) {
     return std::remainder(sensor.channels[channel].azimuthOffsetDeg, 360.0) / 360 * columns;
   };
