@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
+
+#include "geometry/pose.hpp"
 
 namespace gnosphere {
 namespace {
@@ -16,10 +16,7 @@ struct Frame {
   glm::dvec3 place;
 
   explicit Frame(const Pose& pose)
-      : quaternion(
-            glm::normalize(glm::dquat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z))),
-        turn(glm::mat3_cast(quaternion)),
-        place(pose.position.x, pose.position.y, pose.position.z) {}
+      : quaternion(rotationOf(pose)), turn(glm::mat3_cast(quaternion)), place(positionOf(pose)) {}
 };
 
 /// A map between two frames: p' = turn p + shift.

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 #include "base/room.hpp"
 #include "base/threads.hpp"
+#include "geometry/pose.hpp"
 
 namespace gnosphere {
 namespace {
@@ -19,10 +19,6 @@ const MeshSummary kEmpty;
 
 // Fewer instances than this are not worth a thread.
 constexpr uint64_t kInstancesPerRun = 2048;
-
-glm::dvec3 positionOf(const Pose& pose) {
-  return {pose.position.x, pose.position.y, pose.position.z};
-}
 
 glm::dmat3 linear(const Transform& t) {
   const auto& m = t.rows;
@@ -52,8 +48,7 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
 }
 
 glm::dmat3 rotationToSensor(const Pose& pose) {
-  const Quaternion& q = pose.orientation;
-  return glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  return glm::transpose(glm::mat3_cast(rotationOf(pose)));
 }
 
 // Divides numbers into sums of two floats. The rounded number is volatile because gcc 12, when it vectorizes, takes the

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include "base/clock.hpp"
 #include "base/threads.hpp"
 #include "common/effects/incidence.h"
 #include "effects/trajectory.hpp"
+#include "geometry/pose.hpp"
 #include "pipeline/resolve_words.hpp"
 #include "scan/columns.hpp"
 #include "sensor/beams.hpp"
@@ -146,14 +145,10 @@ class Incidence {
     glm::dvec3 direction(d.x, d.y, d.z);
     if (turned_) {
       const double time = timeOf(plan_.sensor, beam, shot_.frame);
-      direction = glm::conjugate(turnOf(shot_.pose)) * (turnOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
+      direction =
+          glm::conjugate(rotationOf(shot_.pose)) * (rotationOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
     }
     return gpu::vec3(direction);
-  }
-
-  static glm::dquat turnOf(const Pose& pose) {
-    const Quaternion& q = pose.orientation;
-    return glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
   }
 
   const SensorPlan& plan_;
