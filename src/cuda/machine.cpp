@@ -60,9 +60,7 @@ class CudaMachine final : public Machine {
 
   void submit(size_t, std::span<const Step> steps, const BoundArrays& arrays) override {
     use(device_);
-    Job job = {};
-    for (size_t i = 0; i < arrays.size(); ++i)
-      if (arrays[i]) reinterpret_cast<uint64_t*>(&job.addresses)[i] = arrays[i]->address();
+    Job job = {addressesOf(arrays), {}, {}};
     for (const Step& step : steps) run(step, arrays, job);
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <chrono>
 #include <memory>
 #include <span>
@@ -27,6 +28,14 @@ struct Traits {
 
 /// The memory of every array of a scan, indexed by gpu::Array; null if no kernel of the scan uses the array.
 using BoundArrays = std::array<DeviceMemory*, gpu::kArrayCount>;
+
+/// Returns the table by which the kernels find the arrays.
+inline gpu::Addresses addressesOf(const BoundArrays& arrays) {
+  std::array<uint64_t, gpu::kArrayCount> addresses = {};
+  for (size_t i = 0; i < arrays.size(); ++i)
+    if (arrays[i]) addresses[i] = arrays[i]->address();
+  return std::bit_cast<gpu::Addresses>(addresses);
+}
 
 class Machine {
  public:

@@ -115,11 +115,8 @@ std::string textOf(const Step& step) {
          (step.workgroupsY > 1 ? " x " + std::to_string(step.workgroupsY) : "") + " workgroups";
 }
 
-// Writes the table by which the kernels find the arrays.
 void writeAddresses(const BoundArrays& arrays, void* to) {
-  gpu::Addresses addresses = {};
-  for (size_t i = 0; i < arrays.size(); ++i)
-    if (arrays[i]) reinterpret_cast<uint64_t*>(&addresses)[i] = arrays[i]->address();
+  const gpu::Addresses addresses = addressesOf(arrays);
   std::memcpy(to, &addresses, sizeof addresses);
 }
 
