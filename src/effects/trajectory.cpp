@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/vector.hpp"
 
@@ -42,10 +43,11 @@ size_t after(const std::vector<Stamp>& stamps, double time) {
   return static_cast<size_t>(std::upper_bound(stamps.begin(), stamps.end(), time, later) - stamps.begin());
 }
 
-/// Returns the index of the stamp at the end of the interval that contains `time`, or that is nearest to it, of at
-/// least two stamps.
-size_t endOfInterval(const std::vector<Stamp>& stamps, double time) {
-  return std::clamp(after(stamps, time), size_t{1}, stamps.size() - 1);
+/// Returns the two stamps of the interval that contains `time`, or that is nearest to it; none if there is no interval.
+std::span<const Stamp> intervalAt(const SensorMotion& motion, double time) {
+  const std::span<const Stamp> stamps = motion.stamps;
+  if (stamps.size() < 2) return {};
+  return stamps.subspan(std::clamp(after(motion.stamps, time), size_t{1}, stamps.size() - 1) - 1, 2);
 }
 
 }  // namespace
@@ -59,25 +61,20 @@ Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
   const Stamp &a = stamps[next - 1], &b = stamps[next];
   const double share = (time - a.time) / (b.time - a.time);
   const Vec3 &p = a.pose.position, &q = b.pose.position;
-  return {{p.x + share * (q.x - p.x), p.y + share * (q.y - p.y), p.z + share * (q.z - p.z)},
-          slerp(a.pose.orientation, b.pose.orientation, share)};
+  return {p + share * (q - p), slerp(a.pose.orientation, b.pose.orientation, share)};
 }
 
 Vec3 velocityAt(const SensorMotion& motion, double time) {
-  const auto& stamps = motion.stamps;
-  if (stamps.size() < 2) return {};
-  const size_t next = endOfInterval(stamps, time);
-  const Stamp &a = stamps[next - 1], &b = stamps[next];
-  const double inverse = 1 / (b.time - a.time);
-  const Vec3 &p = a.pose.position, &q = b.pose.position;
-  return {inverse * (q.x - p.x), inverse * (q.y - p.y), inverse * (q.z - p.z)};
+  const std::span<const Stamp> interval = intervalAt(motion, time);
+  if (interval.empty()) return {};
+  const Stamp &a = interval[0], &b = interval[1];
+  return 1 / (b.time - a.time) * (b.pose.position - a.pose.position);
 }
 
 Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
-  const auto& stamps = motion.stamps;
-  if (stamps.size() < 2) return {};
-  const size_t next = endOfInterval(stamps, time);
-  const Stamp &a = stamps[next - 1], &b = stamps[next];
+  const std::span<const Stamp> interval = intervalAt(motion, time);
+  if (interval.empty()) return {};
+  const Stamp &a = interval[0], &b = interval[1];
   const Quaternion p = unit(a.pose.orientation), q = unit(b.pose.orientation);
   // The rotation conj(p) q leads from the one pose to the other along the shorter arc.
   const Vec3 axis = {p.w * q.x - p.x * q.w - p.y * q.z + p.z * q.y, p.w * q.y + p.x * q.z - p.y * q.w - p.z * q.x,
@@ -85,8 +82,7 @@ Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
   const double sine = lengthOf(axis), cosine = dot(p, q);
   if (sine == 0) return {};
   const double angle = 2 * std::atan2(sine, std::abs(cosine));
-  const double scale = std::copysign(angle / sine / (b.time - a.time), cosine);
-  return {scale * axis.x, scale * axis.y, scale * axis.z};
+  return std::copysign(angle / sine / (b.time - a.time), cosine) * axis;
 }
 
 Transform velocityOf(const Transform& start, const Transform& end, double period) {
