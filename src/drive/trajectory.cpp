@@ -13,7 +13,8 @@
 namespace gnosphere::drive {
 namespace {
 
-bool samePose(const Pose& a, const Pose& b) {
+/// Whether two poses are the same numbers; their bits may differ, as those of 0 and -0 do.
+bool equal(const Pose& a, const Pose& b) {
   const auto& [p, q] = a;
   const auto& [r, s] = b;
   return p.x == r.x && p.y == r.y && p.z == r.z && q.x == s.x && q.y == s.y && q.z == s.z && q.w == s.w;
@@ -37,9 +38,9 @@ Pose Trajectory::at(double time) const {
 
 bool Trajectory::movesWithin(double from, double to) const {
   const Pose start = at(from);
-  if (!samePose(start, at(to))) return true;
+  if (!equal(start, at(to))) return true;
   const std::vector<double> between = timesWithin(from, to);
-  return std::any_of(between.begin(), between.end(), [&](double time) { return !samePose(start, at(time)); });
+  return std::any_of(between.begin(), between.end(), [&](double time) { return !equal(start, at(time)); });
 }
 
 std::vector<double> Trajectory::timesWithin(double from, double to) const {
