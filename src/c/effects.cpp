@@ -18,23 +18,20 @@ std::vector<const char*> pointers(const std::vector<std::string>& texts) {
 extern "C" {
 
 gno_status gno_effects_create(gno_effects* effects) {
-  return guard([&] { giveHandle(effects, "effects", [&] { return make<gno_effects>({}); }); });
+  return giveHandle(effects, "effects", [&] { return make<gno_effects>({}); });
 }
 
 gno_status gno_effects_preset(const char* name, gno_effects* effects) {
-  return guard(
-      [&] { giveHandle(effects, "effects", [&] { return make<gno_effects>(effectPreset(&the(name, "name"))); }); });
+  return giveHandle(effects, "effects", [&] { return make<gno_effects>(effectPreset(&the(name, "name"))); });
 }
 
 gno_status gno_effects_load(const char* file, gno_effects* effects) {
-  return guard(
-      [&] { giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(&the(file, "file"))); }); });
+  return giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(&the(file, "file"))); });
 }
 
 gno_status gno_effects_from_json(const char* json, gno_effects* effects) {
-  return guard([&] {
-    giveHandle(effects, "effects", [&] { return make<gno_effects>(effectsFromJson(&the(json, "json"), "the text")); });
-  });
+  return giveHandle(effects, "effects",
+                    [&] { return make<gno_effects>(effectsFromJson(&the(json, "json"), "the text")); });
 }
 
 gno_status gno_effects_destroy(gno_effects effects) {

@@ -120,7 +120,8 @@ class Idle : public Locked<gno_simulator> {
   ~Idle() { (**this).running = false; }
   Idle(const Idle&) = delete;
   Idle& operator=(const Idle&) = delete;
-  Simulator* operator->() { return &(**this).simulator; }
+  Simulator& simulator() { return (**this).simulator; }
+  Simulator* operator->() { return &simulator(); }
 };
 
 template <class Handle>
@@ -176,11 +177,14 @@ T& the(T* pointer, const char* name) {
   return *pointer;
 }
 
-/// Writes the handle that make() returns to a place of the caller, which is checked before anything is made.
+/// Runs the body of a function that makes an object: writes the handle that make() returns to a place of the caller,
+/// which is checked before anything is made.
 template <class Handle, class Make>
-void giveHandle(Handle* place, const char* name, const Make& make) {
-  Handle& to = the(place, name);
-  to = make();
+gno_status giveHandle(Handle* place, const char* name, Make make) noexcept {
+  return guard([&] {
+    Handle& to = the(place, name);
+    to = make();
+  });
 }
 
 /// Refuses the size of a struct that has none, or that is of a newer version than this library.
@@ -201,10 +205,17 @@ T sized(const T* pointer, T value, const char* type) {
   return value;
 }
 
-/// An array of such structs, which are as far apart as the first one says.
+/// Checks an array of the caller, which may be null if it is empty.
+template <class T>
+std::span<T> array(T* values, size_t count, const char* name) {
+  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
+  return {values, count};
+}
+
+/// An array of structs of the caller that begin with their sizes, which are as far apart as the first one says.
 template <class T>
 std::vector<T> sizedArray(const T* values, size_t count, const T& defaults, const char* type, const char* name) {
-  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
+  array(values, count, name);
   std::vector<T> result;
   for (size_t i = 0; i < count; ++i)
     result.push_back(sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size),
@@ -231,13 +242,6 @@ class Out {
   T* to_;
   mutable T value_;
 };
-
-/// Checks an array of the caller, which may be null if it is empty.
-template <class T>
-std::span<T> array(T* values, size_t count, const char* name) {
-  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
-  return {values, count};
-}
 
 /// The enumerator of a number; `last` is the greatest there is.
 template <class Enum>

@@ -71,10 +71,7 @@ gno_status gno_scan_write_picture(gno_scan scan, const char* file) {
 }
 
 gno_status gno_scan_read(const char* file, gno_scan* scan) {
-  return guard([&] {
-    the(scan, "scan");
-    *scan = make<gno_scan>(readCloud(&the(file, "file")));
-  });
+  return giveHandle(scan, "scan", [&] { return make<gno_scan>(readCloud(&the(file, "file"))); });
 }
 
 gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison) {

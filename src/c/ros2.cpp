@@ -86,10 +86,9 @@ const char* gno_ros2_unavailable(void) {
 
 gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,
                                      gno_ros2_publisher* publisher) {
-  return guard([&] {
-    the(publisher, "publisher");
-    *publisher = make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::clock, "gno_ros2_type"),
-                                                          &the(topic, "topic"), publisherOptionsOf(options)));
+  return giveHandle(publisher, "publisher", [&] {
+    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::clock, "gno_ros2_type"),
+                                                    &the(topic, "topic"), publisherOptionsOf(options)));
   });
 }
 gno_status gno_ros2_publisher_destroy(gno_ros2_publisher publisher) {

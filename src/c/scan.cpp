@@ -129,10 +129,7 @@ gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* colum
 }
 
 gno_status gno_scan_in_world(gno_scan scan, gno_scan* in_world) {
-  return guard([&] {
-    the(in_world, "in_world");
-    *in_world = make<gno_scan>(inWorld(*Locked(scan)));
-  });
+  return giveHandle(in_world, "in_world", [&] { return make<gno_scan>(inWorld(*Locked(scan))); });
 }
 
 gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters) {

@@ -98,19 +98,18 @@ using namespace gnosphere::c;
 extern "C" {
 
 gno_status gno_scene_create(gno_scene* scene) {
-  return guard([&] { giveHandle(scene, "scene", [&] { return make<gno_scene>({}); }); });
+  return giveHandle(scene, "scene", [&] { return make<gno_scene>({}); });
 }
 
 gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene) {
-  return guard([&] {
-    the(scene, "scene");
+  return giveHandle(scene, "scene", [&] {
     LoadOptions wanted;
     if (options) {
       const gno_load_options& from = sized(options, GNO_TYPE(gno_load_options));
       wanted.up = enumOf(from.up, UpAxis::z, "gno_load_options::up");
       wanted.scale = from.scale;
     }
-    *scene = make<gno_scene>(loadScene(&the(file, "file"), wanted));
+    return make<gno_scene>(loadScene(&the(file, "file"), wanted));
   });
 }
 
@@ -285,10 +284,8 @@ gno_status gno_scene_get_left_out(gno_scene scene, const char** lines) {
 }
 
 gno_status gno_material_table_load(const char* file, gno_material_table* table) {
-  return guard([&] {
-    giveHandle(table, "table",
-               [&] { return make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
-  });
+  return giveHandle(table, "table",
+                    [&] { return make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
 }
 
 gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,

@@ -84,32 +84,29 @@ std::vector<double> flat(const std::vector<Vec3>& vectors) {
 extern "C" {
 
 gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor) {
-  return guard([&] { giveHandle(sensor, "sensor", [&] { return checked(builtinSensor(&the(name, "name"))); }); });
+  return giveHandle(sensor, "sensor", [&] { return checked(builtinSensor(&the(name, "name"))); });
 }
 
 gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor) {
-  return guard([&] {
-    the(sensor, "sensor");
-    *sensor = reported(readSensorFile(std::filesystem::path(&the(file, "file")), optionsOf(options)));
+  return giveHandle(sensor, "sensor", [&] {
+    return reported(readSensorFile(std::filesystem::path(&the(file, "file")), optionsOf(options)));
   });
 }
 
 gno_status gno_sensor_read(const void* bytes, size_t size, const char* name, const gno_sensor_file_options* options,
                            gno_sensor* sensor) {
-  return guard([&] {
-    the(sensor, "sensor");
+  return giveHandle(sensor, "sensor", [&] {
     const auto content = array(static_cast<const char*>(bytes), size, "bytes");
-    *sensor = reported(readSensorFile({content.data(), content.size()}, &the(name, "name"), optionsOf(options)));
+    return reported(readSensorFile({content.data(), content.size()}, &the(name, "name"), optionsOf(options)));
   });
 }
 
 gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor) {
-  return guard(
-      [&] { giveHandle(sensor, "sensor", [&] { return checked(sensorFromJson(&the(json, "json"), "the text")); }); });
+  return giveHandle(sensor, "sensor", [&] { return checked(sensorFromJson(&the(json, "json"), "the text")); });
 }
 
 gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid, gno_sensor* sensor) {
-  return guard([&] {
+  return giveHandle(sensor, "sensor", [&] {
     const gno_grid& from = sized(grid, GNO_TYPE(gno_grid));
     Sensor result;
     apply(settings, result);
@@ -119,19 +116,19 @@ gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno
     for (const gno_channel& channel : array(from.channels, from.channel_count, "gno_grid::channels"))
       result.channels.push_back({channel.elevation_deg, channel.azimuth_offset_deg, vec3(channel.origin),
                                  channel.time_offset, channel.range_min, channel.range_max});
-    giveHandle(sensor, "sensor", [&] { return checked(std::move(result)); });
+    return checked(std::move(result));
   });
 }
 
 gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno_beam_list* patterns,
                                   size_t pattern_count, gno_sensor* sensor) {
-  return guard([&] {
+  return giveHandle(sensor, "sensor", [&] {
     if (pattern_count == 0) refuse("pattern_count is 0; a sensor needs one list of beams at least");
     Sensor result;
     apply(settings, result);
     for (const gno_beam_list& list : sizedArray(patterns, pattern_count, GNO_TYPE(gno_beam_list), "patterns"))
       result.patterns.push_back(listOf(list));
-    giveHandle(sensor, "sensor", [&] { return checked(std::move(result)); });
+    return checked(std::move(result));
   });
 }
 

@@ -112,7 +112,7 @@ template <class Add>
 gno_status add(gno_simulator simulator, size_t* index, Add how) {
   return guard([&] {
     Idle idle(simulator);
-    const size_t added = how(*idle.operator->());
+    const size_t added = how(idle.simulator());
     if (index) *index = added;
   });
 }
@@ -122,14 +122,14 @@ template <class Handle, class Work>
 void into(gno_simulator simulator, Handle* handle, const char* name, Work work) {
   if (!the(handle, name)) {
     typename Held<Handle>::Type result;
-    work(*Idle(simulator).operator->(), result);
+    work(Idle(simulator).simulator(), result);
     *handle = make<Handle>(std::move(result));
     return;
   }
   const auto from = find(simulator);
   const auto to = find(*handle);
   const std::scoped_lock lock(from->mutex, to->mutex);
-  work(*Idle(simulator).operator->(), to->value);
+  work(Idle(simulator).simulator(), to->value);
 }
 
 template <typename T>
@@ -195,13 +195,12 @@ gno_status gno_options_set(gno_options* options, const char* assignment) {
 
 gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
                                 const gno_options* options, gno_simulator* simulator) {
-  return guard([&] {
-    the(simulator, "simulator");
+  return giveHandle(simulator, "simulator", [&] {
     std::vector<SensorRequest> requests;
     for (const gno_request& request : sizedArray(sensors, sensor_count, GNO_TYPE(gno_request), "sensors"))
       requests.push_back(requestOf(request));
     const SimulatorOptions wanted = optionsOf(options);
-    *simulator = make<gno_simulator>(SimulatorObject(Simulator(*Locked(scene), requests, wanted)));
+    return make<gno_simulator>(SimulatorObject(Simulator(*Locked(scene), requests, wanted)));
   });
 }
 

@@ -28,12 +28,11 @@ extern "C" {
 
 gno_status gno_batch_stream_create(gno_simulator simulator, const gno_batch_stream_options* options,
                                    gno_batch_stream* stream) {
-  return guard([&] {
-    the(stream, "stream");
+  return giveHandle(stream, "stream", [&] {
     const gno_batch_stream_options from = sized(options, GNO_TYPE(gno_batch_stream_options));
     Idle idle(simulator);
-    *stream = make<gno_batch_stream>(
-        {find(simulator), BatchStream(*idle.operator->(), {from.views, from.in_flight, from.to_host != 0}), {}});
+    return make<gno_batch_stream>(
+        {find(simulator), BatchStream(idle.simulator(), {from.views, from.in_flight, from.to_host != 0}), {}});
   });
 }
 

@@ -105,10 +105,9 @@ gno_status gno_vulkan_add_features(const gno_vulkan_requirements* requirements, 
 }
 
 gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight, gno_vulkan_recorder* recorder) {
-  return guard([&] {
-    the(recorder, "recorder");
+  return giveHandle(recorder, "recorder", [&] {
     Idle idle(simulator);
-    *recorder = make<gno_vulkan_recorder>({simulator, vulkan::Recorder(*idle.operator->(), frames_in_flight), {}});
+    return make<gno_vulkan_recorder>({simulator, vulkan::Recorder(idle.simulator(), frames_in_flight), {}});
   });
 }
 
