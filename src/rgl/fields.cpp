@@ -120,8 +120,8 @@ rgl_field_t fieldOf(rgl_field_t number) {
                                           std::to_string(level()) + " (GNOSPHERE_RGL_ABI)");
 }
 
-std::vector<rgl_field_t> fieldsOf(const rgl_field_t* numbers, int32_t count) {
-  std::vector<rgl_field_t> result;
+Fields fieldsOf(const rgl_field_t* numbers, int32_t count) {
+  Fields result;
   for (int32_t i = 0; i < count; ++i) result.push_back(fieldOf(numbers[i]));
   return result;
 }

@@ -10,6 +10,8 @@
 
 namespace gnosphere::rgl {
 
+using Fields = std::vector<rgl_field_t>;
+
 /// The name of a field as messages have it: XYZ_VEC3_F32, without its prefix.
 const char* nameOf(rgl_field_t field);
 /// Bytes of a field's value. Throws Failure(RGL_INVALID_ARGUMENT) for a number that is no field.
@@ -26,6 +28,6 @@ Version version();
 
 /// The field that a number means at this level. Throws Failure(RGL_INVALID_ARGUMENT) if it means none.
 rgl_field_t fieldOf(rgl_field_t number);
-std::vector<rgl_field_t> fieldsOf(const rgl_field_t* numbers, int32_t count);
+Fields fieldsOf(const rgl_field_t* numbers, int32_t count);
 
 }  // namespace gnosphere::rgl

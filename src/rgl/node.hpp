@@ -86,10 +86,10 @@ class PointsNode : public GraphNode {
   /// Whether the points of the next run will have a field.
   virtual bool has(rgl_field_t field) const = 0;
   /// The fields that the node needs of its input.
-  virtual std::vector<rgl_field_t> required() const { return {}; }
+  virtual Fields required() const { return {}; }
   virtual bool isDense() const { return false; }
   /// The fields of the rows in RGL_FIELD_DYNAMIC_FORMAT; none if there is no such column.
-  virtual std::vector<rgl_field_t> format() const { return {}; }
+  virtual Fields format() const { return {}; }
   /// Bytes of one value as rgl_graph_get_result_size() tells it.
   virtual size_t sizeOfResult(rgl_field_t field) const { return sizeOf(field); }
 

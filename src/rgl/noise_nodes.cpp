@@ -10,7 +10,7 @@ namespace {
 /// Changes each point in the frame of the sensor, and its distance, if there is one, with it.
 class NoiseNode : public PointsFilter {
  public:
-  std::vector<rgl_field_t> required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
+  Fields required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
 
  protected:
   /// Moves a point of the sensor's frame; `distance` is its own, and becomes the new one.
@@ -66,7 +66,7 @@ class DistanceNoiseNode : public NoiseNode {
     base_ = base;
     rise_ = rise;
   }
-  std::vector<rgl_field_t> required() const override { return {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_DISTANCE_F32}; }
+  Fields required() const override { return {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_DISTANCE_F32}; }
 
  protected:
   Vec change(const Vec& point, float& distance, float normal) const override {

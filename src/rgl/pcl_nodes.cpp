@@ -18,7 +18,7 @@ class DownsampleNode : public PointsFilter {
   static constexpr const char* kName = "DownSamplePointsNode";
   const char* name() const override { return kName; }
   void set(const Vec& leaf) { leaf_ = leaf; }
-  std::vector<rgl_field_t> required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
+  Fields required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
   void run() override {
     const Cloud& from = input_->cloud();
     const Vec* points = from.values<Vec>(RGL_FIELD_XYZ_VEC3_F32);
@@ -63,7 +63,7 @@ class RemoveGroundNode : public PointsFilter {
     distance_ = distance;
     filterDistance_ = filterDistance;
   }
-  std::vector<rgl_field_t> required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
+  Fields required() const override { return {RGL_FIELD_XYZ_VEC3_F32}; }
   void run() override {
     const Cloud& from = input_->cloud();
     const Vec* points = from.values<Vec>(RGL_FIELD_XYZ_VEC3_F32);

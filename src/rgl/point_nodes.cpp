@@ -8,8 +8,6 @@
 namespace gnosphere::rgl {
 namespace {
 
-using Fields = std::vector<rgl_field_t>;
-
 bool contains(const Fields& fields, rgl_field_t field) {
   return std::find(fields.begin(), fields.end(), field) != fields.end();
 }

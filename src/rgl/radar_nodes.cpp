@@ -53,7 +53,7 @@ class RadarPostprocessNode : public PointsFilter {
     float azimuthStep, elevationStep, frequency, power, gain, noiseMean, noiseDeviation;
   };
   void set(Settings settings) { settings_ = std::move(settings); }
-  std::vector<rgl_field_t> required() const override {
+  Fields required() const override {
     return {RGL_FIELD_XYZ_VEC3_F32,   RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
             RGL_FIELD_ELEVATION_F32,  RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32,
             RGL_FIELD_NORMAL_VEC3_F32};
@@ -160,7 +160,7 @@ class RadarTrackNode : public PointsFilter {
   };
   void set(const Settings& settings) { settings_ = settings; }
   void setClasses(std::map<int32_t, rgl_radar_object_class_t> classes) { classes_ = std::move(classes); }
-  std::vector<rgl_field_t> required() const override {
+  Fields required() const override {
     return {RGL_FIELD_XYZ_VEC3_F32,  RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
             RGL_FIELD_ELEVATION_F32, RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_ENTITY_ID_I32};
   }

@@ -10,6 +10,12 @@ namespace {
 
 using Matrices = std::vector<Mat>;
 
+[[noreturn]] void refuseCount(const RaysNode& node, const char* what, size_t count) {
+  throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + ": number of " + what +
+                                          " doesn't match number of rays (" + std::to_string(count) + " and " +
+                                          std::to_string(node.rayCount()) + ")");
+}
+
 class FromMatricesNode : public RaysNode {
  public:
   static constexpr const char* kName = "FromMat3x4fRaysNode";
@@ -33,10 +39,7 @@ class RingsNode : public RaysFilter {
   void set(const int32_t* ids, int32_t count) { rings_ = std::make_shared<std::vector<int32_t>>(ids, ids + count); }
   void validate() override {
     RaysFilter::validate();
-    if (rayCount() % rings_->size() != 0)
-      throw Failure(RGL_INVALID_PIPELINE, std::string(kName) + ": number of ring ids doesn't match number of rays (" +
-                                              std::to_string(rings_->size()) + " and " + std::to_string(rayCount()) +
-                                              ")");
+    if (rayCount() % rings_->size() != 0) refuseCount(*this, "ring ids", rings_->size());
   }
   void run() override {
     rays_ = input_->rays();
@@ -56,10 +59,7 @@ class RangeNode : public RaysFilter {
   }
   void validate() override {
     RaysFilter::validate();
-    if (ranges_->size() != 1 && ranges_->size() != rayCount())
-      throw Failure(RGL_INVALID_PIPELINE, std::string(kName) + ": number of ranges doesn't match number of rays (" +
-                                              std::to_string(ranges_->size()) + " and " + std::to_string(rayCount()) +
-                                              ")");
+    if (ranges_->size() != 1 && ranges_->size() != rayCount()) refuseCount(*this, "ranges", ranges_->size());
   }
   void run() override {
     rays_ = input_->rays();
@@ -80,10 +80,7 @@ class OffsetsNode : public RaysFilter {
   }
   void validate() override {
     RaysFilter::validate();
-    if (offsets_->size() != rayCount())
-      throw Failure(RGL_INVALID_PIPELINE,
-                    std::string(kName) + ": number of time offsets doesn't match number of rays (" +
-                        std::to_string(offsets_->size()) + " and " + std::to_string(rayCount()) + ")");
+    if (offsets_->size() != rayCount()) refuseCount(*this, "time offsets", offsets_->size());
   }
   void run() override {
     rays_ = input_->rays();

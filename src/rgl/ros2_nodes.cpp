@@ -15,7 +15,6 @@ namespace gnosphere::rgl {
 namespace {
 
 using Type = ros2::PointField::Type;
-using Fields = std::vector<rgl_field_t>;
 
 /// A field of RGL as it stands in a PointCloud2: fields of one type, side by side.
 struct Names {

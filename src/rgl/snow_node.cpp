@@ -31,7 +31,7 @@ class SnowNode : public PointsFilter {
  public:
   static constexpr const char* kName = "SimulateSnowPointsNode";
   const char* name() const override { return kName; }
-  std::vector<rgl_field_t> required() const override {
+  Fields required() const override {
     return {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_IS_HIT_I32, RGL_FIELD_DISTANCE_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32};
   }
 
