@@ -16,6 +16,9 @@ namespace {
 
 using gpu::Array;
 
+// One group with one cluster, for which a scan has all its steps.
+constexpr PlacedGroups kEverything = {{0, 1, 1}, {}};
+
 /// The triangles that were culled and those that were projected, which are those that were read, unless motion has
 /// made some of them several.
 uint32_t readTriangles(const gpu::Counters& counters) {
@@ -91,7 +94,7 @@ void SensorArrays::prepareKernels() {
           if (!last && mostGroups() == 1) continue;
           const BeamTables& tables = beamSets_.sets[set][0];
           const gpu::Frame frame = frameOf(tables, viewsOfScan(set));
-          for (const Step& step : steps(tables, frame, everything(), still, motion, shotsIn(frame.views), last))
+          for (const Step& step : steps(tables, frame, kEverything, still, motion, shotsIn(frame.views), last))
             if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
         }
     }
@@ -187,10 +190,6 @@ void SensorArrays::makeRecordTables() {
 void SensorArrays::allocate(Array array, uint64_t bytes) {
   of(array).reset();
   of(array) = machine_.allocate(gpu::nameOf(array), bytes, MemoryKind::device);
-}
-
-PlacedGroups SensorArrays::everything() const {
-  return {{0, 1, 1}, {}};
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
@@ -440,7 +439,7 @@ Plan SensorArrays::planOf(size_t shots) {
 // Returns the steps of a submission in which the sensor and the instances move, as far as the plan simulates that.
 std::vector<Step> SensorArrays::largestScan(uint32_t views) const {
   const BeamTables& tables = beamSets_.sets[0][0];
-  return steps(tables, frameOf(tables, views), everything(), StillImage::Use::none, motions().back(), shotsIn(views),
+  return steps(tables, frameOf(tables, views), kEverything, StillImage::Use::none, motions().back(), shotsIn(views),
                true);
 }
 

@@ -148,7 +148,6 @@ class SensorArrays {
   gpu::Frame frameOf(const BeamTables& tables, uint32_t views) const;
   std::vector<Step> largestScan(uint32_t views) const;
   Plan planWith(const Slot& slot, uint32_t views) const;
-  PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
   uint64_t mostCandidates() const;

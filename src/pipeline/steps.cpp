@@ -73,13 +73,7 @@ class Steps {
     if (input_.footprint && binning_ != gpu::kBinningLists)
       fill(gpu::Array::covers, 0, sizeof(gpu::Cover) * uint64_t{frame.beams});
     if (input_.panes && computesReturns())
-      add({Step::Kind::fill,
-           "",
-           gpu::Array::echoCounts,
-           {},
-           0,
-           sizeof(uint32_t) * uint64_t{frame.scanBeams} * input_.shots,
-           gpu::kNone});
+      fillRun(gpu::Array::echoCounts, gpu::kNone, 0, sizeof(uint32_t) * uint64_t{frame.scanBeams} * input_.shots);
     if (input_.views > 1 && computesReturns()) fill(gpu::Array::viewCauses, 0);
     if (input_.laterWords) fill(gpu::Array::laterWords, gpu::kNone);
   }
@@ -88,13 +82,17 @@ class Steps {
   // the shells end. Kernels of shells that turn out to be empty do not run.
   void scanShells(const PlacedGroups::Run& placed) {
     const bool several = input_.shells > 1;
-    list({placed.first, placed.groups, 0, !several});
+    list({.placedFirst = placed.first, .placedCount = placed.groups, .last = !several});
     if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassGroupsShells);
     for (uint32_t shell = 0; shell < input_.shells; ++shell) {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
-      const gpu::Pass pass = {placed.first,   placed.groups, shell, last, shell > 0 || input_.sparse, 0, 0, 0,
-                              placed.clusters};
+      const gpu::Pass pass = {.placedFirst = placed.first,
+                              .placedCount = placed.groups,
+                              .shell = shell,
+                              .last = last,
+                              .occluders = shell > 0 || input_.sparse,
+                              .clusters = placed.clusters};
       project(placed, pass);
       bin(pass, table);
     }
@@ -102,7 +100,12 @@ class Steps {
 
   void scanMoving(const PlacedGroups::Run& placed) {
     if (placed.groups == 0) return;
-    const gpu::Pass pass = {placed.first, placed.groups, gpu::kMostShells, 1, 1, 0, 0, 0, placed.clusters};
+    const gpu::Pass pass = {.placedFirst = placed.first,
+                            .placedCount = placed.groups,
+                            .shell = gpu::kMostShells,
+                            .last = 1,
+                            .occluders = 1,
+                            .clusters = placed.clusters};
     list(pass);
     project(placed, pass);
     bin(pass, gpu::kTableNone);
@@ -153,13 +156,8 @@ class Steps {
 
   // Lists the panes before the words, after all shells.
   void binPanes() {
-    add({Step::Kind::fill,
-         "",
-         gpu::Array::shells,
-         {},
-         gpu::kMostShells * sizeof(gpu::Shell) + offsetof(gpu::Shell, nextSlab),
-         sizeof(gpu::Shell::nextSlab),
-         0});
+    fillRun(gpu::Array::shells, 0, gpu::kMostShells * sizeof(gpu::Shell) + offsetof(gpu::Shell, nextSlab),
+            sizeof(gpu::Shell::nextSlab));
     dispatch("bin", Kernel::bin, input_.sizes.triangleWorkgroups, {.shell = gpu::kMostShells}, gpu::kPassBinPanes);
     finish("bin");
   }
@@ -282,9 +280,12 @@ class Steps {
 
   // `bytesPerView` is 0 for the whole array.
   void fill(gpu::Array array, uint32_t value, uint64_t bytesPerView = 0) {
-    add({Step::Kind::fill, "", array, {}, 0, bytesPerView * input_.views, value});
+    fillRun(array, value, 0, bytesPerView * input_.views);
   }
-  void copy(gpu::Array from, gpu::Array to) { add({Step::Kind::copy, "", to, from}); }
+  void fillRun(gpu::Array array, uint32_t value, uint64_t first, uint64_t bytes) {
+    add({.kind = Step::Kind::fill, .array = array, .first = first, .bytes = bytes, .value = value});
+  }
+  void copy(gpu::Array from, gpu::Array to) { add({.kind = Step::Kind::copy, .array = to, .from = from}); }
   void finish(const char* stage) { add({Step::Kind::finish, stage}); }
   void add(const Step& step) { steps_.push_back(step); }
 
