@@ -51,16 +51,8 @@ uint64_t RecordedScans::bytes() const {
         own.replaced->addTo(use);
         sum += use.sensor + use.work;
       }
-  for (const Classes& classes : classes_)
-    if (classes.runs) sum += classes.instances->bytes() + classes.runs->bytes();
+  for (const Classes& classes : classes_) sum += classes.arrays.bytes();
   return sum;
-}
-
-void RecordedScans::load(const ClassTable::Packed& table, Classes& classes) {
-  const auto instances = std::as_bytes(std::span(table.instances)), runs = std::as_bytes(std::span(table.runs));
-  gnosphere::load(machine_, gpu::Array::instanceClasses, instances.size(), instances, classes.instances);
-  gnosphere::load(machine_, gpu::Array::classRuns, runs.size(), runs, classes.runs);
-  classes.count = static_cast<uint32_t>(table.instances.size());
 }
 
 // Reads the counters of the frame's scans. A scan counts as read only when its result is kept, so an exception loses no
@@ -165,8 +157,13 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
     all = divide(recording, sensors, 1);
     makeRoom(all, frame);
   }
-  if (std::ranges::any_of(all, [](const ShotsOfSensor& of) { return of.sensor->recordsClasses(); }))
-    load(recording.classes->packed(), classes_[frame]);
+  if (std::ranges::any_of(all, [](const ShotsOfSensor& of) { return of.sensor->recordsClasses(); })) {
+    const ClassTable::Packed& table = recording.classes->packed();
+    Classes& classes = classes_[frame];
+    classes.arrays.load(machine_, gpu::Array::instanceClasses, table.instances);
+    classes.arrays.load(machine_, gpu::Array::classRuns, table.runs);
+    classes.count = static_cast<uint32_t>(table.instances.size());
+  }
   std::erase(order_, frame);
   try {
     machine_.beginRecording(recording.commands, recording.ring, frame);
@@ -223,10 +220,7 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   for (const Step& step : sensor.prepare(run.index, shots, part.views, part.last, motions, instances,
                                          run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
-  if (sensor.recordsClasses()) {
-    arrays[static_cast<size_t>(gpu::Array::instanceClasses)] = classes.instances.get();
-    arrays[static_cast<size_t>(gpu::Array::classRuns)] = classes.runs.get();
-  }
+  if (sensor.recordsClasses()) classes.arrays.bind(arrays);
   machine_.record(*run.addresses, steps, arrays);
 }
 

@@ -12,7 +12,6 @@
 #include "pipeline/scene_arrays.hpp"
 #include "pipeline/sensor_arrays.hpp"
 #include "pipeline/submissions.hpp"
-#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -61,7 +60,7 @@ class RecordedScans {
   using Scans = std::map<size_t, SensorScans>;  // by sensor
   /// The classes of surfaces in one frame in flight.
   struct Classes {
-    std::unique_ptr<DeviceMemory> instances, runs;
+    ArrayTable arrays;
     uint32_t count = 0;  // of instances
   };
 
@@ -79,7 +78,6 @@ class RecordedScans {
   void makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame);
   void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
   void undo(size_t frame) noexcept;
-  void load(const ClassTable::Packed& table, Classes& classes);
   void record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run);
 
   Machine& machine_;

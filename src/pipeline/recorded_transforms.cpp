@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "pipeline/scene_arrays.hpp"
-
 namespace gnosphere {
 namespace {
 
@@ -25,22 +23,16 @@ std::vector<Step> RecordedTransforms::steps(Machine& machine, const InstanceTabl
   const TransformSources& transforms = instances.transformSources();
   recorded_ = transforms.any();
   if (!recorded_) return {};
-  const auto room = [&]<typename T>(Array array, size_t count, MemoryKind kind, std::unique_ptr<DeviceMemory>& memory,
-                                    T*& to) {
-    makeRoom(machine, array, count * sizeof(T), kind, memory);
-    arrays[static_cast<size_t>(array)] = memory.get();
-    to = static_cast<T*>(memory->host());
-  };
-  gpu::TransformSource* sources;
-  gpu::CallerBuffer* buffers;
-  gpu::TransformedInstance* transformed;
-  uint32_t* unplaced;
-  room(Array::transformSources, transforms.buffers().size(), MemoryKind::upload, sources_, sources);
-  room(Array::transformBuffers, transforms.buffers().size(), MemoryKind::upload, buffers_, buffers);
-  room(Array::transformedInstances, transforms.count(), MemoryKind::upload, instances_, transformed);
-  room(Array::unplacedInstances, 1, MemoryKind::readback, unplaced_, unplaced);
+  const size_t count = transforms.buffers().size();
+  auto* sources = arrays_.entries<gpu::TransformSource>(machine, Array::transformSources, count);
+  auto* buffers = arrays_.entries<gpu::CallerBuffer>(machine, Array::transformBuffers, count);
+  auto* transformed =
+      arrays_.entries<gpu::TransformedInstance>(machine, Array::transformedInstances, transforms.count());
+  arrays_.makeRoom(machine, Array::unplacedInstances, sizeof(uint32_t), MemoryKind::readback);
+  arrays_.bind(arrays);
   instances.writeTransformSources(pose, sources, buffers, transformed);
-  for (const auto* memory : {&sources_, &buffers_, &instances_}) (*memory)->flush();
+  for (const Array array : {Array::transformSources, Array::transformBuffers, Array::transformedInstances})
+    arrays_[array]->flush();
   std::vector<Step> steps = {Step{Step::Kind::fill, "", Array::unplacedInstances}, Step{Step::Kind::dispatch}};
   steps[1].variant = kPlaceInstances;
   steps[1].pass.placedCount = static_cast<uint32_t>(transforms.count());
@@ -51,14 +43,9 @@ std::vector<Step> RecordedTransforms::steps(Machine& machine, const InstanceTabl
 
 uint32_t RecordedTransforms::unplaced() {
   if (!recorded_) return 0;
-  unplaced_->invalidate();
-  return *static_cast<const uint32_t*>(unplaced_->host());
-}
-
-uint64_t RecordedTransforms::bytes() const {
-  uint64_t sum = 0;
-  for (const auto* memory : {&sources_, &buffers_, &instances_, &unplaced_}) sum += *memory ? (*memory)->bytes() : 0;
-  return sum;
+  DeviceMemory& memory = *arrays_[Array::unplacedInstances];
+  memory.invalidate();
+  return *static_cast<const uint32_t*>(memory.host());
 }
 
 }  // namespace gnosphere

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/instance_table.hpp"
-#include "pipeline/machine.hpp"
+#include "pipeline/array_table.hpp"
 
 namespace gnosphere {
 
@@ -20,10 +20,10 @@ class RecordedTransforms {
   /// How many instances the last recorded run did not place, because their transforms are not finite; the run has
   /// completed.
   uint32_t unplaced();
-  uint64_t bytes() const;
+  uint64_t bytes() const { return arrays_.bytes(); }
 
  private:
-  std::unique_ptr<DeviceMemory> sources_, buffers_, instances_, unplaced_;
+  ArrayTable arrays_;
   bool recorded_ = false;
 };
 

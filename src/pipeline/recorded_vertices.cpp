@@ -23,8 +23,9 @@ void RecordedVertices::prepare() {
 void RecordedVertices::readDropped(size_t number) {
   if (number >= frames_.size() || frames_[number].meshes.empty()) return;
   Frame& frame = frames_[number];
-  frame.dropped->invalidate();
-  const auto* dropped = static_cast<const VertexSources::Dropped*>(frame.dropped->host());
+  DeviceMemory& memory = *frame.arrays[Array::droppedTriangles];
+  memory.invalidate();
+  const auto* dropped = static_cast<const VertexSources::Dropped*>(memory.host());
   for (size_t i = 0; i < frame.meshes.size(); ++i)
     scene_.geometry().vertexSources().setDropped(frame.meshes[i], dropped[i]);
   frame.meshes.clear();
@@ -39,16 +40,12 @@ void RecordedVertices::record(size_t number) {
   if (!frame.addresses) frame.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
   BoundArrays arrays = {};
   scene_.bind(arrays);
-  const auto put = [&](Array array, std::span<const std::byte> content, std::unique_ptr<DeviceMemory>& memory) {
-    load(machine_, array, content.size(), content, memory);
-    arrays[static_cast<size_t>(array)] = memory.get();
-  };
-  put(Array::vertexSources, std::as_bytes(std::span(work.sources)), frame.sources);
-  put(Array::vertexBuffers, std::as_bytes(std::span(work.buffers)), frame.buffers);
-  put(Array::sourceGroups, std::as_bytes(std::span(work.groups)), frame.groups);
-  makeRoom(machine_, Array::droppedTriangles, work.meshes.size() * sizeof(VertexSources::Dropped), MemoryKind::readback,
-           frame.dropped);
-  arrays[static_cast<size_t>(Array::droppedTriangles)] = frame.dropped.get();
+  frame.arrays.load(machine_, Array::vertexSources, work.sources);
+  frame.arrays.load(machine_, Array::vertexBuffers, work.buffers);
+  frame.arrays.load(machine_, Array::sourceGroups, work.groups);
+  frame.arrays.makeRoom(machine_, Array::droppedTriangles, work.meshes.size() * sizeof(VertexSources::Dropped),
+                        MemoryKind::readback);
+  frame.arrays.bind(arrays);
   std::vector<size_t> meshes = work.meshes;
   std::array<Step, 2> steps = {Step{Step::Kind::fill, "", Array::droppedTriangles}, Step{Step::Kind::dispatch}};
   steps[1].variant = kFitClusters;
@@ -67,9 +64,7 @@ void RecordedVertices::abandon(size_t number) noexcept {
 
 uint64_t RecordedVertices::bytes() const {
   uint64_t sum = 0;
-  for (const Frame& frame : frames_)
-    for (const auto* memory : {&frame.sources, &frame.buffers, &frame.groups, &frame.dropped})
-      sum += *memory ? (*memory)->bytes() : 0;
+  for (const Frame& frame : frames_) sum += frame.arrays.bytes();
   return sum;
 }
 

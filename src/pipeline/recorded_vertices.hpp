@@ -27,9 +27,8 @@ class RecordedVertices {
 
  private:
   struct Frame {
-    std::unique_ptr<DeviceMemory> addresses;                 // gpu::Addresses
-    std::unique_ptr<DeviceMemory> sources, buffers, groups;  // VertexSources::Work
-    std::unique_ptr<DeviceMemory> dropped;                   // VertexSources::Dropped of each of these meshes
+    std::unique_ptr<DeviceMemory> addresses;  // gpu::Addresses
+    ArrayTable arrays;  // of VertexSources::Work, and VertexSources::Dropped of each of its meshes
     std::vector<size_t> meshes;
   };
 

@@ -3,24 +3,9 @@
 #pragma once
 
 #include "geometry/packed_geometry.hpp"
-#include "pipeline/machine.hpp"
+#include "pipeline/array_table.hpp"
 
 namespace gnosphere {
-
-/// Makes room for `bytes` bytes. Existing memory that is too small is replaced with some reserve, so that a growing
-/// scene does not allocate with every scan. The old content is lost.
-void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kind,
-              std::unique_ptr<DeviceMemory>& memory);
-/// Makes room for `bytes` bytes of the kind `upload`, and writes the data to their start.
-void load(Machine& machine, gpu::Array array, uint64_t bytes, std::span<const std::byte> data,
-          std::unique_ptr<DeviceMemory>& memory);
-/// Allocates memory and writes the data to it.
-template <typename T>
-std::unique_ptr<DeviceMemory> uploaded(Machine& machine, gpu::Array array, std::span<const T> data) {
-  auto memory = machine.allocate(gpu::nameOf(array), data.size_bytes(), MemoryKind::device);
-  memory->write(0, std::as_bytes(data));
-  return memory;
-}
 
 /// The instances that one scan in flight places.
 class PlacedArrays {
@@ -28,22 +13,19 @@ class PlacedArrays {
   const PlacedGroups& groups() const { return groups_; }
   /// The instances of several views, entry by entry.
   std::span<const InstanceTable::InView> inViews() const { return inViews_.entries; }
-  void bind(BoundArrays& arrays) const;
-  uint64_t bytes() const;
+  void bind(BoundArrays& arrays) const { arrays_.bind(arrays); }
+  uint64_t bytes() const { return arrays_.bytes(); }
 
  private:
   friend class SceneArrays;
   PlacedGroups groups_;
-  std::unique_ptr<DeviceMemory> instances_;  // gpu::Instance; only firstTriangle is valid for instances out of range
-  std::unique_ptr<DeviceMemory> placed_;     // (instance, group) pairs of the instances in range
-  std::unique_ptr<DeviceMemory> meshes_;     // mesh of each instance, if kernels ask for it
-  std::unique_ptr<DeviceMemory> views_;      // view of each instance, if there are several views
-  std::unique_ptr<DeviceMemory> numbers_;    // with several views: number of each instance in the scene, if kernels ask
+  // `instances`, of which only firstTriangle is valid for instances out of range; `placed`, the (instance, group) pairs
+  // of those in range; `ownerRanges`, see TriangleNumbers::ownerRanges(). If kernels ask for them: `instanceMeshes`,
+  // and with several views `instanceNumbers`, which count in the scene. With several views: `instanceViews`. Of
+  // deformable meshes: `deformers`, `jointRows` and `morphWeights`.
+  ArrayTable arrays_;
   InstanceTable::InViews inViews_;
-  std::unique_ptr<DeviceMemory> ownerRanges_;  // see TriangleNumbers::ownerRanges()
-  // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
-  std::unique_ptr<DeviceMemory> deformers_, jointRows_, morphWeights_;
-  uint64_t deformation_ = 0;  // Deformables::version() when these three were written
+  uint64_t deformation_ = 0;  // Deformables::version() when those of deformable meshes were written
   uint64_t numbering_ = 0;    // version of the TriangleNumbers that were written
 };
 
@@ -56,8 +38,8 @@ class SceneArrays final : public SceneMemory {
   /// While meshes are changed, no scan may be running.
   PackedGeometry& geometry() { return geometry_; }
   const PackedGeometry& geometry() const { return geometry_; }
-  uint64_t bytes() const;
-  void bind(BoundArrays& arrays) const;
+  uint64_t bytes() const { return arrays_.bytes(); }
+  void bind(BoundArrays& arrays) const { arrays_.bind(arrays); }
   /// Writes the instance arrays for a scan of the selected instances within reach (metres).
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
   /// The same for a submission of several views, which see all instances of their worlds within reach of their poses.
@@ -82,12 +64,10 @@ class SceneArrays final : public SceneMemory {
 
  private:
   void placeDeformations(PlacedArrays& to);
-  const std::unique_ptr<DeviceMemory>& of(gpu::Array array) const { return memory_[static_cast<size_t>(array)]; }
-  std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return memory_[static_cast<size_t>(array)]; }
 
   Machine& machine_;
   InstanceTable instances_;
-  std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> memory_;
+  ArrayTable arrays_;
   PackedGeometry geometry_;
 };
 

@@ -65,8 +65,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   setArrays_.resize(sets());
   for (size_t set = 0; set < sets(); ++set)
     for (const ArrayContent& array : arraysOf(plan_, beamSets_.sets[set]))
-      setArrays_[set][static_cast<size_t>(array.array)] =
-          uploaded(machine_, array.array, std::span<const std::byte>(array.content));
+      setArrays_[set].upload(machine_, array.array, array.content);
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
@@ -77,7 +76,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (!plan_.bare())
     for (const ArrayContent& array : lastingTables(plan)) {
       allocate(array.array, array.bytes);
-      of(array.array)->write(0, array.content);
+      arrays_[array.array]->write(0, array.content);
     }
   if (keepsRecords()) makeRecordTables();
   makeFirstLists(triangles);
@@ -126,7 +125,7 @@ void SensorArrays::setDeformed(bool deformed) {
 }
 
 void SensorArrays::setOptics(std::span<const gpu::Optics4> optics) {
-  if (plan_.looksAtOptics()) of(Array::optics)->write(0, std::as_bytes(optics));
+  if (plan_.looksAtOptics()) arrays_[Array::optics]->write(0, std::as_bytes(optics));
 }
 
 // Returns the most views that a shot has with tables of a set.
@@ -163,10 +162,10 @@ SensorArrays::Sizes SensorArrays::mostOf(const BeamSets& beamSets) {
 
 // Makes what the records of all scans are made with: the layout, and the beams of all patterns.
 void SensorArrays::makeRecordTables() {
-  of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, records_.streams);
-  of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, records_.values);
-  of(Array::recordPlaces) = uploaded<gpu::RecordPlace>(machine_, Array::recordPlaces, records_.places);
-  of(Array::recordGaps) = uploaded<gpu::RecordPlace>(machine_, Array::recordGaps, records_.gaps);
+  arrays_.upload(machine_, Array::recordStreams, records_.streams);
+  arrays_.upload(machine_, Array::recordValues, records_.values);
+  arrays_.upload(machine_, Array::recordPlaces, records_.places);
+  arrays_.upload(machine_, Array::recordGaps, records_.gaps);
   std::vector<uint32_t> places;
   std::vector<gpu::vec4> facts, directions;
   const auto append = [](auto& all, const auto& ofPattern) {
@@ -179,17 +178,12 @@ void SensorArrays::makeRecordTables() {
     append(facts, beamFacts(plan_, pattern));
     append(directions, beamDirections(plan_, pattern));
   }
-  const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
-    if (!content.empty()) of(array) = uploaded<T>(machine_, array, content);
+  const auto put = [&](Array array, const auto& content) {
+    if (!content.empty()) arrays_.upload(machine_, array, content);
   };
   put(Array::beamPlaces, places);
   put(Array::beamFacts, facts);
   put(Array::beamDirections, directions);
-}
-
-void SensorArrays::allocate(Array array, uint64_t bytes) {
-  of(array).reset();
-  of(array) = machine_.allocate(gpu::nameOf(array), bytes, MemoryKind::device);
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
@@ -237,7 +231,7 @@ uint64_t SensorArrays::entriesOf(uint32_t views) const {
 void SensorArrays::addSlot() {
   Slot slot;
   const auto allocate = [&](Array array, uint64_t bytes, MemoryKind kind) {
-    slot.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
+    slot.arrays.allocate(machine_, array, bytes, kind);
   };
   if (keepsRecords())
     allocate(Array::rangeCounts, gpu::kShellBuckets * sizeof(uint32_t), MemoryKind::readback);
@@ -260,8 +254,7 @@ gpu::Frame SensorArrays::frameOf(const BeamTables& tables, uint32_t views) const
 }
 
 void SensorArrays::load(Slot& slot, const std::vector<ArrayContent>& arrays) {
-  for (const ArrayContent& array : arrays)
-    gnosphere::load(machine_, array.array, array.bytes, array.content, slot.arrays[static_cast<size_t>(array.array)]);
+  for (const ArrayContent& array : arrays) slot.arrays.load(machine_, array.array, array.bytes, array.content);
 }
 
 std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shots, std::span<const View> views,
@@ -277,7 +270,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   for (const View& view : views) slot.tables.push_back(&set[view.group->table]);
   const BeamTables& tables = *slot.tables[0];
   if (still == StillImage::Use::make)
-    makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
+    arrays_.makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device);
 
   if (count > 1) makeRoomForViews(slot, count);
   if (count > 1 && tables.listed) load(slot, {viewTables(views)});
@@ -297,13 +290,9 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   load(slot, {arrayOf(Array::frame, std::array{content})});
   if (!plan_.bare()) load(slot, shotArrays(plan_, shots, motions, instances));
 
-  const auto bind = [&](const OwnArrays& own) {
-    for (size_t i = 0; i < own.size(); ++i)
-      if (own[i]) arrays[i] = own[i].get();
-  };
-  bind(arrays_);
-  bind(slot.arrays);
-  bind(setArrays_[number]);
+  arrays_.bind(arrays);
+  slot.arrays.bind(arrays);
+  setArrays_[number].bind(arrays);
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
   const auto ofShots = static_cast<uint32_t>(views.back().shot - views[0].shot + 1);
   std::vector<Step> result = steps(tables, content, placed, still, moves, ofShots, last);
@@ -335,7 +324,7 @@ void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::s
   content.streams = static_cast<uint32_t>(records_.streams.size());
   content.gaps = static_cast<uint32_t>(records_.gaps.size());
   content.classes = classes;
-  content.directions = of(Array::beamDirections) != nullptr;
+  content.directions = arrays_[Array::beamDirections] != nullptr;
   content.continues = continues;
   std::vector<gpu::RecordPlan> plans;
   std::vector<gpu::RecordBuffers> buffers;
@@ -352,7 +341,7 @@ void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::s
 // The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.
 float SensorArrays::recordedHint(size_t index) {
   constexpr uint32_t kLeast = 64;
-  DeviceMemory& memory = *slotAt(index).arrays[static_cast<size_t>(Array::rangeCounts)];
+  DeviceMemory& memory = *slotAt(index).arrays[Array::rangeCounts];
   memory.invalidate();
   const std::span counts(static_cast<const uint32_t*>(memory.host()), gpu::kShellBuckets);
   const uint64_t all = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
@@ -365,7 +354,7 @@ float SensorArrays::recordedHint(size_t index) {
 }
 
 const gpu::Counters& SensorArrays::counters(Slot& slot) const {
-  DeviceMemory& memory = *slot.arrays[static_cast<size_t>(Array::counters)];
+  DeviceMemory& memory = *slot.arrays[Array::counters];
   memory.invalidate();
   return *static_cast<const gpu::Counters*>(memory.host());
 }
@@ -375,7 +364,7 @@ DeviceResults SensorArrays::results(size_t index) {
   return DeviceResults::from(slot.tables, counters(slot), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
-    DeviceMemory& memory = *slot.arrays[static_cast<size_t>(array)];
+    DeviceMemory& memory = *slot.arrays[array];
     memory.invalidate();
     return memory.host();
   });
@@ -403,7 +392,7 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   move(results.barycentrics, firstEntry);
   results.counters = shareOf(results.counters, view, views);
   if (!plan_.computesReturns()) return results;
-  DeviceMemory& memory = *slot.arrays[static_cast<size_t>(Array::viewCauses)];
+  DeviceMemory& memory = *slot.arrays[Array::viewCauses];
   memory.invalidate();
   const uint32_t* const causes = static_cast<const uint32_t*>(memory.host()) + size_t{view} * gpu::kCauses;
   if (plan_.signals())
@@ -414,11 +403,9 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
-  for (const OwnArrays& own : setArrays_)
-    for (const auto& memory : own) use.sensor += memory ? memory->bytes() : 0;
-  for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
-  for (const Slot& slot : slots_)
-    for (const auto& memory : slot.arrays) use.work += memory ? memory->bytes() : 0;
+  for (const ArrayTable& own : setArrays_) use.sensor += own.bytes();
+  use.work += arrays_.bytes();
+  for (const Slot& slot : slots_) use.work += slot.arrays.bytes();
 }
 
 Plan SensorArrays::planOf(size_t shots) {
@@ -454,9 +441,10 @@ Plan SensorArrays::planWith(const Slot& slot, uint32_t views) const {
   plan.stages =
       stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
-  const auto add = [&](const OwnArrays& own) {
-    for (size_t i = 0; i < own.size(); ++i)
-      if (own[i]) plan.buffers.push_back({gpu::kArrayNames[i], own[i]->bytes()});
+  const auto add = [&](const ArrayTable& own) {
+    for (size_t i = 0; i < gpu::kArrayCount; ++i)
+      if (const auto& memory = own[static_cast<Array>(i)])
+        plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   };
   add(setArrays_[0]);
   add(arrays_);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "effects/arrays.hpp"
+#include "pipeline/array_table.hpp"
 #include "pipeline/beam_sets.hpp"
-#include "pipeline/machine.hpp"
 #include "pipeline/outputs.hpp"
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
@@ -106,11 +106,9 @@ class SensorArrays {
   Plan planOf(size_t shots);
 
  private:
-  using OwnArrays = std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount>;
-
   /// The arrays that each submission in flight has of its own; all submissions share the work arrays.
   struct Slot {
-    OwnArrays arrays;
+    ArrayTable arrays;
     Capacities capacities;                  // of the lists when the scan was prepared
     bool signsOfLife = false;               // whether kernels run that leave one
     std::vector<View> views;                // of the scan
@@ -155,12 +153,11 @@ class SensorArrays {
   uint64_t listBytes(const Capacities& room) const;
   void makeFirstLists(uint64_t triangles);
   void makeLists(const Capacities& room);
-  void allocate(gpu::Array array, uint64_t bytes);
+  void allocate(gpu::Array array, uint64_t bytes) { arrays_.allocate(machine_, array, bytes, MemoryKind::device); }
   void addSlot();
   void load(Slot& slot, const std::vector<ArrayContent>& arrays);
   const gpu::Counters& counters(Slot& slot) const;
   uint64_t limit(uint64_t entryBytes) const;
-  std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return arrays_[static_cast<size_t>(array)]; }
 
   Machine& machine_;
   const SensorPlan& plan_;
@@ -181,9 +178,9 @@ class SensorArrays {
   size_t viewsThatFit_ = 0, movingViewsThatFit_ = 0;  // see hadEnough()
   // A scan of one view has room for so many projected triangles and candidates at first.
   uint32_t firstProjected_ = 0, firstCandidates_ = 0;
-  OwnArrays arrays_;
-  std::vector<OwnArrays> setArrays_;  // tables of each set
-  std::vector<Slot> slots_;           // each one after the first is made at its first use
+  ArrayTable arrays_;
+  std::vector<ArrayTable> setArrays_;  // tables of each set
+  std::vector<Slot> slots_;            // each one after the first is made at its first use
 };
 
 }  // namespace gnosphere

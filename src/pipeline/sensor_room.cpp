@@ -111,16 +111,14 @@ void SensorArrays::growArrays(uint32_t views) {
 // Makes an array of each set of tables, with which each scan begins, one that all views begin with.
 void SensorArrays::repeat(Array array, uint32_t views) {
   for (size_t set = 0; set < sets(); ++set) {
-    std::unique_ptr<DeviceMemory>& memory = setArrays_[set][static_cast<size_t>(array)];
-    if (!memory) continue;
+    if (!setArrays_[set][array]) continue;
     for (const ArrayContent& once : arraysOf(plan_, beamSets_.sets[set])) {
       if (once.array != array) continue;
       std::vector<std::byte> content;
       content.reserve(once.content.size() * views);
       for (uint32_t view = 0; view < views; ++view)
         content.insert(content.end(), once.content.begin(), once.content.end());
-      memory.reset();
-      memory = uploaded(machine_, array, std::span<const std::byte>(content));
+      setArrays_[set].upload(machine_, array, content);
     }
   }
 }
@@ -145,14 +143,13 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
 // Makes room for the results of views in a slot.
 void SensorArrays::makeRoomForViews(Slot& slot, uint32_t views) {
   const auto room = [&](Array array, uint64_t bytes) {
-    makeRoom(machine_, array, bytes, MemoryKind::readback, slot.arrays[static_cast<size_t>(array)]);
+    slot.arrays.makeRoom(machine_, array, bytes, MemoryKind::readback);
   };
   if (!keepsRecords())
     for (const Output& output : outputs_) room(output.array, entriesOf(views) * output.bytesPerBeam);
   if (plan_.computesReturns()) room(Array::viewCauses, uint64_t{gpu::kCauses} * sizeof(uint32_t) * views);
   if (capacities_.projected > 0)
-    makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
-             of(Array::projectedViews));
+    arrays_.makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device);
 }
 
 uint64_t SensorArrays::mostProjected() const {
