@@ -66,13 +66,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   for (size_t set = 0; set < sets(); ++set)
     for (const ArrayContent& array : arraysOf(plan_, beamSets_.sets[set]))
       setArrays_[set].upload(machine_, array.array, array.content);
-  const bool lists = binning_ == gpu::kBinningLists;
-  allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
-  allocateByBeam(1);
-  if (lists) allocate(Array::blockSums, blockSumBytes(1));
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
+  allocateForViews(1);
   if (!plan_.bare())
     for (const ArrayContent& array : lastingTables(plan)) {
       allocate(array.array, array.bytes);

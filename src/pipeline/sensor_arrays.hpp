@@ -139,7 +139,7 @@ class SensorArrays {
   uint32_t findMostViews(uint64_t room) const;
   uint64_t blockSumBytes(uint32_t views) const;
   std::vector<ArrayContent> arraysByBeam(uint32_t views) const;
-  void allocateByBeam(uint32_t views);
+  void allocateForViews(uint32_t views);
   void growArrays(uint32_t views);
   void repeat(gpu::Array array, uint32_t views);
   void makeRoomForViews(Slot& slot, uint32_t views);

@@ -66,7 +66,14 @@ std::vector<ArrayContent> SensorArrays::arraysByBeam(uint32_t views) const {
   return arrays;
 }
 
-void SensorArrays::allocateByBeam(uint32_t views) {
+// Allocates the work arrays that lie view after view.
+void SensorArrays::allocateForViews(uint32_t views) {
+  allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
+  if (binning_ == gpu::kBinningSlabs) {
+    allocate(Array::staleEntries, 4 * most_.coarse * views);
+    allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4) * views);
+  }
+  if (binning_ == gpu::kBinningLists) allocate(Array::blockSums, blockSumBytes(views));
   for (const ArrayContent& array : arraysByBeam(views)) allocate(array.array, array.bytes);
 }
 
@@ -92,17 +99,11 @@ uint32_t SensorArrays::findMostViews(uint64_t room) const {
   return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
 }
 
-// Grows the work arrays that lie view after view.
+// Makes room for views in the arrays that lie view after view.
 void SensorArrays::growArrays(uint32_t views) {
   if (views <= viewsWithRoom_) return;
   viewsWithRoom_ = 0;  // should memory run out now, the next scan allocates the arrays again
-  allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
-  if (binning_ == gpu::kBinningSlabs) {
-    allocate(Array::staleEntries, 4 * most_.coarse * views);
-    allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4) * views);
-  }
-  if (binning_ == gpu::kBinningLists) allocate(Array::blockSums, blockSumBytes(views));
-  allocateByBeam(views);
+  allocateForViews(views);
   repeat(Array::startFarthest, views);
   repeat(Array::startWords, views);
   viewsWithRoom_ = views;
