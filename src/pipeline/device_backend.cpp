@@ -238,7 +238,7 @@ class DeviceBackend final : public Backend {
   }
 
   std::vector<Part> partsOf(std::span<const Shot> shots, size_t mostViews) const {
-    return gnosphere::partsOf(shots, sensorArrays(), scene_, mostListBytes(options_, machine_->traits()), mostViews);
+    return gnosphere::partsOf(shots, sensorArrays(), {scene_, mostListBytes(options_, machine_->traits()), mostViews});
   }
 
   std::vector<SensorArrays*> sensorArrays() const {

@@ -120,7 +120,7 @@ std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording&
     of->shots.push_back(*item.shot);
     of->spaces.push_back({{item.records.address, item.header.address}, item.records.bytes});
   }
-  for (ShotsOfSensor& of : all) of.parts = partsOf(of.shots, sensors, scene_, listBytes_, mostViews);
+  for (ShotsOfSensor& of : all) of.parts = partsOf(of.shots, sensors, {scene_, listBytes_, mostViews});
   return all;
 }
 

@@ -24,22 +24,20 @@ std::vector<View> viewsOf(std::span<const Shot> shots, const SensorArrays& senso
 }
 
 // Returns how many views of one shot a submission has at most.
-size_t mostViewsOf(const Shot& shot, const SensorArrays& sensor, const SceneArrays& scene, uint64_t listBytes,
-                   size_t mostViews) {
-  const uint64_t bytes = scene.bytesOfView(shot.world, moves(sensor.sensorPlan(), shot));
-  const uint64_t room = listBytes / std::max<uint64_t>(bytes, 1);
-  return std::min<size_t>({mostViews, kMostViewsOfShot, sensor.mostViews(), std::max<uint64_t>(room, 1)});
+size_t mostViewsOf(const Shot& shot, const SensorArrays& sensor, const PartLimits& limits) {
+  const uint64_t bytes = limits.scene.bytesOfView(shot.world, moves(sensor.sensorPlan(), shot));
+  const uint64_t room = limits.listBytes / std::max<uint64_t>(bytes, 1);
+  return std::min<size_t>({limits.views, kMostViewsOfShot, sensor.mostViews(), std::max<uint64_t>(room, 1)});
 }
 
 // Returns the number of shots, from the first one on, that are submitted together. A sensor that stands still is
 // scanned shot by shot, because then it can reuse its hits.
-size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const SceneArrays& scene, uint64_t listBytes,
-                 size_t mostViews) {
-  const size_t most = std::min<size_t>(mostViews, sensor.mostViews());
+size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const PartLimits& limits) {
+  const size_t most = std::min<size_t>(limits.views, sensor.mostViews());
   if (sensor.sets() > 1) return 1;
   const SensorPlan& plan = sensor.sensorPlan();
   const bool moving = moves(plan, shots[0]);
-  const auto bytesOf = [&](const Shot& shot) { return scene.bytesOfView(shot.world, moving); };
+  const auto bytesOf = [&](const Shot& shot) { return limits.scene.bytesOfView(shot.world, moving); };
   const auto standsStill = [&](const Shot& shot, const Shot& before) {
     return sensor.keepsStill() && !moving && shot.world == before.world && samePose(shot.pose, before.pose);
   };
@@ -57,7 +55,7 @@ size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const 
     const size_t ofShot = sensor.groups(shots[count].frame).size();
     views += ofShot;
     bytes += ofShot * bytesOf(shots[count]);
-    if (count > 0 && (views > most || bytes > listBytes)) break;
+    if (count > 0 && (views > most || bytes > limits.listBytes)) break;
     ++count;
   }
   return count;
@@ -65,14 +63,13 @@ size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const 
 
 }  // namespace
 
-std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors, const SceneArrays& scene,
-                          uint64_t listBytes, size_t mostViews) {
+std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors,
+                          const PartLimits& limits) {
   std::vector<Part> parts;
   for (size_t i = 0; i < shots.size();) {
     const SensorArrays& sensor = *sensors[shots[i].sensor];
-    const std::span<const Shot> together =
-        shots.subspan(i, shotsFrom(shots.subspan(i), sensor, scene, listBytes, mostViews));
-    const size_t most = together.size() > 1 ? kAnyViews : mostViewsOf(together[0], sensor, scene, listBytes, mostViews);
+    const std::span<const Shot> together = shots.subspan(i, shotsFrom(shots.subspan(i), sensor, limits));
+    const size_t most = together.size() > 1 ? kAnyViews : mostViewsOf(together[0], sensor, limits);
     const size_t before = parts.size();
     for (size_t set = 0; set < sensor.sets(); ++set) {
       const std::vector<View> views = viewsOf(together, sensor, set);

@@ -23,11 +23,16 @@ struct Part {
 
 constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
 
-/// Divides shots into parts, each with at most `mostViews` views, and with lists of instances and clusters that take at
-/// most `listBytes` bytes on the device. `sensors` has the arrays by sensor. The parts refer to the shots and the
-/// sensors.
-std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors, const SceneArrays& scene,
-                          uint64_t listBytes, size_t mostViews);
+/// What a part may have at most.
+struct PartLimits {
+  const SceneArrays& scene;
+  uint64_t listBytes;  ///< on the device, of lists of the scene's instances and clusters
+  size_t views;
+};
+
+/// Divides shots into parts. `sensors` has the arrays by sensor. The parts refer to the shots and the sensors.
+std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors,
+                          const PartLimits& limits);
 
 /// Returns the shot of each view of a part. If a shot has several views, `copies` holds them.
 std::span<const Shot> shotsOfViews(const Part& part, std::vector<Shot>& copies);
