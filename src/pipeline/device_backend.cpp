@@ -292,7 +292,6 @@ class DeviceBackend final : public Backend {
     std::vector<Shot> copies;
     const std::span<const Shot> shots = shotsOfViews(part, copies);
     StillImage& still = sensors_[shots[0].sensor]->still;
-    reused = 0;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
       sensor.makeRoomForViews(views);
@@ -301,16 +300,8 @@ class DeviceBackend final : public Backend {
     // A submission of several views, or with motion, overwrites the farthest-range table that the still image needs.
     const bool forgets = views > 1 || (!motions.empty() && motions[0].moves);
     const StillImage::Use use = useStill(still, sensor, shots[0], forgets);
-    if (views > 1) {
-      placeViews(scene_, sensor, shots, motions, placed);
-    } else {
-      reused = use == StillImage::Use::use ? still.triangles() : 0;
-      const Pose pose = seenFrom(shots, 0, motions);
-      Selection selection = still.selection(use);
-      selection.ignored = sensor.sensorPlan().ignored;
-      selection.world = shots[0].world;
-      scene_.place(pose, sensor.reach() + reachOf(motions), selection, placed);
-    }
+    reused = use == StillImage::Use::use ? still.triangles() : 0;
+    const InstanceEntries instances = placeViews(scene_, sensor, shots, motions, still.selection(use), placed);
     if (!scene_.listsHold(placed)) {
       waitForAll();
       scene_.growLists(placed);
@@ -318,8 +309,6 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     placed.bind(arrays);
-    InstanceEntries instances = {scene_.instances().count()};
-    if (views > 1) instances.inViews = placed.inViews();
     const std::vector<Step> steps = sensor.prepare(sensorSlot(slot, part), shots, part.views, part.last, motions,
                                                    instances, placed.groups(), use, arrays);
     const Clock::duration before = machine_->compiling();

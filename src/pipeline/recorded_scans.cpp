@@ -200,15 +200,7 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   const std::vector<ShotMotion> motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
   run.views = part.views.size();
   run.moves = std::ranges::any_of(motions, &ShotMotion::moves);
-  const Pose pose = seenFrom(shots, 0, motions);
-  InstanceEntries instances = {scene_.instances().count()};
-  if (shots.size() > 1) {
-    placeViews(scene_, sensor, shots, motions, run.placed);
-    instances.inViews = run.placed.inViews();
-  } else {
-    scene_.place(pose, sensor.reach() + reachOf(motions),
-                 {.ignored = sensor.sensorPlan().ignored, .world = shots[0].world}, run.placed);
-  }
+  const InstanceEntries instances = placeViews(scene_, sensor, shots, motions, {}, run.placed);
   if (!scene_.listsHold(run.placed)) scene_.growLists(run.placed);
   BoundArrays arrays = {};
   scene_.bind(arrays);
@@ -216,7 +208,7 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   const Classes& classes = classes_[recording.frame];
   sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()), classes.count,
                      !part.first);
-  std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
+  std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), seenFrom(shots, 0, motions), arrays);
   for (const Step& step : sensor.prepare(run.index, shots, part.views, part.last, motions, instances,
                                          run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);

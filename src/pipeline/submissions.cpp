@@ -108,12 +108,20 @@ std::vector<ShotMotion> motionsOf(const SensorPlan& plan, std::span<const View> 
   return motions;
 }
 
-void placeViews(SceneArrays& scene, const SensorArrays& sensor, std::span<const Shot> shots, ShotMotions motions,
-                PlacedArrays& to) {
+InstanceEntries placeViews(SceneArrays& scene, const SensorArrays& sensor, std::span<const Shot> shots,
+                           ShotMotions motions, Selection selection, PlacedArrays& to) {
+  const double reach = sensor.reach() + reachOf(motions);
+  if (shots.size() == 1) {
+    selection.ignored = sensor.sensorPlan().ignored;
+    selection.world = shots[0].world;
+    scene.place(seenFrom(shots, 0, motions), reach, selection, to);
+    return {scene.instances().count()};
+  }
   std::vector<ViewPlace> places;
   for (size_t view = 0; view < shots.size(); ++view)
     places.push_back({seenFrom(shots, view, motions), shots[view].world});
-  scene.place(places, sensor.reach() + reachOf(motions), sensor.sensorPlan().ignored, sensor.keepsRecords(), to);
+  scene.place(places, reach, sensor.sensorPlan().ignored, sensor.keepsRecords(), to);
+  return {scene.instances().count(), to.inViews()};
 }
 
 }  // namespace gnosphere

@@ -41,8 +41,9 @@ std::span<const Shot> shotsOfViews(const Part& part, std::vector<Shot>& copies);
 std::vector<ShotMotion> motionsOf(const SensorPlan& plan, std::span<const View> views, std::span<const Shot> shots,
                                   const SceneArrays& scene);
 
-/// Places the instances that several views see. `shots` has the shot of each view.
-void placeViews(SceneArrays& scene, const SensorArrays& sensor, std::span<const Shot> shots, ShotMotions motions,
-                PlacedArrays& to);
+/// Places the instances that the views of a submission see. `shots` has the shot of each view; `selection` chooses
+/// among the instances by which of them move, if there is one view. The result refers to `to`.
+InstanceEntries placeViews(SceneArrays& scene, const SensorArrays& sensor, std::span<const Shot> shots,
+                           ShotMotions motions, Selection selection, PlacedArrays& to);
 
 }  // namespace gnosphere
