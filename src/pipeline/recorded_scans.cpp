@@ -27,11 +27,11 @@ void check(const Recording::Range& range, uint64_t least, size_t sensor, const c
 }  // namespace
 
 void RecordedScans::replace(size_t sensor, std::shared_ptr<SensorArrays> before) {
-  for (Scans& scans : frames_) {
-    const auto own = scans.find(sensor);
-    if (own == scans.end()) continue;
+  for (Frame& frame : frames_) {
+    const auto own = frame.sensors.find(sensor);
+    if (own == frame.sensors.end()) continue;
     if (own->second.scans.empty())
-      scans.erase(own);
+      frame.sensors.erase(own);
     else if (!own->second.replaced)
       own->second.replaced = before;
   }
@@ -40,36 +40,35 @@ void RecordedScans::replace(size_t sensor, std::shared_ptr<SensorArrays> before)
 
 uint64_t RecordedScans::bytes() const {
   uint64_t sum = vertices_.bytes();
-  for (const Scans& scans : frames_)
-    for (const auto& [sensor, own] : scans)
-      for (const Run& run : own.runs) sum += run.placed.bytes() + run.transforms.bytes();
   std::set<const SensorArrays*> replaced;
-  for (const Scans& scans : frames_)
-    for (const auto& [sensor, own] : scans)
-      if (own.replaced && replaced.insert(own.replaced.get()).second) {
-        MemoryUse use;
-        own.replaced->addTo(use);
-        sum += use.sensor + use.work;
-      }
-  for (const Classes& classes : classes_) sum += classes.arrays.bytes();
+  for (const Frame& frame : frames_) {
+    sum += frame.classes.bytes();
+    for (const auto& [sensor, own] : frame.sensors) {
+      for (const Run& run : own.runs) sum += run.placed.bytes() + run.transforms.bytes();
+      if (!own.replaced || !replaced.insert(own.replaced.get()).second) continue;
+      MemoryUse use;
+      own.replaced->addTo(use);
+      sum += use.sensor + use.work;
+    }
+  }
   return sum;
 }
 
 // Reads the counters of the frame's scans. A scan counts as read only when its result is kept, so an exception loses no
 // result. Lists that were too small grow, unless the sensor has other arrays since.
-void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
+void RecordedScans::readResults(Frame& frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
-  for (auto& [number, own] : frames_[frame]) {
+  for (auto& [number, own] : frame.sensors) {
     if (own.scans.empty()) continue;
     SensorArrays& sensor = own.replaced ? *own.replaced : *sensors[number];
     const size_t lastRun = own.scans.back().lastRun;
     if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(own.runs[lastRun].index));
-    gnosphere::makeRoom(results_[frame], results_[frame].size() + own.scans.size());
+    gnosphere::makeRoom(frame.results, frame.results.size() + own.scans.size());
     for (const Recorded& scan : own.scans) {
       bool complete = true;
       for (size_t run = scan.firstRun; run <= scan.lastRun; ++run)
         complete = complete && !sensor.cutShort(own.runs[run].index);
-      results_[frame].push_back(
+      frame.results.push_back(
           {number, scan.frame, complete, nonFinite, degenerate, own.runs[scan.firstRun].transforms.unplaced()});
     }
     own.scans.clear();
@@ -79,12 +78,12 @@ void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& 
     for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }
-  std::erase_if(frames_[frame], [](const auto& entry) { return entry.second.replaced != nullptr; });
+  std::erase_if(frame.sensors, [](const auto& entry) { return entry.second.replaced != nullptr; });
 }
 
 // Nothing that this frame has recorded will run. Results that were read before stay.
 void RecordedScans::undo(size_t frame) noexcept {
-  for (auto& [sensor, own] : frames_[frame]) own.scans.clear();
+  for (auto& [sensor, own] : frames_[frame].sensors) own.scans.clear();
   vertices_.abandon(frame);
   machine_.abandonRecording(frame);
 }
@@ -125,9 +124,9 @@ std::vector<RecordedScans::ShotsOfSensor> RecordedScans::divide(const Recording&
 }
 
 // Makes room for the views of each part, and for its run in a frame in flight.
-void RecordedScans::makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame) {
+void RecordedScans::makeRoom(const std::vector<ShotsOfSensor>& all, Frame& frame) {
   for (const ShotsOfSensor& of : all) {
-    SensorScans& own = frames_[frame][of.number];
+    SensorScans& own = frame.sensors[of.number];
     gnosphere::makeRoom(own.scans, of.shots.size());
     while (own.runs.size() < of.parts.size()) {
       own.runs.push_back({runs_[of.number]});
@@ -143,12 +142,11 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   // The caller's transforms are placed for the pose of one view.
   const size_t mostViews = scene_.instances().transformSources().any() ? 1 : kAnyViews;
   std::vector<ShotsOfSensor> all = divide(recording, sensors, mostViews);
-  const size_t frame = recording.frame;
-  if (results_.size() <= frame) results_.resize(frame + 1);
-  if (frames_.size() <= frame) frames_.resize(frame + 1);
-  if (classes_.size() <= frame) classes_.resize(frame + 1);
+  const size_t number = recording.frame;
+  if (frames_.size() <= number) frames_.resize(number + 1);
+  Frame& frame = frames_[number];
   gnosphere::makeRoom(order_, frames_.size());
-  vertices_.readDropped(frame);
+  vertices_.readDropped(number);
   readResults(frame, sensors);
   try {
     makeRoom(all, frame);
@@ -159,20 +157,19 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   }
   if (std::ranges::any_of(all, [](const ShotsOfSensor& of) { return of.sensor->recordsClasses(); })) {
     const ClassTable::Packed& table = recording.classes->packed();
-    Classes& classes = classes_[frame];
-    classes.arrays.load(machine_, gpu::Array::instanceClasses, table.instances);
-    classes.arrays.load(machine_, gpu::Array::classRuns, table.runs);
-    classes.count = static_cast<uint32_t>(table.instances.size());
+    frame.classes.load(machine_, gpu::Array::instanceClasses, table.instances);
+    frame.classes.load(machine_, gpu::Array::classRuns, table.runs);
+    frame.classedInstances = static_cast<uint32_t>(table.instances.size());
   }
-  std::erase(order_, frame);
+  std::erase(order_, number);
   try {
-    machine_.beginRecording(recording.commands, recording.ring, frame);
-    vertices_.record(frame);
+    machine_.beginRecording(recording.commands, recording.ring, number);
+    vertices_.record(number);
     for (const ShotsOfSensor& of : all) {
-      SensorScans& own = frames_[frame][of.number];
+      SensorScans& own = frame.sensors[of.number];
       for (size_t i = 0; i < of.parts.size(); ++i) {
         const Part& part = of.parts[i];
-        record(recording, of, part, own.runs[i]);
+        record(frame, of, part, own.runs[i]);
         recording.mayOverflow |= !of.sensor->hadEnough(own.runs[i].views, own.runs[i].moves);
         for (const Shot& shot : part.shots) {
           if (part.first)
@@ -184,15 +181,15 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
     }
     machine_.endRecording();
   } catch (...) {
-    undo(frame);
+    undo(number);
     throw;
   }
-  order_.push_back(frame);
-  recording.results = std::exchange(results_[frame], {});
+  order_.push_back(number);
+  recording.results = std::exchange(frame.results, {});
 }
 
 // Records the stages for the views of a part. The last part of a shot ends with the shot's records.
-void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run) {
+void RecordedScans::record(const Frame& frame, const ShotsOfSensor& of, const Part& part, Run& run) {
   SensorArrays& sensor = *of.sensor;
   if (!run.addresses) run.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
   std::vector<Shot> copies;
@@ -205,14 +202,13 @@ void RecordedScans::record(const Recording& recording, const ShotsOfSensor& of, 
   BoundArrays arrays = {};
   scene_.bind(arrays);
   run.placed.bind(arrays);
-  const Classes& classes = classes_[recording.frame];
-  sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()), classes.count,
-                     !part.first);
+  sensor.loadRecords(run.index, part.shots, std::span(of.spaces).subspan(part.index, part.shots.size()),
+                     frame.classedInstances, !part.first);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), seenFrom(shots, 0, motions), arrays);
   for (const Step& step : sensor.prepare(run.index, shots, part.views, part.last, motions, instances,
                                          run.placed.groups(), StillImage::Use::none, arrays))
     steps.push_back(step);
-  if (sensor.recordsClasses()) classes.arrays.bind(arrays);
+  if (sensor.recordsClasses()) frame.classes.bind(arrays);
   machine_.record(*run.addresses, steps, arrays);
 }
 

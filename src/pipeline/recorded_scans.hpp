@@ -57,11 +57,12 @@ class RecordedScans {
     std::vector<Recorded> scans;             // whose outcome is not known yet
     std::shared_ptr<SensorArrays> replaced;  // what has recorded them, if the sensor has other arrays since
   };
-  using Scans = std::map<size_t, SensorScans>;  // by sensor
-  /// The classes of surfaces in one frame in flight.
-  struct Classes {
-    ArrayTable arrays;
-    uint32_t count = 0;  // of instances
+  /// A frame in flight.
+  struct Frame {
+    std::map<size_t, SensorScans> sensors;   // by number
+    ArrayTable classes;                      // of surfaces
+    uint32_t classedInstances = 0;           // how many have a class
+    std::vector<Recording::Result> results;  // that were read, but that no call has returned yet, because it failed
   };
 
   /// The shots of one sensor in a recording.
@@ -75,21 +76,18 @@ class RecordedScans {
 
   std::vector<ShotsOfSensor> divide(const Recording& recording, const std::vector<SensorArrays*>& sensors,
                                     size_t mostViews) const;
-  void makeRoom(const std::vector<ShotsOfSensor>& all, size_t frame);
-  void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
+  void makeRoom(const std::vector<ShotsOfSensor>& all, Frame& frame);
+  void readResults(Frame& frame, const std::vector<SensorArrays*>& sensors);
   void undo(size_t frame) noexcept;
-  void record(const Recording& recording, const ShotsOfSensor& of, const Part& part, Run& run);
+  void record(const Frame& frame, const ShotsOfSensor& of, const Part& part, Run& run);
 
   Machine& machine_;
   SceneArrays& scene_;
   uint64_t listBytes_;
   RecordedVertices vertices_;
-  std::vector<Scans> frames_;
-  std::vector<Classes> classes_;   // by frame
+  std::vector<Frame> frames_;
   std::map<size_t, size_t> runs_;  // by sensor: how many runs all frames have
-  // By frame: results that were read, but that no call has returned yet, because it failed.
-  std::vector<std::vector<Recording::Result>> results_;
-  std::vector<size_t> order_;  // frames in the order of their last recordings, without those that were abandoned
+  std::vector<size_t> order_;      // frames in the order of their last recordings, without those that were abandoned
 };
 
 }  // namespace gnosphere
