@@ -6,6 +6,7 @@
 
 #include "eval/rank.hpp"
 #include "eval/sample.hpp"
+#include "eval/timing.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/options.hpp"
 #include "output/comparison_sum.hpp"
@@ -47,7 +48,6 @@ struct Subject {
   AccuracyRow row;
   Simulator simulator;
   ComparisonSum sum;
-  std::vector<Timings> runs;
 };
 
 class Measurement {
@@ -66,13 +66,13 @@ class Measurement {
       SimulatorOptions settings = options.simulator;
       settings.accuracyParts = row.accuracyParts;
       settings.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
-      subjects_.push_back({{row.name, row.accuracyParts},
+      subjects_.push_back({{{}, row.name, row.accuracyParts},
                            Simulator(scene, {sensor, Effects::none()}, settings),
-                           ComparisonSum(sample_.size() * poses.size(), 1e-3),
-                           {}});
+                           ComparisonSum(sample_.size() * poses.size(), 1e-3)});
     }
     compareAll(scene);
-    timeAll();
+    const auto scan = [&](size_t row, size_t pose) { return subjects_[row].simulator.scan(poses[pose]).timings; };
+    timings_ = timeInTurn(subjects_.size(), poses.size(), options.runs, options.progress, scan);
   }
 
   AccuracyReport report() {
@@ -82,7 +82,7 @@ class Measurement {
     report.sampled = !sample_.beams.empty();
     report.runs = options_.runs;
     for (size_t i = 0; i < subjects_.size(); ++i) {
-      finish(subjects_[i]);
+      finish(subjects_[i], timings_[i]);
       (i < settings_ ? report.settings : report.parts).push_back(subjects_[i].row);
     }
     if (settings_ < accuracySettings().size())
@@ -116,47 +116,25 @@ class Measurement {
     }
   }
 
-  /// Scans once with each row in turn, so that other load of the machine affects all rows alike. The poses are spread
-  /// over the runs.
-  void timeAll() {
-    for (uint32_t run = 0; run < options_.runs; ++run) {
-      tell("time run", run + 1, options_.runs);
-      const size_t pose = poses_.size() <= options_.runs ? run % poses_.size() : run * poses_.size() / options_.runs;
-      for (Subject& subject : subjects_) subject.runs.push_back(subject.simulator.scan(poses_[pose]).timings);
-    }
-  }
-
-  void finish(Subject& subject) const {
+  void finish(Subject& subject, const std::vector<Timings>& runs) const {
     AccuracyRow& row = subject.row;
     row.error = subject.sum.result();
-    const std::vector<Timings>& standard = subjects_[standard_].runs;
-    std::vector<double> wall, gpu, ratios;
-    for (size_t run = 0; run < subject.runs.size(); ++run) {
-      const Timings& timings = subject.runs[run];
-      wall.push_back(timings.wallMs);
-      gpu.push_back(timings.gpuMs);
-      const bool stamped = standard[run].gpuMs > 0;
-      ratios.push_back(stamped ? timings.gpuMs / standard[run].gpuMs : timings.wallMs / standard[run].wallMs);
-    }
-    row.wallMs = spreadOf(wall);
-    row.gpuMs = spreadOf(gpu);
-    row.ratio = spreadOf(ratios).median;
-    if (subject.runs.empty()) return;
-    for (size_t stage = 0; stage < subject.runs[0].stages.size(); ++stage) {
+    storeTimes(runs, timings_[standard_], row);
+    for (const StageTime& stage : runs[0].stages) {
       std::vector<double> times;
-      const std::string& name = subject.runs[0].stages[stage].name;
-      for (const Timings& timings : subject.runs)
+      for (const Timings& timings : runs)
         for (const StageTime& time : timings.stages)
-          if (time.name == name) times.push_back(time.ms);
-      row.stages.push_back({name, spreadOf(times).median});
+          if (time.name == stage.name) times.push_back(time.ms);
+      row.stages.push_back({stage.name, spreadOf(times).median});
     }
   }
 
   const std::vector<Pose>& poses_;
   const AccuracyOptions& options_;
   BeamSample sample_;
-  std::vector<Subject> subjects_;       // the settings come first
-  size_t settings_ = 0, standard_ = 0;  // number of settings, and the index of `standard`
+  std::vector<Subject> subjects_;              // the settings come first
+  std::vector<std::vector<Timings>> timings_;  // by subject and run
+  size_t settings_ = 0, standard_ = 0;         // number of settings, and the index of `standard`
 };
 
 }  // namespace

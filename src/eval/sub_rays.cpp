@@ -7,6 +7,7 @@
 
 #include "eval/rank.hpp"
 #include "eval/sample.hpp"
+#include "eval/timing.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -167,27 +168,10 @@ class SubRayMeasurement {
     for (size_t row = 1; row < errors.size(); ++row) errors[row].store(report_.rows[row]);
   }
 
-  /// Scans once with each row in turn, so that other load of the machine affects all rows alike. The poses are spread
-  /// over the runs.
   void timeAll() {
-    std::vector<std::vector<Timings>> runs(report_.rows.size());
-    for (uint32_t run = 0; run < options_.runs; ++run) {
-      tell("time run", run + 1, options_.runs);
-      const size_t pose = poses_.size() <= options_.runs ? run % poses_.size() : run * poses_.size() / options_.runs;
-      for (size_t row = 0; row < runs.size(); ++row) runs[row].push_back(simulators_[row].scan(poses_[pose]).timings);
-    }
-    for (size_t row = 0; row < runs.size(); ++row) {
-      std::vector<double> wall, gpu, ratios;
-      for (size_t run = 0; run < runs[row].size(); ++run) {
-        const Timings &timings = runs[row][run], &clean = runs[0][run];
-        wall.push_back(timings.wallMs);
-        gpu.push_back(timings.gpuMs);
-        ratios.push_back(clean.gpuMs > 0 ? timings.gpuMs / clean.gpuMs : timings.wallMs / clean.wallMs);
-      }
-      report_.rows[row].wallMs = spreadOf(wall);
-      report_.rows[row].gpuMs = spreadOf(gpu);
-      report_.rows[row].ratio = spreadOf(ratios).median;
-    }
+    const auto scan = [&](size_t row, size_t pose) { return simulators_[row].scan(poses_[pose]).timings; };
+    const auto runs = timeInTurn(simulators_.size(), poses_.size(), options_.runs, options_.progress, scan);
+    for (size_t row = 0; row < runs.size(); ++row) storeTimes(runs[row], runs[0], report_.rows[row]);
   }
 
   const Scene& scene_;

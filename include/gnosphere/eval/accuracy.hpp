@@ -21,6 +21,15 @@ struct Spread {
 /// Computes the statistics of `values`; all are zero if there are no values.
 GNOSPHERE_API Spread spreadOf(std::vector<double> values);
 
+/// Times of one row of a report.
+struct RowTimes {
+  Spread wallMs;
+  Spread gpuMs;      ///< all zero if the device has no timestamps
+  double ratio = 1;  ///< time relative to the report's base: the median over the runs of the ratio in each run
+  /// Returns the device time if it was measured, otherwise the wall time.
+  const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
+};
+
 /// Upper ends of the paper's bins (its Table 5), in metres; the last bin holds everything farther.
 inline constexpr std::array<double, 7> kNearestBins = {0.2, 0.4, 0.6, 0.8, 1.2, 1.6, 2.0};
 using NearestHistogram = std::array<uint64_t, kNearestBins.size() + 1>;
@@ -30,8 +39,8 @@ using NearestHistogram = std::array<uint64_t, kNearestBins.size() + 1>;
 /// because a wrong point may lie near the point of another beam.
 GNOSPHERE_API NearestHistogram nearestHistogram(const Scan& reference, const Scan& other);
 
-/// Error and time of one accuracy setting.
-struct AccuracyRow {
+/// Error and time of one accuracy setting; the base of its ratio is `standard`.
+struct AccuracyRow : RowTimes {
   std::string name;
   AccuracyParts accuracyParts;
   Comparison error;  ///< against the double-precision reference, summed over the poses
@@ -40,13 +49,8 @@ struct AccuracyRow {
   /// Largest range error in metres if no beam is missed or falsely hit, without ties; infinity otherwise, and if all
   /// hits are ties.
   GNOSPHERE_API double errorBound() const;
-  NearestHistogram nearest{};  ///< all zero if only a sample of the beams was compared
-  Spread wallMs;
-  Spread gpuMs;                   ///< all zero if the device has no timestamps
+  NearestHistogram nearest{};     ///< all zero if only a sample of the beams was compared
   std::vector<StageTime> stages;  ///< median time of each stage
-  double ratio = 1;               ///< time relative to `standard`: the median over the runs of the ratio in each run
-  /// Returns the device time if it was measured, otherwise the wall time.
-  const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
 /// Error and time of each accuracy setting, on one device.

@@ -12,8 +12,9 @@
 namespace gnosphere {
 
 /// Error and time of a footprint of so many sub-rays. Errors are those of beams that return something, both here and in
-/// the truth. A return is compared with the return of the truth that is nearest in range.
-struct SubRayRow {
+/// the truth. A return is compared with the return of the truth that is nearest in range. The base of the ratio is the
+/// scan of geometry alone.
+struct SubRayRow : RowTimes {
   uint32_t subRays = 0;             ///< 0: a scan of geometry alone, of which only the time is known
   uint64_t beams = 0;               ///< beams of which this footprint or the truth returns something
   double rangeErrorMax = 0;         ///< metres, of any return
@@ -24,11 +25,6 @@ struct SubRayRow {
   double wrong = 0;                 ///< share of the beams of which either is wrong
   double intensityErrorMedian = 0;  ///< relative; half of the returns are not further off
   double intensityError99 = 0;      ///< relative; 99 % of the returns are not further off
-  Spread wallMs;
-  Spread gpuMs;      ///< all zero if the device has no timestamps
-  double ratio = 1;  ///< time relative to geometry alone: the median over the runs of the ratio in each run
-  /// Returns the device time if it was measured, otherwise the wall time.
-  const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
 /// Error and time of each number of sub-rays, on one device.
