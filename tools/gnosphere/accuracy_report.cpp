@@ -21,10 +21,6 @@ const char* insteadOf(const AccuracyRow& row) {
   return "";
 }
 
-bool stamped(const AccuracyReport& report) {
-  return report.settings[0].gpuMs.median > 0;
-}
-
 const TableRow kErrorColumns = {"time",  "ratio", "missed", "false",     "owner",
                                 "range", "wrong", "max m",  "99.99 % m", "RMS m"};
 
@@ -65,7 +61,8 @@ void printErrors(const AccuracyReport& report) {
 }
 
 void printTimes(const AccuracyReport& report) {
-  std::printf("\ntimes in detail, in ms: %s%u runs\n", stamped(report) ? "device time, " : "wall time, ", report.runs);
+  std::printf("\ntimes in detail, in ms: %s%u runs\n", stamped(report.settings[0]) ? "device time, " : "wall time, ",
+              report.runs);
   std::vector<TableRow> rows = {{"setting", "median", "min", "10 %", "90 %"}};
   for (const StageTime& stage : report.settings[0].stages) rows[0].push_back(stage.name);
   rows[0].push_back("wall");
@@ -126,7 +123,8 @@ PlotSeries look(size_t setting) {
 PlotPanel panelOf(const AccuracyStory& story, const char* title, const char* yLabel,
                   double (*error)(const AccuracyRow&)) {
   const AccuracyReport& report = story.report;
-  PlotPanel panel = {title, stamped(report) ? "device time of a scan, ms" : "time of a scan, ms", yLabel, {}};
+  PlotPanel panel = {
+      title, stamped(report.settings[0]) ? "device time of a scan, ms" : "time of a scan, ms", yLabel, {}};
   const auto point = [&](const AccuracyRow& row, const std::string& label) {
     const Spread& time = row.time();
     return PlotPoint{time.median, error(row), time.p10, time.p90, label};
@@ -145,18 +143,14 @@ PlotPanel panelOf(const AccuracyStory& story, const char* title, const char* yLa
 
 void printTables(const AccuracyStory& story) {
   const AccuracyReport& report = story.report;
-  const DeviceInfo& device = report.device;
-  say("scene", story.sceneFile + ": " + grouped(story.scene.placedTriangleCount()) + " triangles");
-  say("device", device.name + ", " + device.type + (device.driver.empty() ? "" : ", " + device.driver));
-  say("sensor", story.sensor.name + ", " + grouped(story.sensor.beamCount()) + " beams, from " +
-                    grouped(story.poses.size()) + (story.poses.size() == 1 ? " pose" : " poses"));
+  sayHead(story);
   say("compared", grouped(report.beams) + " beams" + (report.sampled ? ", a sample," : "") +
                       " with the double-precision reference; " + grouped(report.settings[0].error.hits) +
                       " of them hit, " + grouped(report.settings[0].error.ties) +
                       " are ties, which are counted separately");
   if (!report.withoutPaper.empty()) say("paper", "left out: " + report.withoutPaper);
-  say("timed", std::string(stamped(report) ? "device time" : "wall time") + ", median of " + grouped(report.runs) +
-                   " runs of each, in turn; ratio to standard, run by run");
+  say("timed", std::string(stamped(report.settings[0]) ? "device time" : "wall time") + ", median of " +
+                   grouped(report.runs) + " runs of each, in turn; ratio to standard, run by run");
   std::printf("\n");
   printErrors(report);
   std::printf(
@@ -171,14 +165,7 @@ void printTables(const AccuracyStory& story) {
 
 std::string jsonOf(const AccuracyStory& story) {
   const AccuracyReport& report = story.report;
-  Json json;
-  json["command"] = commandLine();
-  json["version"] = GNOSPHERE_VERSION;
-  json["device"] = toJson(report.device);
-  json["scene"] = {{"file", story.sceneFile}};
-  json["scene"].update(sceneJson(story.scene));
-  json["sensor"] = sensorJson(story.sensor);
-  for (const Pose& pose : story.poses) json["poses"].push_back(toJson(pose));
+  Json json = headJson(story);
   json["beams"] = report.beams;
   json["sampled"] = report.sampled;
   if (!report.withoutPaper.empty()) json["without_paper"] = report.withoutPaper;
@@ -196,9 +183,8 @@ std::string svgOf(const AccuracyStory& story) {
   Plot plot;
   plot.title = "What accuracy costs: error over time";
   plot.notes = {
-      story.sensor.name + ", " + grouped(story.scene.placedTriangleCount()) + " triangles, " +
-          grouped(story.poses.size()) + (story.poses.size() == 1 ? " pose, " : " poses, ") + grouped(report.beams) +
-          " beams compared with the double-precision reference, ties left out",
+      story.sensor.name + ", " + grouped(story.scene.placedTriangleCount()) + " triangles, " + story.posesText() +
+          ", " + grouped(report.beams) + " beams compared with the double-precision reference, ties left out",
       report.device.name + formatted("; medians of %u runs, bars from the 10th to the 90th percentile", report.runs)};
   if (!report.parts.empty()) plot.notes.push_back("small diamonds: standard with one of its parts taken away");
   plot.panelHeight = 290;

@@ -5,18 +5,11 @@
 #include <string>
 
 #include "gnosphere/eval/accuracy.hpp"
-#include "gnosphere/gnosphere.hpp"
+#include "report_head.hpp"
 
 namespace gnosphere::cli {
 
-/// All data of the report.
-struct AccuracyStory {
-  std::string sceneFile;
-  const Scene& scene;
-  const Sensor& sensor;
-  const std::vector<Pose>& poses;
-  const AccuracyReport& report;
-};
+using AccuracyStory = Story<AccuracyReport>;
 
 void printTables(const AccuracyStory& story);
 std::string jsonOf(const AccuracyStory& story);

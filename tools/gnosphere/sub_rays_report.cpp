@@ -8,16 +8,8 @@
 namespace gnosphere::cli {
 namespace {
 
-bool stamped(const SubRayReport& report) {
-  return report.rows[0].gpuMs.median > 0;
-}
-
 std::string nameOf(const SubRayRow& row) {
   return row.subRays == 0 ? "clean" : grouped(row.subRays);
-}
-
-std::string posesText(const SubRaysStory& story) {
-  return grouped(story.poses.size()) + (story.poses.size() == 1 ? " pose" : " poses");
 }
 
 TableRow cellsOf(const SubRayRow& row) {
@@ -37,7 +29,7 @@ Json rowJson(const SubRayRow& row, uint32_t runs) {
   json["sub_rays"] = row.subRays;
   json["frame"] = {{"runs", runs},
                    {"wall_ms", cli::toJson(row.wallMs)},
-                   {"gpu_ms", row.gpuMs.median > 0 ? cli::toJson(row.gpuMs) : Json()},
+                   {"gpu_ms", stamped(row) ? cli::toJson(row.gpuMs) : Json()},
                    {"ratio_to_clean", row.ratio}};
   if (row.subRays == 0) return json;
   json["error"] = {
@@ -52,7 +44,7 @@ Json rowJson(const SubRayRow& row, uint32_t runs) {
 
 PlotPanel panelOf(const SubRaysStory& story, const char* title, const char* yLabel, double (*error)(const SubRayRow&)) {
   const SubRayReport& report = story.report;
-  PlotPanel panel = {title, stamped(report) ? "device time of a scan, ms" : "time of a scan, ms", yLabel, {}};
+  PlotPanel panel = {title, stamped(report.rows[0]) ? "device time of a scan, ms" : "time of a scan, ms", yLabel, {}};
   PlotSeries series = {"sub-rays", Marker::circle, "#009e73", "4 2", 5, {}};
   for (const SubRayRow& row : report.rows) {
     if (row.subRays == 0) continue;
@@ -67,15 +59,12 @@ PlotPanel panelOf(const SubRaysStory& story, const char* title, const char* yLab
 
 void printTables(const SubRaysStory& story) {
   const SubRayReport& report = story.report;
-  const DeviceInfo& device = report.device;
-  say("scene", story.sceneFile + ": " + grouped(story.scene.placedTriangleCount()) + " triangles");
-  say("device", device.name + ", " + device.type + (device.driver.empty() ? "" : ", " + device.driver));
-  say("sensor", story.sensor.name + ", " + grouped(story.sensor.beamCount()) + " beams, from " + posesText(story));
+  sayHead(story);
   say("footprint", report.footprint);
   say("compared", grouped(report.beams) + " beams" + (report.sampled ? ", a sample," : "") +
                       formatted(" with %u sub-rays of the double-precision reference", report.truth));
-  say("timed", std::string(stamped(report) ? "device time" : "wall time") + ", median of " + grouped(report.runs) +
-                   " runs of each, in turn; ratio to clean, run by run");
+  say("timed", std::string(stamped(report.rows[0]) ? "device time" : "wall time") + ", median of " +
+                   grouped(report.runs) + " runs of each, in turn; ratio to clean, run by run");
   std::printf("\n");
   std::vector<TableRow> rows = {
       {"sub-rays", "time", "ratio", "wrong", "range", "returns", "max m", "99.9 % m", "RMS m", "intensity", "99 %"}};
@@ -91,14 +80,7 @@ void printTables(const SubRaysStory& story) {
 
 std::string jsonOf(const SubRaysStory& story) {
   const SubRayReport& report = story.report;
-  Json json;
-  json["command"] = commandLine();
-  json["version"] = GNOSPHERE_VERSION;
-  json["device"] = cli::toJson(report.device);
-  json["scene"] = {{"file", story.sceneFile}};
-  json["scene"].update(sceneJson(story.scene));
-  json["sensor"] = sensorJson(story.sensor);
-  for (const Pose& pose : story.poses) json["poses"].push_back(cli::toJson(pose));
+  Json json = headJson(story);
   json["footprint"] = report.footprint;
   json["beams"] = report.beams;
   json["sampled"] = report.sampled;
@@ -113,7 +95,7 @@ std::string svgOf(const SubRaysStory& story) {
   Plot plot;
   plot.title = "What footprints cost: error over time";
   plot.notes = {story.sensor.name + ", " + report.footprint + ", " + grouped(story.scene.placedTriangleCount()) +
-                    " triangles, " + posesText(story) + ", " + grouped(report.beams) +
+                    " triangles, " + story.posesText() + ", " + grouped(report.beams) +
                     formatted(" beams compared with %u sub-rays of the reference", report.truth),
                 report.device.name +
                     formatted("; medians of %u runs, bars from the 10th to the 90th percentile; numbers of sub-rays at "

@@ -5,18 +5,11 @@
 #include <string>
 
 #include "gnosphere/eval/sub_rays.hpp"
-#include "gnosphere/gnosphere.hpp"
+#include "report_head.hpp"
 
 namespace gnosphere::cli {
 
-/// All data of the report.
-struct SubRaysStory {
-  std::string sceneFile;
-  const Scene& scene;
-  const Sensor& sensor;
-  const std::vector<Pose>& poses;
-  const SubRayReport& report;
-};
+using SubRaysStory = Story<SubRayReport>;
 
 void printTables(const SubRaysStory& story);
 std::string jsonOf(const SubRaysStory& story);
