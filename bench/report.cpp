@@ -11,6 +11,19 @@ double rounded(double value) {
   return std::strtod(cli::formatted("%.5g", value).c_str(), nullptr);
 }
 
+cli::Json medianJson(const Spread& spread) {
+  return {{"median", rounded(spread.median)}, {"min", rounded(spread.min)}};
+}
+
+cli::Json errorJson(const Comparison& c) {
+  return {{"missed", c.missed},
+          {"false_hits", c.falseHits},
+          {"wrong_owner", c.wrongOwner},
+          {"wrong_range", c.wrongRange},
+          {"ties", c.ties},
+          {"range_error_max_m", rounded(c.rangeErrorMax)}};
+}
+
 namespace {
 
 using cli::bareMs;
@@ -66,19 +79,6 @@ double perTriangle(const Outcome& outcome) {
 
 Json orNull(double value) {
   return value > 0 ? Json(rounded(value)) : Json();
-}
-
-Json medianJson(const Spread& spread) {
-  return {{"median", rounded(spread.median)}, {"min", rounded(spread.min)}};
-}
-
-Json errorJson(const Comparison& c) {
-  return {{"missed", c.missed},
-          {"false_hits", c.falseHits},
-          {"wrong_owner", c.wrongOwner},
-          {"wrong_range", c.wrongRange},
-          {"ties", c.ties},
-          {"range_error_max_m", rounded(c.rangeErrorMax)}};
 }
 
 /// Medians, except for the total, which has its whole spread.

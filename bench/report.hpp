@@ -44,6 +44,8 @@ Table floorTable(const std::vector<Outcome>& outcomes);
 cli::Json toJson(const Report& report);
 /// Rounds to five digits, more than a clock resolves.
 double rounded(double value);
+cli::Json medianJson(const Spread& spread);
+cli::Json errorJson(const Comparison& comparison);
 /// JSON that people can read, too: values that fit a line are written on one line.
 std::string compact(const cli::Json& json);
 /// Plots the times of all contenders over the outcomes' x.

@@ -8,19 +8,13 @@ namespace gnosphere::bench {
 namespace {
 
 cli::Json rowJson(const AccuracyRow& row) {
-  const Comparison& c = row.error;
+  cli::Json error = errorJson(row.error);
+  error["range_error_rms_m"] = rounded(row.error.rangeErrorRms);
+  error["any_owner_error_max_m"] = rounded(row.error.hitErrorMax);
   return {{"name", row.name},
-          {"time_ms", {{"median", rounded(row.time().median)}, {"min", rounded(row.time().min)}}},
+          {"time_ms", medianJson(row.time())},
           {"ratio_to_standard", rounded(row.ratio)},
-          {"error",
-           {{"missed", c.missed},
-            {"false_hits", c.falseHits},
-            {"wrong_owner", c.wrongOwner},
-            {"wrong_range", c.wrongRange},
-            {"ties", c.ties},
-            {"range_error_max_m", rounded(c.rangeErrorMax)},
-            {"range_error_rms_m", rounded(c.rangeErrorRms)},
-            {"any_owner_error_max_m", rounded(c.hitErrorMax)}}}};
+          {"error", error}};
 }
 
 }  // namespace

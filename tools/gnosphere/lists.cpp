@@ -2,15 +2,14 @@
 // gnosphere devices, gnosphere effects, gnosphere options: list what can be chosen.
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "base/json_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
 #include "effects/effect_table.hpp"
 #include "effects/parameter_text.hpp"
 #include "gnosphere/simulator.hpp"
+#include "json.hpp"
 #include "option_table.hpp"
 #include "scanning.hpp"
 
@@ -18,20 +17,15 @@ namespace gnosphere::cli {
 namespace {
 
 void printDevicesJson(const std::vector<DeviceInfo>& devices, const std::string& problem) {
-  nlohmann::ordered_json json;
-  json["devices"] = nlohmann::ordered_json::array();
+  Json json;
+  json["devices"] = Json::array();
   for (const DeviceInfo& device : devices) {
-    json["devices"].push_back({{"name", device.name},
-                               {"type", device.type},
-                               {"driver", device.driver},
-                               {"api_version", device.apiVersion},
-                               {"max_buffer_bytes", device.maxBufferBytes},
-                               {"subgroup_size", device.subgroupSize},
-                               {"usable", device.usable},
-                               {"reason", device.reason}});
+    Json& entry = json["devices"].emplace_back(toJson(device));
+    entry["usable"] = device.usable;
+    entry["reason"] = device.reason;
   }
-  json["vulkan_problem"] = problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(problem);
-  std::printf("%s\n", jsonText(json, 2).c_str());
+  json["vulkan_problem"] = problem.empty() ? Json() : Json(problem);
+  std::printf("%s", dump(json).c_str());
 }
 
 int runDevices(bool json) {
