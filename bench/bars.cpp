@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "console.hpp"
-#include "plot.hpp"
+#include "svg.hpp"
 
 namespace gnosphere::bench {
 namespace {
 
+using cli::escaped;
 using cli::formatted;
+using cli::lineFrom;
+using cli::textAt;
 
 // Pixels: names are to the left of the axis, values to the right of their bars.
 constexpr double kLetter = 6.2, kLeastLeft = 190, kBars = 500, kValues = 70, kRow = 19, kBar = 13, kFoot = 44;
@@ -22,15 +25,6 @@ std::vector<double> ticksOf(double low, double high) {
     for (double step : {1, 2, 5})
       if (const double tick = step * std::pow(10, e); tick >= low && tick <= high) ticks.push_back(tick);
   return ticks;
-}
-
-std::string textAt(double x, double y, const char* anchor, const std::string& text, const char* more = "") {
-  return formatted("<text x='%.1f' y='%.1f' text-anchor='%s'%s>", x, y, anchor, more) + cli::escaped(text) +
-         "</text>\n";
-}
-
-std::string lineFrom(double x1, double y1, double x2, double y2, const char* colour) {
-  return formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='%s'/>\n", x1, y1, x2, y2, colour);
 }
 
 }  // namespace
@@ -49,22 +43,16 @@ std::string toSvg(const BarChart& chart) {
   size_t letters = 0;
   for (const Bar& bar : bars) letters = std::max(letters, bar.name.size());
   const double left = std::max(kLeastLeft, 20 + kLetter * static_cast<double>(letters));
-  const double top = 40 + 14 * static_cast<double>(chart.notes.size());
+  const double top = 40 + cli::kNoteLine * static_cast<double>(chart.notes.size());
   const double bottom = top + kRow * static_cast<double>(bars.size());
   const double width = left + kBars + kValues, height = bottom + kFoot;
   const auto at = [=](double value) {
     return left + kBars * std::log(std::max(value, least) / least) / std::log(most / least);
   };
 
-  std::string out = formatted(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' "
-      "font-family='sans-serif' font-size='11' fill='#222222'>\n<rect width='%.0f' height='%.0f' fill='white'/>\n",
-      width, height, width, height, width, height);
-  out += textAt(18, 24, "start", chart.title, " font-size='15' font-weight='bold'");
-  for (size_t i = 0; i < chart.notes.size(); ++i)
-    out += textAt(18, 42 + 14 * static_cast<double>(i), "start", chart.notes[i], " fill='#555555'");
+  std::string out = cli::svgHead(width, height, chart.title, chart.notes);
   for (double tick : ticksOf(least, most)) {
-    out += lineFrom(at(tick), top, at(tick), bottom, "#e3e3e3");
+    out += lineFrom(at(tick), top, at(tick), bottom, "stroke='#e3e3e3'");
     out += textAt(at(tick), bottom + 15, "middle", formatted("%.4g", tick));
   }
   for (size_t i = 0; i < bars.size(); ++i) {
@@ -72,13 +60,13 @@ std::string toSvg(const BarChart& chart) {
     const double y = top + kRow * static_cast<double>(i) + (kRow - kBar) / 2, middle = y + kBar / 2;
     const double end = at(bar.value), from = std::min(end, at(chart.mark)), to = std::max(end, at(chart.mark));
     out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='#56b4e9'/>\n", from, y, to - from, kBar);
-    if (bar.low < bar.high) out += lineFrom(at(bar.low), middle, at(bar.high), middle, "#222222");
-    out += textAt(left - 6, middle + 4, "end", bar.name);
+    if (bar.low < bar.high) out += lineFrom(at(bar.low), middle, at(bar.high), middle, "stroke='#222222'");
+    out += textAt(left - 6, middle + 4, "end", escaped(bar.name));
     out +=
         textAt(at(std::max({bar.value, bar.high, chart.mark})) + 5, middle + 4, "start", formatted("%.2f", bar.value));
   }
-  out += lineFrom(at(chart.mark), top, at(chart.mark), bottom, "#d55e00");
-  out += textAt(left + kBars / 2, bottom + 33, "middle", chart.xLabel);
+  out += lineFrom(at(chart.mark), top, at(chart.mark), bottom, "stroke='#d55e00'");
+  out += textAt(left + kBars / 2, bottom + 33, "middle", escaped(chart.xLabel));
   return out + "</svg>\n";
 }
 

@@ -6,19 +6,12 @@
 #include <cmath>
 
 #include "console.hpp"
+#include "svg.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
-constexpr double kLeft = 66, kRight = 16, kTop = 30, kBottom = 46, kBand = 24, kLetter = 6.1, kLine = 14;
-
-std::string textAt(double x, double y, const char* anchor, const std::string& markup, const char* more = "") {
-  return formatted("<text x='%.1f' y='%.1f' text-anchor='%s'%s>", x, y, anchor, more) + markup + "</text>\n";
-}
-
-std::string lineFrom(double x1, double y1, double x2, double y2, const char* style) {
-  return formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' %s/>\n", x1, y1, x2, y2, style);
-}
+constexpr double kLeft = 66, kRight = 16, kTop = 30, kBottom = 46, kBand = 24, kLetter = 6.1, kLabel = 14;
 
 std::string markerAt(const PlotSeries& s, double x, double y) {
   const double r = s.size;
@@ -109,7 +102,7 @@ class Labels {
     for (double rise : {0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0, -75.0, 75.0}) {
       for (double at : {rise == 0 ? right : x - width / 2, rise == 0 ? left : x, x - width}) {
         if (rise == 0 && at == x - width) continue;
-        const Box box = {at, y + rise - kLine / 2, at + width, y + rise + kLine / 2};
+        const Box box = {at, y + rise - kLabel / 2, at + width, y + rise + kLabel / 2};
         if (!isFree(box)) continue;
         taken_.push_back(box);
         const double end = rise > 0 ? box.top + 1 : box.bottom - 1;
@@ -277,29 +270,14 @@ std::string legendAt(const PlotPanel& panel, const std::vector<std::array<double
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) continue;
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  }
-  return out;
-}
-
 std::string toSvg(const Plot& plot) {
   const double rows = std::ceil(static_cast<double>(plot.panels.size()) / static_cast<double>(plot.columns));
   const double width = plot.panelWidth * static_cast<double>(plot.columns);
   const auto places =
       plot.legend && !plot.panels.empty() ? legendPlaces(plot.panels[0], width) : std::vector<std::array<double, 2>>();
-  const double notes = 30 + kLine * static_cast<double>(plot.notes.size());
+  const double notes = 30 + kNoteLine * static_cast<double>(plot.notes.size());
   const double head = notes + (places.empty() ? 0 : 24 + places.back()[1]) + 8, height = head + rows * plot.panelHeight;
-  std::string out = formatted(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' "
-      "font-family='sans-serif' font-size='11' fill='#222222'>\n<rect width='%.0f' height='%.0f' fill='white'/>\n",
-      width, height, width, height, width, height);
-  out += textAt(18, 24, "start", escaped(plot.title), " font-size='15' font-weight='bold'");
-  for (size_t i = 0; i < plot.notes.size(); ++i)
-    out += textAt(18, 42 + kLine * static_cast<double>(i), "start", escaped(plot.notes[i]), " fill='#555555'");
+  std::string out = svgHead(width, height, plot.title, plot.notes);
   if (!places.empty()) out += legendAt(plot.panels[0], places, notes + 22);
   for (size_t i = 0; i < plot.panels.size(); ++i) {
     const double column = static_cast<double>(i % plot.columns), row = static_cast<double>(i / plot.columns);

@@ -44,7 +44,4 @@ struct Plot {
 
 std::string toSvg(const Plot& plot);
 
-/// Escapes text for XML; control characters, which XML does not allow, are left out.
-std::string escaped(const std::string& text);
-
 }  // namespace gnosphere::cli
