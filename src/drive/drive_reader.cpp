@@ -42,8 +42,7 @@ const json& memberOf(const json& object, const char* name) {
 
 Quaternion DriveReader::orientation(const json& list, const std::string& path) {
   const Quaternion q = {list[0].get<double>(), list[1].get<double>(), list[2].get<double>(), list[3].get<double>()};
-  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (std::abs(length - 1) < 0.01) return normalized(q);
+  if (isUnit(q)) return normalized(q);
   refuse(path, "must be a quaternion qx, qy, qz, qw of length 1, is " + shown(list));
   return {};
 }

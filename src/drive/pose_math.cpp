@@ -6,24 +6,9 @@
 
 namespace gnosphere::drive {
 
-Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-  return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
-}
-
 double angleBetween(const Quaternion& a, const Quaternion& b) {
   const Quaternion turn = Quaternion{-a.x, -a.y, -a.z, a.w} * b;
   return 2 * std::atan2(lengthOf({turn.x, turn.y, turn.z}), std::abs(turn.w));
-}
-
-Quaternion normalized(const Quaternion& q) {
-  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  return {q.x / length, q.y / length, q.z / length, q.w / length};
-}
-
-Vec3 operator*(const Quaternion& q, const Vec3& v) {
-  const Vec3 u = {q.x, q.y, q.z}, t = 2.0 * cross(u, v);
-  return v + q.w * t + cross(u, t);
 }
 
 Pose operator*(const Pose& a, const Pose& b) {

@@ -4,18 +4,12 @@
 
 #include <array>
 
-#include "base/vector.hpp"
-#include "gnosphere/scan.hpp"
+#include "base/quaternion.hpp"
 
 namespace gnosphere::drive {
 
-/// The rotation `b` followed by the rotation `a`.
-Quaternion operator*(const Quaternion& a, const Quaternion& b);
-Quaternion normalized(const Quaternion& q);
 /// The angle of the shorter turn from `a` to `b` in radians, 0..pi.
 double angleBetween(const Quaternion& a, const Quaternion& b);
-/// Turns a vector by a quaternion.
-Vec3 operator*(const Quaternion& q, const Vec3& v);
 /// Composes poses: (a * b) p = a (b p).
 Pose operator*(const Pose& a, const Pose& b);
 Vec3 operator*(const Pose& pose, const Vec3& point);

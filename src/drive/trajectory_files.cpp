@@ -17,9 +17,6 @@ namespace {
 using Stamps = std::vector<Trajectory::Stamp>;
 
 constexpr uint64_t kLargestFile = uint64_t{1} << 30;
-/// Tolerance on a quaternion's length, because files have few digits; a larger deviation means that it is no unit
-/// quaternion.
-constexpr double kUnitTolerance = 0.01;
 
 /// A line of a file of numbers. `refuse` throws an error that names it.
 struct Line {
@@ -31,9 +28,8 @@ struct Line {
     throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
   }
   Quaternion unit(const Quaternion& q) const {
-    const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    if (!(std::abs(length - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
-    return {q.x / length, q.y / length, q.z / length, q.w / length};
+    if (!isUnit(q)) refuse("has a quaternion whose length is not 1");
+    return normalized(q);
   }
 };
 
@@ -130,11 +126,10 @@ Stamps readNuScenes(const std::filesystem::path& file) {
   try {
     for (const nlohmann::json& row : rows) {
       const auto p = row.at("translation").get<std::array<double, 3>>();
-      const auto q = row.at("rotation").get<std::array<double, 4>>();
-      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-      if (!(std::abs(length - 1) < kUnitTolerance))
-        throw Error(ErrorCode::format, file.string() + ": has a rotation whose length is not 1");
-      poses[row.at("timestamp").get<int64_t>()] = {{p[0], p[1], p[2]}, normalized({q[1], q[2], q[3], q[0]})};
+      const auto turn = row.at("rotation").get<std::array<double, 4>>();
+      const Quaternion q = {turn[1], turn[2], turn[3], turn[0]};
+      if (!isUnit(q)) throw Error(ErrorCode::format, file.string() + ": has a rotation whose length is not 1");
+      poses[row.at("timestamp").get<int64_t>()] = {{p[0], p[1], p[2]}, normalized(q)};
     }
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::format, file.string() +

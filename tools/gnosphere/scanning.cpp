@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/quaternion.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
 #include "console.hpp"
@@ -34,20 +35,13 @@ Pose parsePose(const std::string& text) {
   Pose pose;
   pose.position = {numbers[0], numbers[1], numbers[2]};
   if (numbers.size() == 3) return pose;
-  double square = 0;
-  for (size_t i = 3; i < 7; ++i) square += numbers[i] * numbers[i];
-  const double norm = std::sqrt(square);
-  if (!(norm > 1e-6) || !std::isfinite(norm)) {
+  const Quaternion q = {numbers[3], numbers[4], numbers[5], numbers[6]};
+  const double length = lengthOf(q);
+  if (!(length > 1e-6) || !std::isfinite(length)) {
     throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
   }
-  pose.orientation = {numbers[3] / norm, numbers[4] / norm, numbers[5] / norm, numbers[6] / norm};
+  pose.orientation = normalized(q);
   return pose;
-}
-
-/// The rotation b followed by the rotation a.
-Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
 /// Whether the table of requests, and not that of simulators, has the option that this assignment names.
@@ -256,7 +250,7 @@ std::vector<Pose> posesAround(const Pose& around, size_t count) {
     poses.back().position.x += kReach * uniform();
     poses.back().position.y += kReach * uniform();
     const double half = std::numbers::pi / 2 * uniform();
-    poses.back().orientation = product({0, 0, std::sin(half), std::cos(half)}, around.orientation);
+    poses.back().orientation = Quaternion{0, 0, std::sin(half), std::cos(half)} * around.orientation;
   }
   return poses;
 }
