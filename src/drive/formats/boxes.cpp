@@ -27,17 +27,12 @@ class Boxes : public Format {
   bool needsBoxes() const override { return true; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
-    for (const RecordedScan& recorded : frame.scans) {
-      if (!writes(recorded.planned.sensor)) continue;
+    eachScan(frame, [&](const RecordedScan& recorded) {
       std::string lines;
       for (const Box& box : recorded.boxes) lines += jsonText(lineOf(recorded, box)) + "\n";
-      files.push_back(
-          {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.jsonl", recorded.planned.number)),
-           lines, ""});
-    }
+      files.push_back({sensorFile(recorded.planned, "jsonl"), lines, ""});
+    });
   }
-
-  void finish(const std::vector<FrameSummary>&, FinalFiles&) const override {}
 
  private:
   Json lineOf(const RecordedScan& recorded, const Box& box) const {

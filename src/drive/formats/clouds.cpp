@@ -14,16 +14,14 @@ class Clouds : public Format {
   std::vector<Field> fields() const override { return output_.fields; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
-    for (const RecordedScan& recorded : frame.scans) {
-      if (!writes(recorded.planned.sensor)) continue;
+    eachScan(frame, [&](const RecordedScan& recorded) {
       CloudOptions options;
       options.compact = true;
       for (Field field : output_.fields)
         if (field != Field::intensity || recorded.scan.has(field)) options.fields.push_back(field);
-      files.push_back({path(drive_.sensors[recorded.planned.sensor].name +
-                            numberText("/%06llu.", recorded.planned.number) + output_.format),
-                       cloudBytes(recorded.scan, output_.format, options), ""});
-    }
+      files.push_back(
+          {sensorFile(recorded.planned, output_.format), cloudBytes(recorded.scan, output_.format, options), ""});
+    });
   }
 
   /// poses.txt: a line t x y z qx qy qz qw per scan, the pose of the sensor when it starts.

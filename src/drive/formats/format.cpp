@@ -49,6 +49,10 @@ std::string formatNames(bool (*chosen)(const FormatInfo& format)) {
   return text;
 }
 
+std::string Format::sensorFile(const PlannedScan& scan, const std::string& ending) const {
+  return path(drive_.sensors[scan.sensor].name + numberText("/%06llu.", scan.number) + ending);
+}
+
 std::string numberText(const char* format, uint64_t number) {
   char text[64];
   std::snprintf(text, sizeof(text), format, static_cast<unsigned long long>(number));

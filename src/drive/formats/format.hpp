@@ -34,7 +34,7 @@ class Format {
   /// Appends the files of a frame.
   virtual void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const = 0;
   /// Writes the files that need every frame, once all frames are complete. `frames` has the summaries of all frames.
-  virtual void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const = 0;
+  virtual void finish(const std::vector<FrameSummary>& /*frames*/, FinalFiles& /*files*/) const {}
 
   bool writes(size_t sensor) const {
     return std::find(output_.sensors.begin(), output_.sensors.end(), sensor) != output_.sensors.end();
@@ -42,6 +42,18 @@ class Format {
 
  protected:
   std::string path(const std::string& name) const { return output_.folder + "/" + name; }
+  /// SENSOR/000000.ENDING, the file of a scan.
+  std::string sensorFile(const PlannedScan& scan, const std::string& ending) const;
+  /// Calls use(scan) for every scan of a FrameRecord or FrameSummary that this output has.
+  template <class Frame, class Use>
+  void eachScan(const Frame& frame, const Use& use) const {
+    for (const auto& scan : frame.scans)
+      if (writes(scan.planned.sensor)) use(scan);
+  }
+  template <class Use>
+  void eachScan(const std::vector<FrameSummary>& frames, const Use& use) const {
+    for (const FrameSummary& frame : frames) eachScan(frame, use);
+  }
 
   const Drive& drive_;
   const World& world_;

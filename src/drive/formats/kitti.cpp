@@ -25,13 +25,12 @@ class Kitti : public Format {
   }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
-    for (const RecordedScan& recorded : frame.scans) {
-      if (!writes(recorded.planned.sensor)) continue;
+    eachScan(frame, [&](const RecordedScan& recorded) {
       std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
       const std::string number = numberText("%06llu", recorded.planned.number);
       files.push_back({path("sequences/00/velodyne/" + number + ".bin"), std::move(rows), ""});
       if (labelled_) files.push_back({path("sequences/00/labels/" + number + ".label"), labelsOf(recorded), ""});
-    }
+    });
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
@@ -39,21 +38,19 @@ class Kitti : public Format {
     double firstTime = 0;
     Pose toFirst;
     bool any = false;
-    for (const FrameSummary& frame : frames)
-      for (const ScanSummary& scan : frame.scans) {
-        if (!writes(scan.planned.sensor)) continue;
-        const Pose pose = drive_.sensorPose(scan.planned.sensor, scan.planned.time);
-        if (!any) {
-          firstTime = scan.planned.time;
-          toFirst = inverse(pose);
-          any = true;
-        }
-        const DecimalPoint point;
-        char text[64];
-        std::snprintf(text, sizeof(text), "%.9e\n", scan.planned.time - firstTime);
-        times += text;
-        poses += cameraLine(toFirst * pose);
+    eachScan(frames, [&](const ScanSummary& scan) {
+      const Pose pose = drive_.sensorPose(scan.planned.sensor, scan.planned.time);
+      if (!any) {
+        firstTime = scan.planned.time;
+        toFirst = inverse(pose);
+        any = true;
       }
+      const DecimalPoint point;
+      char text[64];
+      std::snprintf(text, sizeof(text), "%.9e\n", scan.planned.time - firstTime);
+      times += text;
+      poses += cameraLine(toFirst * pose);
+    });
     const std::string sequence = path("sequences/00/");
     files.write(sequence + "times.txt", times);
     files.write(sequence + "poses.txt", poses);

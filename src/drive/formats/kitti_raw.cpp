@@ -61,28 +61,25 @@ class KittiRaw : public Format {
   std::vector<Field> fields() const override { return {Field::intensity}; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
-    for (const RecordedScan& recorded : frame.scans) {
-      if (!writes(recorded.planned.sensor)) continue;
+    eachScan(frame, [&](const RecordedScan& recorded) {
       std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
       const std::string number = numberText("%010llu", recorded.planned.number);
       files.push_back({folder_ + "velodyne_points/data/" + number + ".bin", std::move(rows), ""});
       files.push_back({folder_ + "oxts/data/" + number + ".txt", oxtsOf(recorded.planned.time), ""});
-    }
+    });
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     std::string starts, middles, ends;
-    for (const FrameSummary& frame : frames)
-      for (const ScanSummary& scan : frame.scans) {
-        if (!writes(scan.planned.sensor)) continue;
-        const double duration = durationOf(drive_.sensors[scan.planned.sensor].sensor, scan.planned.number);
-        const auto line = [&](double share) {
-          return dateText(unixNanoseconds(drive_, scan.planned.time + share * duration)) + "\n";
-        };
-        starts += line(0);
-        middles += line(0.5);
-        ends += line(1);
-      }
+    eachScan(frames, [&](const ScanSummary& scan) {
+      const double duration = durationOf(drive_.sensors[scan.planned.sensor].sensor, scan.planned.number);
+      const auto line = [&](double share) {
+        return dateText(unixNanoseconds(drive_, scan.planned.time + share * duration)) + "\n";
+      };
+      starts += line(0);
+      middles += line(0.5);
+      ends += line(1);
+    });
     const std::string day = path(date_) + "/";
     files.write(folder_ + "velodyne_points/timestamps_start.txt", starts);
     files.write(folder_ + "velodyne_points/timestamps.txt", middles);

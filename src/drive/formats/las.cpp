@@ -37,18 +37,14 @@ class Las : public Format {
   std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::classId}; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
-    for (const RecordedScan& recorded : frame.scans) {
-      if (!writes(recorded.planned.sensor)) continue;
+    eachScan(frame, [&](const RecordedScan& recorded) {
       const Vec3& p = recorded.pose.position;
       const Vec3 offset = {std::round(p.x), std::round(p.y), std::round(p.z)};
       const Points points = pointsOf(recorded, offset);
       files.push_back(
-          {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.las", recorded.planned.number)),
-           headerOf(points, offset) + extraBytes() + crs() + points.records, ""});
-    }
+          {sensorFile(recorded.planned, "las"), headerOf(points, offset) + extraBytes() + crs() + points.records, ""});
+    });
   }
-
-  void finish(const std::vector<FrameSummary>&, FinalFiles&) const override {}
 
  private:
   /// Where a sensor is at a time, and the direction to the right of the vehicle.

@@ -52,13 +52,12 @@ class NuScenes : public Format {
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     std::vector<bool> seen(drive_.sensors.size());
-    for (const RecordedScan& recorded : frame.scans) {
+    eachScan(frame, [&](const RecordedScan& recorded) {
       const size_t sensor = recorded.planned.sensor;
-      if (!writes(sensor)) continue;
       const bool key = isKey(frame.frame) && !seen[sensor];
       seen[sensor] = true;
       files.push_back({path(fileOf(recorded.planned, key)), pointsOf(recorded), ""});
-    }
+    });
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override;
@@ -102,11 +101,10 @@ std::vector<Entry> NuScenes::entriesOf(const std::vector<FrameSummary>& frames) 
   std::vector<Entry> entries;
   for (uint64_t f = 0; f < frames.size(); ++f) {
     std::vector<bool> seen(drive_.sensors.size());
-    for (const ScanSummary& scan : frames[f].scans) {
-      if (!writes(scan.planned.sensor)) continue;
+    eachScan(frames[f], [&](const ScanSummary& scan) {
       entries.push_back({f, isKey(f) && !seen[scan.planned.sensor], scan});
       seen[scan.planned.sensor] = true;
-    }
+    });
   }
   return entries;
 }
