@@ -34,6 +34,19 @@ class FrameQueue {
   FrameQueue(const FrameQueue&) = delete;
   FrameQueue& operator=(const FrameQueue&) = delete;
 
+  /// Fills the record of every frame by scan(record), and waits until all are written. Throws what writing has thrown.
+  template <class Frames, class Scan>
+  void run(const Frames& frames, Scan scan) {
+    for (const uint64_t frame : frames) {
+      FrameRecord record = empty();
+      record.frame = frame;
+      scan(record);
+      push(std::move(record));
+    }
+    finish();
+  }
+
+ private:
   /// Waits for a frame that can be filled. Throws what writing has thrown.
   FrameRecord empty() {
     std::unique_lock lock(mutex_);
@@ -63,7 +76,6 @@ class FrameQueue {
     if (failure_) std::rethrow_exception(failure_);
   }
 
- private:
   void loop() {
     for (;;) {
       FrameRecord record;

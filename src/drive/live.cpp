@@ -6,6 +6,7 @@
 #include <chrono>
 #include <map>
 #include <numeric>
+#include <ranges>
 #include <set>
 #include <thread>
 
@@ -192,13 +193,7 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
     live.publish(record);
     if (options.progress) options.progress(report.frames, end - options.firstFrame);
   });
-  for (uint64_t frame = options.firstFrame; frame < end; ++frame) {
-    FrameRecord record = queue.empty();
-    record.frame = frame;
-    scanner.scan(record);
-    queue.push(std::move(record));
-  }
-  queue.finish();
+  queue.run(std::views::iota(options.firstFrame, end), [&](FrameRecord& record) { scanner.scan(record); });
   live.finish();
   return report;
 }

@@ -99,13 +99,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
     for (const OutputFile& file : files) report.bytes += file.bytes.size();
     if (options.progress) options.progress(++done, frames.size());
   });
-  for (uint64_t frame : frames) {
-    FrameRecord record = queue.empty();
-    record.frame = frame;
-    scanner.scan(record);
-    queue.push(std::move(record));
-  }
-  queue.finish();
+  queue.run(frames, [&](FrameRecord& record) { scanner.scan(record); });
 }
 
 }  // namespace
