@@ -23,6 +23,17 @@ struct Point {
   int32_t x, y, z;
 };
 
+/// A return, in the units of LAS.
+struct Row {
+  Point point;
+  uint16_t strength;
+  size_t number, count;  ///< of the beam's returns
+  uint16_t classId;
+  uint32_t object;
+  int16_t angle;
+  double gpsTime;
+};
+
 struct Points {
   std::string records;
   Vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
@@ -91,32 +102,39 @@ class Las : public Format {
       size_t number = entry % scan.returns, count = 0;
       for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(entry - number + k);
       const float strength = strong ? std::min(65535.0f, std::max(0.0f, factor * intensities[entry])) : 0;
-      add(points, point, offset, strength, number + 1, count, classes[entry], scan.instances[entry], recorded.planned,
-          moment->second.scanAngle(at), gpsOfDrive + (recorded.planned.time + time));
+      const Row row = {point,
+                       static_cast<uint16_t>(std::lround(strength)),
+                       number + 1,
+                       count,
+                       classes[entry],
+                       scan.instances[entry],
+                       moment->second.scanAngle(at),
+                       gpsOfDrive + (recorded.planned.time + time)};
+      add(points, row, offset, recorded.planned.sensor);
     }
     return points;
   }
 
-  void add(Points& points, const Point& point, const Vec3& offset, float strength, size_t number, size_t count,
-           uint16_t classId, uint32_t object, const PlannedScan& planned, int16_t angle, double gpsTime) const {
+  static void add(Points& points, const Row& row, const Vec3& offset, size_t sensor) {
     std::string& out = points.records;
+    const Point& point = row.point;
     append(out, point.x);
     append(out, point.y);
     append(out, point.z);
-    append(out, static_cast<uint16_t>(std::lround(strength)));
-    append(out, static_cast<uint8_t>(number | count << 4));
+    append(out, row.strength);
+    append(out, static_cast<uint8_t>(row.number | row.count << 4));
     append(out, uint8_t{0});  // flags, scanner channel, direction, edge
-    append(out, static_cast<uint8_t>(classId));
+    append(out, static_cast<uint8_t>(row.classId));
     append(out, uint8_t{0});  // user data
-    append(out, angle);
-    append(out, static_cast<uint16_t>(planned.sensor + 1));  // point source
-    append(out, gpsTime);
-    append(out, object);
+    append(out, row.angle);
+    append(out, static_cast<uint16_t>(sensor + 1));  // point source
+    append(out, row.gpsTime);
+    append(out, row.object);
     const Vec3 at = kScale * Vec3{double(point.x), double(point.y), double(point.z)} + offset;
     points.min = lowest(points.min, at);
     points.max = highest(points.max, at);
     ++points.count;
-    ++points.byReturn[number - 1];
+    ++points.byReturn[row.number - 1];
   }
 
   std::string headerOf(const Points& points, const Vec3& offset) const {
