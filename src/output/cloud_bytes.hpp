@@ -10,4 +10,7 @@ namespace gnosphere {
 /// Returns the bytes of the file that writeCloud() writes, for an ending such as "pcd"; throws as writeCloud() does.
 std::string cloudBytes(const Scan& scan, const std::string& ending, const CloudOptions& options);
 
+/// x, y, z and intensity as four floats, of returns only. Without an intensity it is 0.
+RecordLayout kittiLayout(const Scan& scan);
+
 }  // namespace gnosphere

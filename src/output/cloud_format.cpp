@@ -5,6 +5,7 @@
 
 #include "base/text.hpp"
 #include "gnosphere/error.hpp"
+#include "output/cloud_bytes.hpp"
 #include "output/cloud_rows.hpp"
 #include "output/cloud_table.hpp"
 

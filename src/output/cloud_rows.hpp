@@ -22,7 +22,4 @@ std::string plyHeader(const CloudRows& rows, bool ascii);
 std::string npyHeader(const CloudRows& rows, bool ascii);
 std::string csvHeader(const CloudRows& rows, bool ascii);
 
-/// x, y, z and intensity as four floats, of returns only. Without an intensity it is 0.
-RecordLayout kittiLayout(const Scan& scan);
-
 }  // namespace gnosphere

@@ -190,6 +190,7 @@ RecordLayout kittiLayout(const Scan& scan) {
   checkFields(scan, fields);
   RecordLayout layout = layoutOf(fields);
   layout.stride = 4 * sizeof(float);  // without intensity the fourth value stays 0, because blocks start with zeros
+  layout.compact = true;
   return layout;
 }
 

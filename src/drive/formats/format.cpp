@@ -9,6 +9,7 @@
 #include <span>
 
 #include "gnosphere/error.hpp"
+#include "output/cloud_bytes.hpp"
 
 namespace gnosphere::drive {
 
@@ -88,14 +89,6 @@ std::string packedRows(const Scan& scan, const RecordLayout& layout) {
   std::string rows;
   appendRows(rows, scan, layout);
   return rows;
-}
-
-RecordLayout kittiLayout(const Scan& scan) {
-  RecordLayout layout = layoutOf({Field::x, Field::y, Field::z});
-  if (scan.has(Field::intensity)) layout = layoutOf({Field::x, Field::y, Field::z, Field::intensity});
-  layout.stride = 4 * sizeof(float);
-  layout.compact = true;
-  return layout;
 }
 
 float intensityFactor(const RigSensor& sensor, float greatest) {

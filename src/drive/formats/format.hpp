@@ -92,8 +92,6 @@ std::string dateText(int64_t nanoseconds);
 /// The rows of the returns of a scan.
 std::string packedRows(const Scan& scan, const RecordLayout& layout);
 void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout);
-/// x, y, z and intensity as four floats; without an intensity it is 0.
-RecordLayout kittiLayout(const Scan& scan);
 /// Returns the factor on a sensor's intensities by which a diffuse white surface gets this greatest value.
 float intensityFactor(const RigSensor& sensor, float greatest);
 /// Returns the rows of kittiLayout(), in which a diffuse white surface has the intensity 1.

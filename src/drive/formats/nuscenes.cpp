@@ -9,6 +9,7 @@
 #include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
+#include "output/cloud_bytes.hpp"
 
 namespace gnosphere::drive {
 namespace {
