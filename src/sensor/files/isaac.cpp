@@ -82,37 +82,41 @@ const Window& windowOf(const SensorSource& source, const std::vector<Window>& wi
   return windows[static_cast<size_t>(id)];
 }
 
-/// Lists that the emitters of any state have; all beams of a list have them then.
-struct Lists {
-  bool origins = false, ranges = false;
-
-  Lists(const std::vector<Emitters>& states, const std::vector<Window>& windows) {
+/// Fires emitters. If those of any state have origins or ranges, all beams of a list have them.
+class Firing {
+ public:
+  Firing(const SensorSource& source, const std::vector<Emitters>& states, const std::vector<Window>& windows)
+      : source_(source), windows_(windows) {
     for (const Emitters& emitters : states) {
-      origins = origins || !emitters.heights.empty() || !emitters.sides.empty();
-      ranges = ranges || (!emitters.ranges.empty() && !windows.empty());
+      origins_ = origins_ || !emitters.heights.empty() || !emitters.sides.empty();
+      ranges_ = ranges_ || (!emitters.ranges.empty() && !windows.empty());
     }
   }
-};
 
-/// Appends one emitter, whose head is turned to `headDeg`, to a list of beams.
-void fire(const SensorSource& source, const Emitters& emitters, size_t i, const Lists& has,
-          const std::vector<Window>& windows, double headDeg, double time, uint16_t ring, BeamList& list) {
-  const double azimuth = emitters.azimuths[i] + headDeg;
-  list.directions.push_back(directionOfAngles(source, azimuth, emitters.elevations[i], list.size()));
-  if (has.origins) {
-    const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = kDegree * azimuth;
-    list.origins.push_back(
-        {-std::sin(a) * side, std::cos(a) * side, emitters.heights.empty() ? 0 : emitters.heights[i]});
+  /// Appends one emitter, whose head is turned to `headDeg`, to a list of beams.
+  void fire(const Emitters& emitters, size_t i, double headDeg, double time, uint16_t ring, BeamList& list) const {
+    const double azimuth = emitters.azimuths[i] + headDeg;
+    list.directions.push_back(directionOfAngles(source_, azimuth, emitters.elevations[i], list.size()));
+    if (origins_) {
+      const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = kDegree * azimuth;
+      list.origins.push_back(
+          {-std::sin(a) * side, std::cos(a) * side, emitters.heights.empty() ? 0 : emitters.heights[i]});
+    }
+    list.times.push_back(time + (emitters.times.empty() ? 0 : kNano * emitters.times[i]));
+    list.rings.push_back(emitters.rings.empty() ? ring : static_cast<uint16_t>(emitters.rings[i]));
+    if (!ranges_) return;
+    const Sensor& sensor = source_.file.sensor;
+    const Window window = emitters.ranges.empty() ? Window{sensor.rangeMin, sensor.rangeMax}
+                                                  : windowOf(source_, windows_, emitters.ranges[i]);
+    list.rangeMin.push_back(static_cast<float>(window.least));
+    list.rangeMax.push_back(static_cast<float>(window.most));
   }
-  list.times.push_back(time + (emitters.times.empty() ? 0 : kNano * emitters.times[i]));
-  list.rings.push_back(emitters.rings.empty() ? ring : static_cast<uint16_t>(emitters.rings[i]));
-  if (!has.ranges) return;
-  const Sensor& sensor = source.file.sensor;
-  const Window window = emitters.ranges.empty() ? Window{sensor.rangeMin, sensor.rangeMax}
-                                                : windowOf(source, windows, emitters.ranges[i]);
-  list.rangeMin.push_back(static_cast<float>(window.least));
-  list.rangeMax.push_back(static_cast<float>(window.most));
-}
+
+ private:
+  const SensorSource& source_;
+  const std::vector<Window>& windows_;
+  bool origins_ = false, ranges_ = false;
+};
 
 void placeSolidState(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
                      const std::vector<Window>& windows) {
@@ -134,11 +138,11 @@ void placeSolidState(SensorSource& source, const json& profile, const std::vecto
     }
   }
   Sensor& sensor = source.file.sensor;
-  const Lists has(states, windows);
+  const Firing firing(source, states, windows);
   for (const Emitters& emitters : states) {
     BeamList& list = sensor.patterns.emplace_back();
     for (size_t i = 0; i < emitters.azimuths.size(); ++i)
-      fire(source, emitters, i, has, windows, 0, 0, lineOf.empty() ? uint16_t{0} : lineOf[i], list);
+      firing.fire(emitters, i, 0, 0, lineOf.empty() ? uint16_t{0} : lineOf[i], list);
     list.width = width;
     list.height = height;
   }
@@ -191,13 +195,13 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
     }
   } else {
     BeamList list;
-    const Lists has(states, windows);
+    const Firing firing(source, states, windows);
     const size_t rows = states[0].azimuths.size();
     for (size_t row = 0; row < rows; ++row)
       for (uint32_t column = 0; column < sensor.columns; ++column) {
         const Emitters& emitters = states[column % states.size()];
-        fire(source, emitters, row, has, windows, sensor.azimuthStartDeg + sensor.azimuthSpanDeg * column / columns,
-             column / fireRate, static_cast<uint16_t>(row), list);
+        firing.fire(emitters, row, sensor.azimuthStartDeg + sensor.azimuthSpanDeg * column / columns, column / fireRate,
+                    static_cast<uint16_t>(row), list);
       }
     list.width = sensor.columns;
     list.height = static_cast<uint32_t>(rows);
