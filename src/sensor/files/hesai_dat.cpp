@@ -52,11 +52,26 @@ class Bytes {
 constexpr double kFirstDeg = 30, kStepDeg = 0.1;
 constexpr uint32_t kColumns = 1200;
 
-BeamList emptyList(size_t channels) {
+/// Appends a pattern, whose beams `add(list, channel, column)` appends one by one, but for their rings: the channels.
+template <class Add>
+void addPattern(SensorSource& source, size_t channels, uint32_t columns, const Add& add) {
   BeamList list;
-  list.width = kColumns;
+  list.width = columns;
   list.height = static_cast<uint32_t>(channels);
-  return list;
+  for (size_t channel = 0; channel < channels; ++channel)
+    for (uint32_t column = 0; column < columns; ++column) {
+      add(list, channel, column);
+      list.rings.push_back(static_cast<uint16_t>(channel));
+    }
+  source.file.sensor.patterns.push_back(std::move(list));
+}
+
+/// Returns the unit of angles, in degrees, of a file that divides a degree.
+double unitOf(const SensorSource& source, size_t channels, uint16_t division) {
+  if (channels == 0 || division == 0)
+    source.refuse("states " + std::to_string(channels) + " channels and an angle division of " +
+                  std::to_string(division));
+  return 1.0 / division;
 }
 
 /// Returns the correction at an angle of the head, in degrees. The table has a value per 2 degrees, in hundredths of a
@@ -92,18 +107,14 @@ void readMirrors(SensorSource& source, Bytes& bytes, bool fine) {
   const double headSpeed = 120 / period;  // a turn of the head is three scans, one per mirror face
   for (size_t frame = 0; frame < frames; ++frame) {
     if (!(starts[frame] < 360 && ends[frame] < 360)) source.refuse("a frame starts or ends beyond 360 degrees");
-    BeamList list = emptyList(channels);
-    for (size_t channel = 0; channel < channels; ++channel)
-      for (uint32_t column = 0; column < kColumns; ++column) {
-        const double turned = (kFirstDeg + kStepDeg * column) / 2;  // the mirror doubles the angle
-        const double head = std::fmod(starts[frame] + turned, 360);
-        const double azimuth = 2 * turned - azimuths[channel] + correction(azimuthTable, channel, head);
-        list.directions.push_back(directionOfAngles(
-            source, 90 - azimuth, elevations[channel] + correction(elevationTable, channel, head), list.size()));
-        list.times.push_back(kStepDeg / 2 * column / headSpeed);
-        list.rings.push_back(static_cast<uint16_t>(channel));
-      }
-    source.file.sensor.patterns.push_back(std::move(list));
+    addPattern(source, channels, kColumns, [&](BeamList& list, size_t channel, uint32_t column) {
+      const double turned = (kFirstDeg + kStepDeg * column) / 2;  // the mirror doubles the angle
+      const double head = std::fmod(starts[frame] + turned, 360);
+      const double azimuth = 2 * turned - azimuths[channel] + correction(azimuthTable, channel, head);
+      list.directions.push_back(directionOfAngles(
+          source, 90 - azimuth, elevations[channel] + correction(elevationTable, channel, head), list.size()));
+      list.times.push_back(kStepDeg / 2 * column / headSpeed);
+    });
   }
   if (source.options.scanRate == 0) source.assume("10 scans per second, three to a turn; --rate sets another number");
 }
@@ -111,11 +122,7 @@ void readMirrors(SensorSource& source, Bytes& bytes, bool fine) {
 void readParity(SensorSource& source, Bytes& bytes, int version) {
   bytes.next<uint16_t>();  // reserved
   const auto channels = bytes.next<uint8_t>();
-  const auto division = bytes.next<uint16_t>();
-  if (channels == 0 || division == 0)
-    source.refuse("states " + std::to_string(channels) + " channels and an angle division of " +
-                  std::to_string(division));
-  const double unit = 1.0 / division;
+  const double unit = unitOf(source, channels, bytes.next<uint16_t>());
   std::vector<std::vector<double>> azimuths = {bytes.list<int16_t>(channels, unit)};
   if (version > 1) azimuths.push_back(bytes.list<int16_t>(channels, unit));
   const auto elevations = bytes.list<int16_t>(channels, unit);
@@ -137,18 +144,13 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
         source.refuse("channel " + std::to_string(channel + 1) +
                       " does not fire in the file of firing times, but every channel of an ATX fires");
   const double first = startOfScan(source, times);
-  for (size_t kind = 0; kind < azimuths.size(); ++kind) {
-    BeamList list = emptyList(channels);
-    for (size_t channel = 0; channel < channels; ++channel)
-      for (uint32_t column = 0; column < kColumns; ++column) {
-        const double azimuth = kFirstDeg + kStepDeg * column + azimuths[kind][channel];
-        list.directions.push_back(
-            directionOfAngles(source, 90 - azimuth, elevations[channel] + adjustment(azimuth), list.size()));
-        if (!times.empty()) list.times.push_back(times[kind % times.size()][channel] - first);
-        list.rings.push_back(static_cast<uint16_t>(channel));
-      }
-    source.file.sensor.patterns.push_back(std::move(list));
-  }
+  for (size_t kind = 0; kind < azimuths.size(); ++kind)
+    addPattern(source, channels, kColumns, [&](BeamList& list, size_t channel, uint32_t column) {
+      const double azimuth = kFirstDeg + kStepDeg * column + azimuths[kind][channel];
+      list.directions.push_back(
+          directionOfAngles(source, 90 - azimuth, elevations[channel] + adjustment(azimuth), list.size()));
+      if (!times.empty()) list.times.push_back(times[kind % times.size()][channel] - first);
+    });
   source.assume("columns that fire at once, as the speed of the mirror is not stated");
 }
 
@@ -174,11 +176,7 @@ void readSteered(SensorSource& source, Bytes& bytes, int version) {
   bytes.next<uint16_t>();  // reserved
   const auto channels = bytes.next<uint8_t>();
   bytes.next<uint8_t>();  // mirrors
-  const auto division = bytes.next<uint16_t>();
-  if (channels == 0 || division == 0)
-    source.refuse("states " + std::to_string(channels) + " channels and an angle division of " +
-                  std::to_string(division));
-  const double unit = 1.0 / division;
+  const double unit = unitOf(source, channels, bytes.next<uint16_t>());
   const std::vector<double> mirror = bytes.list<int16_t>(3, unit);  // alpha, beta, gamma
   const auto azimuths = bytes.list<int16_t>(channels, unit), elevations = bytes.list<int16_t>(channels, unit);
   Adjustments across, up;
@@ -189,25 +187,21 @@ void readSteered(SensorSource& source, Bytes& bytes, int version) {
     across = {x, y, static_cast<size_t>(120 / x + 1), bytes.list<int16_t>(count, unit)};
     up = {x, y, across.columns, bytes.list<int16_t>(count, unit)};
   }
-  BeamList list = emptyList(channels);
-  for (size_t channel = 0; channel < channels; ++channel)
-    for (uint32_t column = 0; column < kColumns; ++column) {
-      // As the vendor's decoder, for a vertical mirror at 0.
-      const double turned = kStepDeg * column - 60, phi = azimuths[channel], theta = elevations[channel];
-      const double an = kDegree * (mirror[0] + phi), gamma = kDegree * mirror[2];
-      const double thetaN = kDegree * theta / std::cos(an);
-      const double vertical = std::sin(an) * std::cos(an) * thetaN * thetaN / 2 * 1.016;
-      const double eta = kDegree * (phi + mirror[1] + turned / 2) + vertical;
-      const double horizontal =
-          std::sin(eta) * std::tan(2 * gamma) * std::tan(kDegree * theta) + std::sin(2 * eta) * gamma * gamma;
-      double elevation = theta + 2 * mirror[2] * std::cos(eta);
-      double azimuth = turned + phi + (horizontal + vertical) / kDegree;  // clockwise from the front
-      azimuth += across.at(azimuth, elevation);
-      elevation += up.at(azimuth, elevation);
-      list.directions.push_back(directionOfAngles(source, -azimuth, elevation, list.size()));
-      list.rings.push_back(static_cast<uint16_t>(channel));
-    }
-  source.file.sensor.patterns.push_back(std::move(list));
+  addPattern(source, channels, kColumns, [&](BeamList& list, size_t channel, uint32_t column) {
+    // As the vendor's decoder, for a vertical mirror at 0.
+    const double turned = kStepDeg * column - 60, phi = azimuths[channel], theta = elevations[channel];
+    const double an = kDegree * (mirror[0] + phi), gamma = kDegree * mirror[2];
+    const double thetaN = kDegree * theta / std::cos(an);
+    const double vertical = std::sin(an) * std::cos(an) * thetaN * thetaN / 2 * 1.016;
+    const double eta = kDegree * (phi + mirror[1] + turned / 2) + vertical;
+    const double horizontal =
+        std::sin(eta) * std::tan(2 * gamma) * std::tan(kDegree * theta) + std::sin(2 * eta) * gamma * gamma;
+    double elevation = theta + 2 * mirror[2] * std::cos(eta);
+    double azimuth = turned + phi + (horizontal + vertical) / kDegree;  // clockwise from the front
+    azimuth += across.at(azimuth, elevation);
+    elevation += up.at(azimuth, elevation);
+    list.directions.push_back(directionOfAngles(source, -azimuth, elevation, list.size()));
+  });
   source.assume("a vertical mirror at 0 and columns that fire at once, as the mirrors' angles are not stated");
 }
 
@@ -221,16 +215,10 @@ void readFlash(SensorSource& source, Bytes& bytes, int version) {
   if (count == 0) source.refuse("states " + std::to_string(columns) + " columns and " + std::to_string(rows) + " rows");
   const auto azimuths = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
   const auto elevations = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
-  BeamList list;
-  list.width = columns;
-  list.height = rows;
-  for (uint32_t row = 0; row < rows; ++row)
-    for (uint32_t column = 0; column < columns; ++column) {
-      const size_t place = size_t{column} * rows + row;
-      list.directions.push_back(directionOfAngles(source, 90 - azimuths[place], elevations[place], list.size()));
-      list.rings.push_back(static_cast<uint16_t>(row));
-    }
-  source.file.sensor.patterns.push_back(std::move(list));
+  addPattern(source, rows, columns, [&](BeamList& list, size_t row, uint32_t column) {
+    const size_t place = size_t{column} * rows + row;
+    list.directions.push_back(directionOfAngles(source, 90 - azimuths[place], elevations[place], list.size()));
+  });
 }
 
 }  // namespace
