@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
 #include "base/decimal_point.hpp"
+#include "base/units.hpp"
 #include "base/vector.hpp"
 #include "output/canvas.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 
 constexpr Colour kLine = {0.16f, 0.18f, 0.22f};
 constexpr int kWidth = 1600, kLeft = 90, kRight = 30, kTop = 60, kBottom = 60;
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// An axis of degrees on pixels.
 struct Axis {
@@ -44,8 +43,8 @@ std::vector<Dot> dotsOf(const Sensor& sensor) {
   for (size_t beam = 0; beam < beams.size(); ++beam) {
     if (masked[beam]) continue;
     const Vec3& d = beams.directions[beam];
-    dots.push_back({static_cast<float>(kDegrees * std::atan2(d.y, d.x)),
-                    static_cast<float>(kDegrees * std::atan2(d.z, lengthOf(d.x, d.y))),
+    dots.push_back({static_cast<float>(kRadian * std::atan2(d.y, d.x)),
+                    static_cast<float>(kRadian * std::atan2(d.z, lengthOf(d.x, d.y))),
                     beams.times.empty() ? 0 : beams.times[beam]});
   }
   return dots;

@@ -18,13 +18,8 @@ namespace {
 using nlohmann::json;
 
 /// Returns the shortest text that reads back to the same bits. JSON readers take "-0" for the integer 0, hence "-0.0".
-std::string text(double value) {
-  if (value == 0 && std::signbit(value)) return "-0.0";
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
-
-std::string text(float value) {
+template <std::floating_point T>
+std::string text(T value) {
   if (value == 0 && std::signbit(value)) return "-0.0";
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};

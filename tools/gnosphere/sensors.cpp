@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "output/pattern_picture.hpp"
@@ -28,7 +28,7 @@ struct SensorsOptions {
   }
 };
 
-constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
+constexpr double kMicroseconds = 1e6;
 
 /// The least and the largest of some values.
 struct Span {
@@ -65,8 +65,8 @@ void eachBeam(const Sensor& sensor, Visit visit) {
 Survey survey(const Sensor& sensor) {
   Survey all;
   eachBeam(sensor, [&](uint64_t pattern, size_t beam) {
-    all.azimuth.add(kDegrees * azimuthOf(sensor, beam, pattern));
-    all.elevation.add(kDegrees * elevationOf(sensor, beam, pattern));
+    all.azimuth.add(kRadian * azimuthOf(sensor, beam, pattern));
+    all.elevation.add(kRadian * elevationOf(sensor, beam, pattern));
     all.time.add(kMicroseconds * timeOf(sensor, beam, pattern));
     const RangeWindow window = rangeWindowOf(sensor, beam, pattern);
     all.least.add(window.least);
@@ -142,7 +142,7 @@ void writeBeams(const Sensor& sensor, const std::filesystem::path& path) {
     const RangeWindow window = rangeWindowOf(sensor, beam, pattern);
     text +=
         formatted("%zu,%u,%.9f,%.9f,%.9f,%.9f,%.9f,%.6f,%.9g,%.9g", beam, ringOf(sensor, beam, pattern),
-                  kDegrees * azimuthOf(sensor, beam, pattern), kDegrees * elevationOf(sensor, beam, pattern), origin.x,
+                  kRadian * azimuthOf(sensor, beam, pattern), kRadian * elevationOf(sensor, beam, pattern), origin.x,
                   origin.y, origin.z, kMicroseconds * timeOf(sensor, beam, pattern), window.least, window.most);
     if (several) text += "," + std::to_string(pattern);
     text += '\n';
@@ -158,7 +158,7 @@ void listCatalogue() {
   const auto row = [](const Sensor& sensor, const std::string& name, const std::string& about) {
     Span elevation;
     for (size_t beam = 0; beam < sensor.beamCount(); beam += sensor.isGrid() ? sensor.columns : 1)
-      elevation.add(kDegrees * elevationOf(sensor, beam));
+      elevation.add(kRadian * elevationOf(sensor, beam));
     return TableRow{name,
                     about,
                     formatted("%u x %u", sensor.width(), sensor.height()),

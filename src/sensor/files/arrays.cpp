@@ -6,8 +6,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -163,11 +163,10 @@ void readNpy(SensorSource& source) {
                   ", expected is N x 2, N x 3, N x 12, N x 3 x 4 or N x 4 x 4");
   const std::vector<double> numbers = readNumbers(source, header);
   BeamList list;
-  constexpr double kDegrees = 180 / std::numbers::pi;
   for (size_t i = 0; i + each <= numbers.size(); i += each) {
     const double* n = numbers.data() + i;
     if (each == 2)
-      list.directions.push_back(directionOfAngles(source, kDegrees * n[0], kDegrees * n[1], list.size()));
+      list.directions.push_back(directionOfAngles(source, kRadian * n[0], kRadian * n[1], list.size()));
     else if (each == 3)
       addDirection(source, list, {n[0], n[1], n[2]});
     else

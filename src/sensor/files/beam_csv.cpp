@@ -4,10 +4,10 @@
 // zenith angles are from z.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -50,7 +50,7 @@ struct Columns {
     const auto has = [&](const char* unit) { return containsWord(header, unit); };
     if (column == "time") return has("us") ? 1e-6 : has("ns") ? 1e-9 : has("ms") ? 1e-3 : 1;
     if (column.starts_with("origin") || column.starts_with("range")) return has("mm") ? 1e-3 : has("cm") ? 1e-2 : 1;
-    return has("rad") ? 180 / std::numbers::pi : 1;
+    return has("rad") ? kRadian : 1;
   }
 };
 

@@ -6,8 +6,8 @@
 // and horizontal offsets.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -19,11 +19,10 @@ void fromVelodyneLasers(SensorSource& source, std::vector<VelodyneLaser> lasers,
                    [](const auto& a, const auto& b) { return a.vertCorrection < b.vertCorrection; });
   setTurn(source, 0);
   Sensor& sensor = source.file.sensor;
-  constexpr double kDegrees = 180 / std::numbers::pi;
   for (const VelodyneLaser& laser : lasers) {
     Channel channel;
-    channel.elevationDeg = kDegrees * laser.vertCorrection;
-    channel.azimuthOffsetDeg = kDegrees * laser.rotCorrection;
+    channel.elevationDeg = kRadian * laser.vertCorrection;
+    channel.azimuthOffsetDeg = kRadian * laser.rotCorrection;
     channel.origin = {-laser.vertOffset * std::sin(laser.vertCorrection), laser.horizOffset,
                       laser.vertOffset * std::cos(laser.vertCorrection)};
     sensor.channels.push_back(channel);
