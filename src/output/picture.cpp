@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/decimal_point.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
 #include "output/canvas.hpp"
@@ -178,16 +179,23 @@ struct BirdsEye {
   float pixelsPerMetre() const { return static_cast<float>(side) / (2 * radius); }
 };
 
+/// Calls use(point) for the point of every beam that has one.
+template <class Use>
+void eachPoint(const Scan& scan, const Use& use) {
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+    const float* p = &scan.points[3 * beam];
+    if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) use(p);
+  }
+}
+
 BirdsEye fitBirdsEye(const Scan& scan, int side) {
   BirdsEye view;
   view.side = side;
   std::vector<float> distances, heights;
-  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
-    const float* p = &scan.points[3 * beam];
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+  eachPoint(scan, [&](const float* p) {
     distances.push_back(std::hypot(p[0], p[1]));
     heights.push_back(p[2]);
-  }
+  });
   if (distances.empty()) return view;
   view.radius = std::max(quantile(distances, 0.99) * 1.08f, 0.5f);
   view.low = quantile(heights, 0.01);
@@ -227,12 +235,10 @@ float dotRadius(size_t hits, int side) {
 Splats splat(const Scan& scan, const BirdsEye& view, float radius) {
   const auto side = static_cast<size_t>(view.side);
   Splats dots{std::vector<float>(side * side, 0.0f), std::vector<float>(side * side, view.low)};
-  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
-    const float* p = &scan.points[3 * beam];
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+  eachPoint(scan, [&](const float* p) {
     const float x = (view.radius - p[1]) * view.pixelsPerMetre();
     const float y = (view.radius - p[0]) * view.pixelsPerMetre();
-    if (!(x >= 2 && y >= 2 && x < static_cast<float>(side) - 3 && y < static_cast<float>(side) - 3)) continue;
+    if (!(x >= 2 && y >= 2 && x < static_cast<float>(side) - 3 && y < static_cast<float>(side) - 3)) return;
     const int column = static_cast<int>(x), row = static_cast<int>(y);
     for (int j = row - 2; j <= row + 2; ++j) {
       for (int i = column - 2; i <= column + 2; ++i) {
@@ -244,7 +250,7 @@ Splats splat(const Scan& scan, const BirdsEye& view, float radius) {
         if (weight > 0.1f) dots.height[at] = std::max(dots.height[at], p[2]);
       }
     }
-  }
+  });
   return dots;
 }
 
@@ -256,11 +262,9 @@ void drawSensor(Canvas& canvas, int x, int y) {
   canvas.fill(x - 1, y - 16, 3, 14, {1, 1, 1});
 }
 
-void drawBirdsEye(Canvas& canvas, const Scan& scan, int left, int top, int side) {
+void drawBirdsEye(Canvas& canvas, const Scan& scan, size_t hits, int left, int top, int side) {
   const BirdsEye view = fitBirdsEye(scan, side);
   drawRings(canvas, view, left, top);
-  size_t hits = 0;
-  for (float range : scan.ranges) hits += std::isfinite(range);
   const Splats dots = splat(scan, view, dotRadius(hits, side));
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
@@ -274,13 +278,6 @@ void drawBirdsEye(Canvas& canvas, const Scan& scan, int left, int top, int side)
   }
   drawSensor(canvas, left + side / 2, top + side / 2);
   drawScale(canvas, left + side, top - 26, metres(view.low), metres(view.high), kHeightShades);
-}
-
-/// The font has only ASCII.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
-  return text.substr(0, 40);
 }
 
 /// Keeps the first return of every beam, which is all that the picture shows.
@@ -314,14 +311,14 @@ void writePicture(const Scan& scan, const std::filesystem::path& file) {
   char share[96];
   std::snprintf(share, sizeof(share), "%u channels x %u columns, %.1f %% hits", scan.channels, scan.columns,
                 scan.ranges.empty() ? 0.0 : 100.0 * static_cast<double>(hits) / static_cast<double>(scan.beamCount()));
-  const std::string name = printable(scan.sensor.empty() ? "Scan" : scan.sensor);
+  const std::string name = plainAscii(scan.sensor.empty() ? "Scan" : scan.sensor).substr(0, 40);  // as the font has it
   canvas.text(kMargin, kTitle - 26, name, kText);
   canvas.text(kMargin + Canvas::textWidth(name) + 24, kTitle - 26, share, kFaint);
   drawRangeImage(canvas, scan, image, kMargin, kTitle);
   canvas.text(kMargin, birdsEyeTop - 26, "From above", kText);
   canvas.text(kMargin + Canvas::textWidth("From above") + 24, birdsEyeTop - 26, "forward is up; colour is height",
               kFaint);
-  drawBirdsEye(canvas, scan, kMargin, birdsEyeTop, side);
+  drawBirdsEye(canvas, scan, hits, kMargin, birdsEyeTop, side);
   canvas.writePng(file);
 }
 
