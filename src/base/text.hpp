@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// ASCII text without regard to case, and numbers as text.
+// Helpers for text: words without regard to case, blanks, lines, and numbers as text.
 #pragma once
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -27,6 +28,26 @@ inline bool sameWord(std::string_view a, std::string_view b) {
 /// Returns whether `part` occurs in `text`.
 inline bool containsWord(std::string_view text, std::string_view part) {
   return lower(text).find(lower(part)) != std::string::npos;
+}
+
+/// Returns a text without the blanks around it.
+inline std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r\n") {
+  const size_t begin = text.find_first_not_of(blanks);
+  if (begin == text.npos) return {};
+  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+/// Returns the number of the line that has the byte at `offset`, from 1 on.
+inline size_t lineNumber(std::string_view text, std::ptrdiff_t offset) {
+  const auto before = static_cast<size_t>(std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(text)));
+  return 1 + static_cast<size_t>(std::ranges::count(text.substr(0, before), '\n'));
+}
+
+/// Returns a text in which every byte that is no printable ASCII is a question mark.
+inline std::string plainAscii(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 32 || c > 126; }, '?');
+  return text;
 }
 
 /// Returns the shortest text that reads back to the same bits, with a point whatever the locale.

@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/text.hpp"
 #include "drive/number_list.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/trajectory.hpp"
@@ -88,28 +89,14 @@ Stamps readKitti(const std::filesystem::path& file, const std::filesystem::path&
   return stamps;
 }
 
-/// Splits a line at commas.
-std::vector<std::string_view> cellsOf(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (size_t at = 0; at <= line.size();) {
-    const size_t end = std::min(line.find(',', at), line.size());
-    cells.push_back(line.substr(at, end - at));
-    at = end + 1;
-  }
-  return cells;
-}
-
 /// t in nanoseconds, x, y, z, qw, qx, qy, qz, and what else there is.
 Stamps readEuroc(const std::filesystem::path& file) {
   Stamps stamps;
   eachLine(file, [&](const Line& line) {
-    const std::vector<std::string_view> cells = cellsOf(line.text);
     const std::vector<double> v = parseNumbers(line.text, ',');
     if (v.size() < 8) line.refuse("is not t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
     int64_t nanoseconds = 0;
-    std::string_view time = cells[0];
-    time.remove_prefix(std::min(time.find_first_not_of(" \t"), time.size()));
-    time = time.substr(0, time.find_last_not_of(" \t") + 1);
+    const std::string_view time = trimmed(line.text.substr(0, line.text.find(',')), " \t");
     const auto end = time.data() + time.size();
     if (const auto read = std::from_chars(time.data(), end, nanoseconds); read.ec != std::errc() || read.ptr != end)
       line.refuse("has a time that is not nanoseconds");

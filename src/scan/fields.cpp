@@ -10,14 +10,7 @@
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
-namespace {
-
-std::string trimmed(const std::string& text) {
-  const size_t first = text.find_first_not_of(" \t");
-  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 bool isOfEveryScan(Field field) {
   constexpr Field kOfEveryScan[] = {Field::x, Field::y, Field::z, Field::range, Field::triangle, Field::instance};
@@ -116,7 +109,7 @@ std::vector<Field> parseFields(const std::string& names) {
   std::vector<Field> fields;
   for (size_t begin = 0; begin <= names.size();) {
     const size_t end = std::min(names.find(',', begin), names.size());
-    const std::string name = lower(trimmed(names.substr(begin, end - begin)));
+    const std::string name = lower(trimmed(std::string_view(names).substr(begin, end - begin), " \t"));
     const auto columns = allColumns();
     const auto known = std::find_if(columns.begin(), columns.end(),
                                     [&](const ColumnInfo& column) { return name == column.fieldName; });

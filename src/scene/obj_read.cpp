@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/text.hpp"
 #include "scene/number.hpp"
 #include "scene/readers.hpp"
 
@@ -31,11 +32,11 @@ class MemoryBuffer : public std::streambuf {
   }
 };
 
-/// Returns a name without the spaces around it, in UTF-8.
-std::string trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t\r\n");
-  if (begin == text.npos) return {};
-  return toUtf8(text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin));
+/// Takes the next line from the start of a text.
+std::string_view takeLine(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
 }
 
 /// Reads every `v` line, by the rules by which tinyobjloader finds them. tinyobjloader's own numbers are not used: they
@@ -43,8 +44,7 @@ std::string trimmed(std::string_view text) {
 std::vector<double> readVertices(std::string_view text, const Source& source) {
   std::vector<double> coordinates;
   while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    std::string_view line = takeLine(text);
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
     if (line.size() < 2 || line[0] != 'v' || (line[1] != ' ' && line[1] != '\t')) continue;
     line.remove_prefix(2);
@@ -64,10 +64,9 @@ std::vector<double> readVertices(std::string_view text, const Source& source) {
 std::vector<std::string> librariesOf(std::string_view text) {
   std::vector<std::string> all;
   while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    std::string_view line = takeLine(text);
     if (nextWord(line) != "mtllib") continue;
-    std::string names = trimmed(line);
+    std::string names = toUtf8(trimmed(line));
     if (!names.empty() && std::find(all.begin(), all.end(), names) == all.end()) all.push_back(std::move(names));
   }
   return all;
@@ -76,7 +75,7 @@ std::vector<std::string> librariesOf(std::string_view text) {
 Material toMaterial(const tinyobj::material_t& from) {
   const auto unit = [](double value) { return static_cast<float>(value >= 0 ? std::min(value, 1.0) : 0); };
   Material material;
-  material.name = trimmed(from.name);
+  material.name = toUtf8(trimmed(from.name));
   material.baseColor = {unit(from.diffuse[0]), unit(from.diffuse[1]), unit(from.diffuse[2]), unit(from.dissolve)};
   if (from.dissolve < 1) material.alphaMode = AlphaMode::blend;
   material.metallic = unit(from.metallic);
@@ -98,8 +97,7 @@ std::string withPlainWords(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   std::string result;
   while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::string_view line = takeLine(text);
     std::string_view rest = line;
     const std::string_view key = nextWord(rest), value = nextWord(rest), second = nextWord(rest);
     if ((key == "Kd" || key == "Tf") && !value.empty() && second.empty())
@@ -185,7 +183,7 @@ struct Faces {
     std::map<std::string, uint32_t> index;
 
     uint32_t add(const std::string& text) {
-      const auto [found, isNew] = index.emplace(trimmed(text), static_cast<uint32_t>(all.size()));
+      const auto [found, isNew] = index.emplace(toUtf8(trimmed(text)), static_cast<uint32_t>(all.size()));
       if (isNew) all.push_back(found->first);
       return found->second;
     }
@@ -299,7 +297,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   std::istream stream(&buffer);
   std::string warnings, problems;
   if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, nullptr, &warnings, &problems))
-    source.fail(problems.empty() ? "tinyobjloader refuses it" : trimmed(problems));
+    source.fail(problems.empty() ? "tinyobjloader refuses it" : toUtf8(trimmed(problems)));
   if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
 
   std::vector<uint32_t> materialOfName;

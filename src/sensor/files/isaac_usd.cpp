@@ -16,12 +16,6 @@ using nlohmann::json;
 
 constexpr std::string_view kPrefix = "omni:sensor:Core:", kStates = "emitterState:";
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::string_view(" \t\r\n").find(text.front()) != text.npos) text.remove_prefix(1);
-  while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != text.npos) text.remove_suffix(1);
-  return text;
-}
-
 /// A value of USD: a token in quotes, a number, true or false, or a list of numbers in brackets or parentheses.
 json valueOf(const SensorSource& source, std::string_view text, const std::string& name) {
   text = trimmed(text);

@@ -16,12 +16,6 @@ namespace gnosphere {
 
 using nlohmann::json;
 
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
-  return text;
-}
-
 void setTurn(SensorSource& source, double startDeg) {
   Sensor& sensor = source.file.sensor;
   const SensorFileOptions& options = source.options;
@@ -152,10 +146,7 @@ std::vector<std::string_view> cellsOf(std::string_view line) {
   std::vector<std::string_view> cells;
   for (;;) {
     const size_t end = std::min(line.find(','), line.size());
-    std::string_view cell = line.substr(0, end);
-    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
-    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
-    cells.push_back(cell);
+    cells.push_back(trimmed(line.substr(0, end), " \t"));
     if (end == line.size()) return cells;
     line.remove_prefix(end + 1);
   }

@@ -7,13 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
-
-/// A text in which every byte that is no printable ASCII is a question mark: files may be anything.
-std::string printable(std::string text);
 
 /// A sensor file that is being read.
 struct SensorSource {
@@ -23,9 +21,9 @@ struct SensorSource {
   SensorFile& file;
   bool rateAsked = false;  ///< whether the caller states the scan rate, rather than the head that completes the file
 
-  /// Throws Error(format) with the name of the file.
+  /// Throws Error(format) with the name of the file. The reason may quote the file, which may have any bytes.
   [[noreturn]] void refuse(const std::string& why) const {
-    throw Error(ErrorCode::format, name + ": " + printable(why));
+    throw Error(ErrorCode::format, name + ": " + plainAscii(why));
   }
   void assume(const std::string& what) { file.assumed.push_back(what); }
   void ignore(const std::string& what) { file.ignored.push_back(what); }

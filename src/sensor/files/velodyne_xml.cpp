@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // VeloView's db.xml, an archive of boost: degrees, and centimetres.
-#include <algorithm>
 #include <pugixml.hpp>
 #include <set>
 
@@ -11,8 +10,7 @@ namespace gnosphere {
 namespace {
 
 std::string lineOf(const SensorSource& source, std::ptrdiff_t offset) {
-  const auto end = source.bytes.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(source.bytes));
-  return "line " + std::to_string(1 + std::count(source.bytes.begin(), end, '\n')) + ": ";
+  return "line " + std::to_string(lineNumber(source.bytes, offset)) + ": ";
 }
 
 std::string lineOf(const SensorSource& source, const pugi::xml_node& node) {

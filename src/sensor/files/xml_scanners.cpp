@@ -19,9 +19,8 @@ namespace {
 pugi::xml_document parse(const SensorSource& source) {
   pugi::xml_document document;
   const auto result = document.load_buffer(source.bytes.data(), source.bytes.size());
-  const auto end = source.bytes.begin() + std::clamp<std::ptrdiff_t>(result.offset, 0, std::ssize(source.bytes));
   if (!result)
-    source.refuse("line " + std::to_string(1 + std::count(source.bytes.begin(), end, '\n')) +
+    source.refuse("line " + std::to_string(lineNumber(source.bytes, result.offset)) +
                   ": is not XML: " + result.description());
   return document;
 }
@@ -29,10 +28,7 @@ pugi::xml_document parse(const SensorSource& source) {
 /// The number in an element of that name, or `otherwise` if there is none.
 double number(const SensorSource& source, const pugi::xml_node& parent, const char* name, double otherwise) {
   const pugi::xml_node node = parent.child(name);
-  std::string text = node.text().get();
-  text.erase(0, text.find_first_not_of(" \t\r\n"));
-  text.erase(text.find_last_not_of(" \t\r\n") + 1);
-  return node ? numberOf(source, text, std::string("<") + name + ">") : otherwise;
+  return node ? numberOf(source, trimmed(node.text().get()), std::string("<") + name + ">") : otherwise;
 }
 
 /// The number in an attribute, the first of several that commas separate.

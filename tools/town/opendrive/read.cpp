@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "town/opendrive/network.hpp"
 
@@ -269,12 +270,6 @@ Junction readJunction(Reader& reader, const Node& node) {
   return junction;
 }
 
-/// Returns the line of a text that contains byte `offset`, counted from 1.
-size_t lineOf(const std::string& text, ptrdiff_t offset) {
-  return 1 + static_cast<size_t>(
-                 std::count(text.begin(), text.begin() + std::min<ptrdiff_t>(offset, std::ssize(text)), '\n'));
-}
-
 /// Returns the centre of the box around the roads' geometries, in whole metres.
 Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
   Vec3 low = roads[0].frame(0).at, high = low;
@@ -310,7 +305,7 @@ Network readNetwork(const std::filesystem::path& file) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result)
-    reader.fail("line " + std::to_string(lineOf(text, result.offset)) + ": invalid XML: " + result.description());
+    reader.fail("line " + std::to_string(lineNumber(text, result.offset)) + ": invalid XML: " + result.description());
   const Node root = document.child("OpenDRIVE");
   if (!root) reader.fail("it is not OpenDRIVE: there is no element <OpenDRIVE>");
 
