@@ -7,13 +7,14 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/npy.hpp"
 #include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
 namespace {
 
-/// The header of an .npy file, a Python dictionary.
+/// The array of an .npy file, before its data.
 struct Header {
   char order = '<', kind = 'f';
   size_t itemBytes = 0;
@@ -22,49 +23,21 @@ struct Header {
   size_t dataAt = 0;
 };
 
-/// Returns the text that follows 'key': in the dictionary.
-std::string_view after(const SensorSource& source, std::string_view dictionary, const std::string& key) {
-  const size_t at = dictionary.find("'" + key + "'");
-  const size_t colon = at == dictionary.npos ? at : dictionary.find(':', at);
-  if (colon == dictionary.npos) source.refuse("the NPY header has no '" + key + "'");
-  const size_t start = dictionary.find_first_not_of(' ', colon + 1);
-  return start == dictionary.npos ? std::string_view() : dictionary.substr(start);
-}
-
 Header readHeader(const SensorSource& source) {
   const std::string_view all = source.bytes;
   if (!all.starts_with("\x93NUMPY")) source.refuse("does not start with \\x93NUMPY, as NPY files do");
   if (all.size() < 12) source.refuse("is too short for an NPY file");
-  const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(all[i])); };
-  if (byte(6) < 1 || byte(6) > 3) source.refuse("NPY version " + std::to_string(byte(6)) + " is not read");
-  const size_t start = byte(6) == 1 ? 10 : 12;
-  const size_t size = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
-  if (size > all.size() - start) source.refuse("the NPY header is cut off");
-  const std::string_view dictionary = all.substr(start, size);
-  Header header;
-  header.dataAt = start + size;
-  const std::string_view type = after(source, dictionary, "descr");
-  const auto is = [&](size_t place, const char* letters) {
-    return place < type.size() && std::strchr(letters, type[place]) != nullptr && type[place] != 0;
-  };
-  const bool known = type.size() >= 5 && type[0] == '\'' && type[4] == '\'' && is(1, "<>|=") &&
-                     ((type[2] == 'f' && is(3, "248")) || (is(2, "iu") && is(3, "1248")));
+  const NpyHeader npy = readNpyHeader(all, source.name);
+  const std::string& type = npy.type;
+  const auto is = [&](size_t place, std::string_view letters) { return letters.find(type[place]) != letters.npos; };
+  const bool known =
+      type.size() == 3 && is(0, "<>|=") && ((is(1, "f") && is(2, "248")) || (is(1, "iu") && is(2, "1248")));
   if (!known)
-    source.refuse("the NPY type is " + std::string(type.substr(0, type.find(", "))) +
+    source.refuse("the NPY type is " + (type.empty() ? "a structure" : "'" + type + "'") +
                   ", expected are floats of 2, 4 or 8 bytes, or integers");
-  header.order = type[1];
-  header.kind = type[2];
-  header.itemBytes = static_cast<size_t>(type[3] - '0');
-  header.fortran = after(source, dictionary, "fortran_order").starts_with("True");
-  std::string_view shape = after(source, dictionary, "shape");
-  shape = shape.substr(0, shape.find(')'));
-  for (size_t i = 0; i < shape.size() && header.shape.size() < 8; ++i) {
-    if (shape[i] < '0' || shape[i] > '9') continue;
-    uint64_t value = 0;
-    for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
-      value = std::min<uint64_t>(value * 10 + static_cast<uint64_t>(shape[i] - '0'), uint64_t{1} << 40);
-    header.shape.push_back(value);
-  }
+  Header header = {type[0], type[1], static_cast<size_t>(type[2] - '0'), npy.fortran, npy.shape, npy.dataAt};
+  for (uint64_t& extent : header.shape)
+    extent = std::min(extent, uint64_t{1} << 40);  // their product must not overflow
   return header;
 }
 
