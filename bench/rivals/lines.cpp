@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/vector.hpp"
 #include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "effects/trajectory.hpp"
@@ -10,17 +11,6 @@
 #include "sensor/beams.hpp"
 
 namespace gnosphere::bench {
-namespace {
-
-Vec3 plus(const Vec3& a, const Vec3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-Vec3 times(double factor, const Vec3& v) {
-  return {factor * v.x, factor * v.y, factor * v.z};
-}
-
-}  // namespace
 
 Lines linesOf(const Sensor& sensor, const Effects& effects, bool footprints, const Shot& shot, const Vec3& origin) {
   const std::vector<SubRay> rays = subRays(effects, sensor, footprints ? gpu::kDivergence : 0);
@@ -38,12 +28,11 @@ Lines linesOf(const Sensor& sensor, const Effects& effects, bool footprints, con
     const double azimuth = azimuthOf(sensor, beam, shot.frame), elevation = elevationOf(sensor, beam, shot.frame);
     const double c = std::cos(azimuth), s = std::sin(azimuth);
     const Vec3 left = {-s, c, 0}, up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
-    const Vec3 start =
-        plus(plus(pose.position, turned(pose.orientation, originOf(sensor, beam, shot.frame))), times(-1, origin));
+    const Vec3 start = pose.position + turned(pose.orientation, originOf(sensor, beam, shot.frame)) - origin;
     const RangeWindow window = rangeWindowOf(sensor, beam, shot.frame);
     for (size_t ray = 0; ray < rays.size(); ++ray) {
-      const Vec3 along = plus(axis, plus(times(rays[ray].u, left), times(rays[ray].v, up)));
-      const Vec3 d = turned(pose.orientation, times(1 / std::hypot(along.x, along.y, along.z), along));
+      const Vec3 along = axis + (rays[ray].u * left + rays[ray].v * up);
+      const Vec3 d = turned(pose.orientation, 1 / std::hypot(along.x, along.y, along.z) * along);
       const size_t line = beam * rays.size() + ray, lane = line % kPacketLines;
       LinePacket& packet = lines.packets[line / kPacketLines];
       packet.originX[lane] = static_cast<float>(start.x);
