@@ -117,13 +117,6 @@ Loop outline(const Block& block, double inset, double z) {
   return loop;
 }
 
-void addBand(MeshBuilder& builder, Surface surface, const Loop& outer, const Loop& inner) {
-  for (size_t i = 0; i < outer.size(); ++i) {
-    const size_t j = (i + 1) % outer.size();
-    builder.quad(surface, outer[i], outer[j], inner[j], inner[i]);
-  }
-}
-
 }  // namespace
 
 Mesh roadMesh(const Road& road) {
@@ -166,10 +159,10 @@ Mesh blockMesh(const Block& block) {
   const Loop edge = outline(block, 0, kKerbHeight);
   const Loop stone = outline(block, 0.18, kKerbHeight);
   const Loop inner = outline(block, sidewalk, kKerbHeight), deep = outline(block, sidewalk + 7, kKerbHeight);
-  addBand(builder, Surface::kerb, outline(block, 0, -0.05), edge);
-  addBand(builder, Surface::kerb, edge, stone);
-  addBand(builder, Surface::paving, stone, inner);
-  addBand(builder, block.inside, inner, deep);
+  builder.band(Surface::kerb, outline(block, 0, -0.05), edge);
+  builder.band(Surface::kerb, edge, stone);
+  builder.band(Surface::paving, stone, inner);
+  builder.band(block.inside, inner, deep);
   builder.fan(block.inside, deep, {block.width / 200.0, block.depth / 200.0, kKerbHeight});
   return builder.finish("block");
 }

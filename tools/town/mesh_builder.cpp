@@ -41,6 +41,13 @@ void MeshBuilder::quad(Surface surface, const Vec3& a, const Vec3& b, const Vec3
   triangle(surface, a, c, d);
 }
 
+void MeshBuilder::band(Surface surface, const Loop& outer, const Loop& inner) {
+  for (size_t i = 0; i < outer.size(); ++i) {
+    const size_t j = (i + 1) % outer.size();
+    quad(surface, outer[i], outer[j], inner[j], inner[i]);
+  }
+}
+
 void MeshBuilder::fan(Surface surface, const Loop& loop, const Vec3& centre) {
   for (size_t i = 0; i < loop.size(); ++i) triangle(surface, loop[i], loop[(i + 1) % loop.size()], centre);
 }

@@ -22,6 +22,8 @@ class MeshBuilder {
  public:
   void triangle(Surface surface, const Vec3& a, const Vec3& b, const Vec3& c);
   void quad(Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+  /// Joins two loops of equal size by quads.
+  void band(Surface surface, const Loop& outer, const Loop& inner);
   /// Adds a flat face: a convex loop around a point inside it.
   void fan(Surface surface, const Loop& loop, const Vec3& centre);
   /// Adds a flat face: a convex loop without collinear corners.

@@ -18,10 +18,6 @@ struct MeshOf {
   Mesh operator()(const Piece&) const { throw std::bad_variant_access(); }
 };
 
-double blend(double own, double block) {
-  return 0.4 * own + 0.6 * block;
-}
-
 }  // namespace
 
 Mesh meshOf(const Thing& thing) {
@@ -36,13 +32,14 @@ Mesh Plan::meshOf(const Thing& thing) const {
 void Plan::add(const Thing& thing, const Vec3& at, double turns, double scale) {
   const double ahead = std::holds_alternative<Building>(thing) ? 10 : 0;  // houses come before the objects around them
   placements.push_back(
-      {thing, place(at, turns, scale), blend(std::max(std::abs(at.x), std::abs(at.y)) - ahead, blockReach)});
+      {thing, place(at, turns, scale), blendedReach(std::max(std::abs(at.x), std::abs(at.y)) - ahead, blockReach)});
 }
 
 void Plan::addGround(const Thing& thing, const Vec3& at, double turns, const Vec3& min, const Vec3& max) {
   constexpr double kAhead = 12;  // metres by which ground comes before the first object on it
   const double nearX = std::max({0.0, min.x, -max.x}), nearY = std::max({0.0, min.y, -max.y});
-  placements.push_back({thing, place(at, turns), blend(std::max(0.0, std::max(nearX, nearY) - kAhead), blockReach)});
+  placements.push_back(
+      {thing, place(at, turns), blendedReach(std::max(0.0, std::max(nearX, nearY) - kAhead), blockReach)});
 }
 
 }  // namespace gnosphere::town

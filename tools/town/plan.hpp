@@ -36,6 +36,11 @@ struct Placement {
   double reach = 0;
 };
 
+/// Combines the distance of an object and that of its block.
+inline double blendedReach(double own, double block) {
+  return 0.4 * own + 0.6 * block;
+}
+
 /// A list of placements that is being filled: a town plan, or a block of it.
 class Plan {
  public:

@@ -14,13 +14,6 @@ void addChimney(MeshBuilder& builder, double x, double y, double bottom, double 
   builder.rod(Surface::metalDark, {x, y, top - 0.05}, {x, y, top + 0.35}, 0.12, 0.12, 6);
 }
 
-void addRing(MeshBuilder& builder, Surface surface, const Loop& outer, const Loop& inner) {
-  for (size_t i = 0; i < outer.size(); ++i) {
-    const size_t j = (i + 1) % outer.size();
-    builder.quad(surface, outer[i], outer[j], inner[j], inner[i]);
-  }
-}
-
 void addPlant(MeshBuilder& builder, const Building& building, double z) {
   Dice dice(building.style, building.width, building.depth, building.floors);
   const double halfWidth = building.width / 2.0 - 2.2, depth = building.depth;
@@ -45,9 +38,9 @@ void addFlatRoof(MeshBuilder& builder, const Building& building, const Loop& eav
         {std::clamp(p.x, kWidth - halfWidth, halfWidth - kWidth), std::clamp(p.y, kWidth, depth - kWidth), p.z});
     sunk.push_back({inner.back().x, inner.back().y, z});
   }
-  addRing(builder, building.wall, eaves, outer);
-  addRing(builder, Surface::concrete, outer, inner);
-  addRing(builder, building.wall, inner, sunk);
+  builder.band(building.wall, eaves, outer);
+  builder.band(Surface::concrete, outer, inner);
+  builder.band(building.wall, inner, sunk);
   builder.fan(Surface::roofFelt, sunk, {0, depth / 2, z});
   addPlant(builder, building, z);
 }
@@ -90,7 +83,7 @@ void addHipRoof(MeshBuilder& builder, const Building& building, const Loop& eave
   for (Vec3& p : rim) p.z += kThickness;
   const Vec3 left = {-halfRidge, depth / 2, top}, right = {halfRidge, depth / 2, top};
   builder.face(building.cover, Loop(base.rbegin(), base.rend()));
-  addRing(builder, building.cover, base, rim);
+  builder.band(building.cover, base, rim);
   builder.quad(building.cover, rim[0], rim[1], right, left);
   builder.quad(building.cover, rim[2], rim[3], left, right);
   builder.triangle(building.cover, rim[1], rim[2], right);

@@ -9,15 +9,11 @@
 namespace gnosphere::town::opendrive {
 namespace {
 
-double blend(double own, double block) {
-  return 0.4 * own + 0.6 * block;
-}
-
 /// Returns the priority (Placement::reach) of an object at a distance from the middle: as in the grid, nearby objects
 /// come first.
 double reachOf(double distance, double ahead) {
   constexpr double kSettled = 55;
-  return blend(std::max(0.0, distance - ahead), std::max(0.0, distance - kSettled));
+  return blendedReach(std::max(0.0, distance - ahead), std::max(0.0, distance - kSettled));
 }
 
 Vec3 turned(const Vec3& v, double turns) {
