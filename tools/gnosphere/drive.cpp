@@ -21,17 +21,11 @@ struct DriveCall {
   double speed = 1;
 };
 
-void chooseFrames(const DriveCall& call, uint64_t& first, uint64_t& end) {
-  if (!call.frames.empty() && (!parsePair(call.frames, ':', true, first, end) || first >= end))
-    throw Error(ErrorCode::invalidArgument,
-                "--frames: '" + call.frames + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
-}
-
 drive::RunOptions optionsOf(const DriveCall& call) {
   drive::RunOptions options;
   options.out = call.out;
   options.verify = call.verify;
-  chooseFrames(call, options.firstFrame, options.endFrame);
+  chooseFrames(call.frames, options.firstFrame, options.endFrame);
   if (!call.shard.empty() &&
       (!parsePair(call.shard, '/', false, options.shard, options.shardCount) || options.shard >= options.shardCount))
     throw Error(ErrorCode::invalidArgument,

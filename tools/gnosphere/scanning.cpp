@@ -234,6 +234,12 @@ Pose poseOf(const ScanningOptions& options, const Scene& scene) {
   return pose;
 }
 
+void chooseFrames(const std::string& text, uint64_t& first, uint64_t& end) {
+  if (!text.empty() && (!parsePair(text, ':', true, first, end) || first >= end))
+    throw Error(ErrorCode::invalidArgument,
+                "--frames: '" + text + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
+}
+
 std::string extentText(const Bounds& bounds) {
   const Vec3 &low = bounds.min, &high = bounds.max;
   return formatted("x %g..%g, y %g..%g, z %g..%g m", low.x, high.x, low.y, high.y, low.z, high.z);

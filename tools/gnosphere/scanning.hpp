@@ -85,6 +85,9 @@ Scene loadSceneAtRest(const ScanningOptions& options);
 /// origin if the scene is there, else in the middle of the scene.
 Pose poseOf(const ScanningOptions& options, const Scene& scene);
 
+/// Takes the frames from `first` on and before `end` from the A:B of --frames, which may be empty.
+void chooseFrames(const std::string& text, uint64_t& first, uint64_t& end);
+
 /// Returns text such as "x -1..1, y 0..2, z 0..5 m".
 std::string extentText(const Bounds& bounds);
 

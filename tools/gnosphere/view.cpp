@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "output/cloud_format.hpp"
+#include "scanning.hpp"
 #include "view/page.hpp"
 #include "view/series.hpp"
 
@@ -113,13 +114,10 @@ void checkSize(const ViewCall& call, const Page& page, size_t frames) {
                                               (frames > 1 ? ", or some of the frames with --frames A:B" : ""));
 }
 
-/// Sets the frames from A on and before B, of A:B.
-void chooseFrames(const ViewCall& call, Series& series) {
-  if (call.frames.empty()) return;
+/// Keeps the frames that --frames states.
+void keepFrames(const ViewCall& call, Series& series) {
   uint64_t first = 0, end = UINT64_MAX;
-  if (!parsePair(call.frames, ':', true, first, end) || first >= end)
-    throw Error(ErrorCode::invalidArgument,
-                "--frames: '" + call.frames + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
+  chooseFrames(call.frames, first, end);
   const uint64_t last = series.frames.back().number;
   std::erase_if(series.frames, [&](const SeriesFrame& f) { return f.number < first || f.number >= end; });
   if (series.frames.empty())
@@ -130,7 +128,7 @@ void chooseFrames(const ViewCall& call, Series& series) {
 Json addSeries(const ViewCall& call, Page& page) {
   Series series = findSeries(call.a, call.sensor);
   if (series.frames.empty()) throw Error(ErrorCode::invalidArgument, call.a + ": holds no clouds");
-  chooseFrames(call, series);
+  keepFrames(call, series);
   Progress progress("frame", series.frames.size());
   for (const SeriesFrame& frame : series.frames) {
     PageFrame shown{"frame " + std::to_string(frame.number), everyNth(readViewCloud(frame.cloud), call.every)};
