@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "gnosphere/scene.hpp"
+
 namespace gnosphere {
 
 /// The most lists and objects of a text that may lie within one another. Values are copied and written by recursion,
@@ -39,5 +41,10 @@ bool isText(const nlohmann::json& value, std::string_view text);
 
 /// Returns the JSON text of a value, shortened if it is long.
 std::string shown(const nlohmann::json& value);
+
+/// Returns a vector as a list of three numbers.
+inline nlohmann::ordered_json listOf(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
 
 }  // namespace gnosphere

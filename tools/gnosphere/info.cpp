@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/json_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "json.hpp"
@@ -29,14 +30,13 @@ size_t movedNodes(const Clip& clip) {
 
 Json infoJson(const InfoOptions& options, const Scene& scene) {
   const Bounds bounds = worldBounds(scene);
-  const auto list = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
   Json json = {{"scene", options.scene},
                {"triangles", scene.placedTriangleCount()},
                {"unique_triangles", scene.uniqueTriangleCount()},
                {"meshes", scene.meshes.size()},
                {"instances", scene.instances.size()},
                {"materials", scene.materials.size()}};
-  json["bounds"] = bounds.empty() ? Json() : Json({{"min", list(bounds.min)}, {"max", list(bounds.max)}});
+  json["bounds"] = bounds.empty() ? Json() : Json({{"min", listOf(bounds.min)}, {"max", listOf(bounds.max)}});
   json["deformable_meshes"] = Json::array();
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];

@@ -36,7 +36,7 @@ Json toJson(const DeviceInfo& device) {
 }
 
 Json toJson(const Pose& pose) {
-  return {{"position", {pose.position.x, pose.position.y, pose.position.z}},
+  return {{"position", listOf(pose.position)},
           {"orientation_xyzw", {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w}}};
 }
 

@@ -46,10 +46,6 @@ const std::vector<TownClass>& classes() {
   return kClasses;
 }
 
-Json listOf(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 /// Patterns of the things that the town has, "KIND NUMBER" by name.
 Json patternsFor(const Scene& town) {
   Json patterns = Json::object();

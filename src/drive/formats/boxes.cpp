@@ -10,13 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json coordinates(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 Json poseOf(const Pose& pose) {
   const Quaternion& q = pose.orientation;
-  return {{"position", coordinates(pose.position)}, {"orientation", {q.x, q.y, q.z, q.w}}};
+  return {{"position", listOf(pose.position)}, {"orientation", {q.x, q.y, q.z, q.w}}};
 }
 
 class Boxes : public Format {
@@ -45,8 +41,8 @@ class Boxes : public Format {
             {"time", box.time - recorded.planned.time},
             {"sensor_frame", poseOf(box.inSensor)},
             {"world_frame", poseOf(box.inWorld)},
-            {"size", coordinates(box.size)},
-            {"velocity", coordinates(box.velocity)},
+            {"size", listOf(box.size)},
+            {"velocity", listOf(box.velocity)},
             {"moving", box.moving},
             {"points", box.points},
             {"visibility", box.visibility}};
