@@ -150,6 +150,14 @@ class Lidar:
         self.frame += 1
         return scan
 
+    def _scan_at(
+        self, maps: Union[npt.ArrayLike, Sequence[gno.Transform]], pose: gno.Pose, sensor: int, into: Optional[gno.Scan]
+    ) -> gno.Scan:
+        """Scans from a pose, with all instances, of which there may be none, where the maps of move() put them."""
+        if len(self._all):
+            self.move(maps)
+        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+
 
 def _request(
     sensor: Union[str, gno.Sensor], effects: Optional[gno.Effects], fields: Fields, ignore: Iterable[int]

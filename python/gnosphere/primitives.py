@@ -85,8 +85,12 @@ def plane(half_x: float, half_y: float, finest: float = 0.0) -> Triangles:
     x, y = ([-value for value in cuts[:1] + cuts[:0:-1]] + cuts[1:] + cuts[:1] for cuts in steps)
     grid = np.stack([*np.meshgrid(x, y), np.zeros((len(y), len(x)))], axis=-1)
     number = np.arange(grid.size // 3).reshape(len(y), len(x))
-    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
-    return _result(grid.reshape(-1, 3), _quads(cells))
+    return _result(grid.reshape(-1, 3), _quads(_cells(number)))
+
+
+def _cells(number: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """The corners of the cells of a grid of numbered vertices (rows, columns), counter-clockwise."""
+    return np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
 
 
 def _around(sides: int) -> npt.NDArray[np.float64]:
@@ -181,11 +185,10 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
     x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows))
     top = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     number = np.arange(rows * columns).reshape(rows, columns)
-    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
     rims = [number[0, :], number[:, -1], number[-1, ::-1], number[::-1, 0]]  # against the clock, seen from above
     below = np.column_stack([top[[rim[0] for rim in rims], :2], np.full(4, -base)])
     corners = len(top) + np.arange(4)
-    faces = [_quads(cells), corners[[[0, 2, 1], [0, 3, 2]]]]
+    faces = [_quads(_cells(number)), corners[[[0, 2, 1], [0, 3, 2]]]]
     vertices = np.concatenate([top, below])
     for here, after, rim in zip(corners, np.roll(corners, -1), rims):
         chain = np.concatenate([[here], rim, [after]])

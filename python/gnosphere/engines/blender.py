@@ -107,6 +107,4 @@ class Lidar(adapter.Lidar):
         ]  # fmt: skip
         if len(maps) != len(self.names):
             raise ValueError(f"there were {len(self.names)} instances, now there are {len(maps)}; make another Lidar")
-        if maps:
-            self.move(np.stack(maps))
-        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+        return self._scan_at(np.array(maps), pose, sensor, into)

@@ -96,7 +96,6 @@ class Lidar(adapter.Lidar):
 
     def scan(self, pose: gno.Pose, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the nodes where they are now."""
-        if self.nodes:
-            maps = [[[*row] for row in path.getMat(self.root).rows] for path in self.nodes]
-            self.move(np.array(maps).transpose(0, 2, 1)[:, :3])  # Panda3D multiplies rows by matrices
-        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+        maps = [[[*row] for row in path.getMat(self.root).rows] for path in self.nodes]
+        turned = np.array(maps).reshape(-1, 4, 4).transpose(0, 2, 1)  # Panda3D multiplies rows by matrices
+        return self._scan_at(turned[:, :3], pose, sensor, into)

@@ -100,9 +100,7 @@ class Lidar(adapter.Lidar):
             if place not in frames:
                 frames[place] = self._frame(*place)
             row[:] = frames[place]
-        if len(rows):
-            self.move(rows)
-        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+        return self._scan_at(rows, pose, sensor, into)
 
     def _frame(self, body: int, link: int) -> Any:
         if link >= 0:

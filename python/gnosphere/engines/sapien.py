@@ -59,6 +59,4 @@ class Lidar(adapter.Lidar):
         for row, entity in zip(rows, self.entities):
             place = entity.pose
             row[:3], row[3:6], row[6] = place.p, place.q[1:], place.q[0]
-        if len(rows):
-            self.move(rows)
-        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+        return self._scan_at(rows, pose, sensor, into)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
 import mujoco as mj
@@ -13,21 +13,10 @@ import numpy.typing as npt
 
 from .. import _gnosphere as gno
 from .. import adapter
-from .shapes import VISIBLE_GROUPS, ModelShapes, Tessellation
+from .shapes import VISIBLE_GROUPS, Bodies, ModelShapes, Tessellation
 
-Body = Union[int, str]
-Bodies = Union[Body, Iterable[Body]]
 Rows = npt.NDArray[np.float64]
 PoseSource = Union[gno.Pose, Callable[[Any], gno.Pose]]
-
-
-def body_ids(model: Any, bodies: Bodies) -> list[int]:
-    listed = [bodies] if isinstance(bodies, (str, int, np.integer)) else list(bodies)
-    found = [model.body(body).id if isinstance(body, str) else int(body) for body in listed if body != -1]
-    for body in found:
-        if not 0 <= body < model.nbody:
-            raise ValueError(f"there is no body {body} to exclude; the model has {model.nbody} bodies, and -1 is none")
-    return found
 
 
 class Mount:
@@ -160,12 +149,10 @@ class Lidar(adapter.Lidar):
         self.model = model
         self._shapes = ModelShapes(model, geomgroup, flg_static, classes, tessellation or Tessellation(), deformables)
         adapter.warn_left_out("gnosphere.mujoco", self._shapes.left_out, stacklevel=2)
-        ignore = self._shapes.instances_of(body_ids(model, bodyexclude), body_ids(model, treeexclude))
+        ignore = self._shapes.instances_of(bodyexclude, treeexclude)
         super().__init__(self._shapes.shapes, sensor, effects=effects, fields=fields, ignore=ignore, options=options)
         self._mounts = [Mount(model, site, pose)]
-        count = len(self._shapes.shapes.instances)
-        self._rows = np.zeros((count, 3, 4))
-        self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
+        self._rows = np.tile(np.eye(3, 4), (len(self._shapes.shapes.instances), 1, 1))
         self._durations = [durations_of(self.sensors[0])]
         self._records: list[Record] = []
         self._used: set[int] = set()  # the sensors that have scanned with these records
@@ -190,7 +177,7 @@ class Lidar(adapter.Lidar):
     ) -> int:
         """Adds another sensor to the same model and returns its number, for scan(). The arguments are those of
         Lidar."""
-        ignore = self._shapes.instances_of(body_ids(self.model, bodyexclude), body_ids(self.model, treeexclude))
+        ignore = self._shapes.instances_of(bodyexclude, treeexclude)
         mount = Mount(self.model, site, pose)
         number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
         self._mounts[number:] = [mount]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import mujoco as mj
 import numpy as np
@@ -13,6 +13,9 @@ import numpy.typing as npt
 
 from .. import _gnosphere as gno
 from .. import adapter, primitives
+
+Body = Union[int, str]
+Bodies = Union[Body, Iterable[Body]]
 
 VISIBLE_GROUPS = (1, 1, 1, 0, 0, 0)
 """The groups that MuJoCo's viewer shows at first."""
@@ -244,15 +247,23 @@ class ModelShapes:
         for mesh, skin in self.skins:
             yield mesh, skin.positions(data)
 
-    def instances_of(self, bodies: Iterable[int], trees: Iterable[int]) -> npt.NDArray[np.int64]:
+    def _body_ids(self, bodies: Bodies) -> list[int]:
+        listed = [bodies] if isinstance(bodies, (str, int, np.integer)) else list(bodies)
+        found = [self.model.body(body).id if isinstance(body, str) else int(body) for body in listed if body != -1]
+        count = self.model.nbody
+        for body in found:
+            if not 0 <= body < count:
+                raise ValueError(f"there is no body {body} to exclude; the model has {count} bodies, and -1 is none")
+        return found
+
+    def instances_of(self, bodies: Bodies, trees: Bodies) -> npt.NDArray[np.int64]:
         """The instances of the geoms of bodies, and of bodies with all that hang from them."""
+        alone = self._body_ids(bodies)
         chosen = np.zeros(self.model.nbody, bool)
-        for tree in trees:
-            chosen[tree] = True
+        chosen[self._body_ids(trees)] = True
         for body in range(1, self.model.nbody):  # parents come before their children
             chosen[body] |= chosen[self.model.body_parentid[body]] and self.model.body_parentid[body] != 0
-        for body in bodies:
-            chosen[body] = True
+        chosen[alone] = True
         found: npt.NDArray[np.int64] = self.first + np.flatnonzero(chosen[self.model.geom_bodyid[self.geoms]])
         return found
 

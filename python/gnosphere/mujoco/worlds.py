@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from .. import _gnosphere as gno
 from .. import adapter
-from .lidar import Bodies, Mount, PoseSource, body_ids
-from .shapes import VISIBLE_GROUPS, ModelShapes, Tessellation
+from .lidar import Mount, PoseSource
+from .shapes import VISIBLE_GROUPS, Bodies, ModelShapes, Tessellation
 
 
 class Worlds(adapter.Lidar):
@@ -55,16 +55,12 @@ class Worlds(adapter.Lidar):
             self._worlds.append(made)
             left_out.update(made.left_out)
         adapter.warn_left_out("gnosphere.mujoco", left_out, stacklevel=2)
-        hidden = [
-            made.instances_of(body_ids(made.model, bodyexclude), body_ids(made.model, treeexclude))
-            for made in self._worlds
-        ]
+        hidden = [made.instances_of(bodyexclude, treeexclude) for made in self._worlds]
         shapes = self._worlds[0].shapes
         super().__init__(
             shapes, sensor, effects=effects, fields=fields, ignore=np.concatenate(hidden).tolist(), options=options
         )
-        self._rows = np.zeros((len(shapes.instances), 3, 4))
-        self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
+        self._rows = np.tile(np.eye(3, 4), (len(shapes.instances), 1, 1))
         self._geoms = np.full(len(shapes.instances) + 1, -1, np.int32)
         for made in self._worlds:
             self._geoms[made.first :][: len(made.geoms)] = made.geoms

@@ -16,7 +16,7 @@ from .. import adapter
 from ..mujoco.rays import beams_by_body, rangefinder_sites
 from ..mujoco.shapes import VISIBLE_GROUPS, ModelShapes, Tessellation
 from .resources import Resources
-from .robot_scene import Frames, Joints, Matrix, Parts
+from .robot_scene import Joints, Kinematics, Matrix, Parts
 
 COLLISION_GROUPS = (0, 0, 0, 1, 0, 0)
 
@@ -26,9 +26,7 @@ def _map(position: Any, quat: Any) -> Matrix:
     return adapter.rows_of(gno.Pose(tuple(map(float, position)), (x, y, z, w)))
 
 
-def read(
-    path: Path, parts: Parts, resources: Resources, collisions: bool
-) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Kinematics:
     model = mj.MjModel.from_xml_path(str(path))
     data = mj.MjData(model)
     groups = COLLISION_GROUPS if collisions else VISIBLE_GROUPS

@@ -17,6 +17,8 @@ Matrix = npt.NDArray[np.float64]
 Joints = Mapping[str, float]
 Frames = Callable[[Joints], Mapping[Any, Matrix]]
 """Where each frame is in the world, a map of shape (4, 4), for positions of joints in radians or metres."""
+Kinematics = tuple[Frames, Mapping[str, tuple[float, float]]]
+"""The frames, and the limits of each joint."""
 
 
 @dataclass

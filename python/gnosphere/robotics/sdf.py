@@ -5,16 +5,15 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Optional
+from typing import Optional
 
 import numpy as np
 
 from .. import adapter
 from . import xml_lidars
 from .resources import Resources, parse_xml
-from .robot_scene import Frames, Joints, Matrix, Mimic, Parts, unique_name
+from .robot_scene import Kinematics, Matrix, Mimic, Parts, unique_name
 from .sdf_kinematics import Joint, Tree
 from .xml_lidars import number, numbers, pose_of
 
@@ -22,9 +21,7 @@ ENDLESS = 1000.0
 """Metres: half the size of the plane of a collision, which has no end; that of a visual has a size."""
 
 
-def read(
-    path: Path, parts: Parts, resources: Resources, collisions: bool
-) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Kinematics:
     reader = Reader(parts, resources, collisions)
     root = _modern(parse_xml(path))
     if root.tag == "gazebo":

@@ -16,15 +16,13 @@ import yourdfpy
 
 from . import xml_lidars
 from .resources import Resources, parse_xml, rotation
-from .robot_scene import Frames, Joints, Matrix, Mimic, Parts, resolved_mimics
+from .robot_scene import Joints, Kinematics, Matrix, Mimic, Parts, resolved_mimics
 
 GEOMETRY = ("box", "sphere", "cylinder", "mesh")
 MOVING = ("revolute", "continuous", "prismatic")
 
 
-def read(
-    path: Path, parts: Parts, resources: Resources, collisions: bool
-) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Kinematics:
     root = parse_xml(path)
     _check_joints(root)
     macros = sum("xacro" in element.tag.rpartition("}")[0] for element in root.iter())

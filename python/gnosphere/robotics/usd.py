@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Optional
 
@@ -15,7 +15,7 @@ from .. import primitives
 from ..adapter import Array
 from . import usd_lidars
 from .resources import Resources
-from .robot_scene import Frames, Matrix, Parts
+from .robot_scene import Kinematics, Matrix, Parts
 from .usd_looks import Looks, classes_of
 
 SHAPES = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Capsule", "Capsule_1", "Cone", "Plane")
@@ -28,9 +28,7 @@ NO_SURFACE = (
 OTHER_SENSORS = ("Lidar", "OmniRadar")
 
 
-def read(
-    path: Path, parts: Parts, resources: Resources, collisions: bool
-) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Kinematics:
     stage = Usd.Stage.Open(str(path))
     if stage is None:
         raise ValueError("cannot be opened as USD")
