@@ -7,19 +7,12 @@
 #include <cstring>
 #include <string>
 
+#include "bits.hpp"
 #include "columns.hpp"
 #include "folder.hpp"
 #include "gnosphere/gnosphere.hpp"
 
 namespace gnosphere::test {
-
-template <class T>
-T at(const std::string& bytes, size_t offset) {
-  T value;
-  REQUIRE(offset + sizeof(T) <= bytes.size());
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
-}
 
 /// A scan of three columns and two channels with one miss and every array filled.
 inline Scan tiny() {

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "bits.hpp"
 #include "gnosphere/gnosphere.hpp"
 
 namespace gnosphere::test {
@@ -134,6 +135,11 @@ inline Transform translation(double x, double y, double z) {
 inline Transform scaling(double x, double y, double z) {
   return {{x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0}};
 }
+/// A unit vector; radians.
+inline Vec3 directionAt(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
 inline Transform rotationZ(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {{c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0}};
@@ -182,11 +188,6 @@ inline void requireSame(const Scan& reference, const Scan& other) {
                  << ", wrong range " << difference.wrongRange << ", wrong point " << difference.wrongPoint << ", ties "
                  << difference.ties << " of " << difference.beams << "; first: " << firstDifference(reference, other));
   REQUIRE(difference.same());
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 inline bool sameBytes(const Scan& a, const Scan& b) {

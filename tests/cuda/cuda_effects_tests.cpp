@@ -5,7 +5,7 @@
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/scan_support.hpp"
-#include "town/town.hpp"
+#include "effects/street.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -14,8 +14,6 @@ using Profile = Effects::Divergence::Profile;
 using Mode = Effects::Returns::Mode;
 
 constexpr double kPeriod = 0.1;  // seconds of a rotation
-
-const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A town in which every other material is transparent, with a fence that has holes.
 Scene glazedTown() {
@@ -56,14 +54,6 @@ TestOptions asking(const Effects& effects) {
 
 void requireSame(Twins& twins, const Shot& shot) {
   REQUIRE(twins.scan(shot).counters.hits > 300);
-}
-
-Shot standing(uint64_t frame = 0, size_t sensor = 0) {
-  Shot shot;
-  shot.pose = kPose;
-  shot.frame = frame;
-  shot.sensor = sensor;
-  return shot;
 }
 
 /// A shot in which the sensor moves ahead at 20 m/s and turns left at 2 rad/s.

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "cuda/twin.hpp"
+#include "effects/street.hpp"
 #include "gnosphere/error.hpp"
-#include "town/town.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -17,18 +17,13 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const Scene& town() {
-  static const Scene scene = makeTown({.triangles = 20'000});
-  return scene;
-}
-
 Sensor unevenSensor() {
   Sensor sensor = gridSensor(301, 24, -30, 20, 90);
   for (size_t j = 0; j < sensor.channels.size(); j += 2) sensor.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
   return sensor;
 }
 
-const Pose kPoses[] = {{{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}}, {{-20, 3, 2.5}, {}}};
+const Pose kPoses[] = {kPose, {{-20, 3, 2.5}, {}}};
 
 /// Checks that clouds have the same counts, except those that depend on the order of lists.
 void requireSameCounts(const Counters& a, const Counters& b) {
@@ -68,7 +63,7 @@ TEST_CASE("cuda: a town has Vulkan's bytes with every binning and every accuracy
   TestOptions options = vulkanOptions();
   options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
   options.tuning.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
-  requireParity(town(), options);
+  requireParity(smallTown(), options);
 }
 
 TEST_CASE("cuda: a town in two shells with one-sided triangles has Vulkan's bytes") {
@@ -77,7 +72,7 @@ TEST_CASE("cuda: a town in two shells with one-sided triangles has Vulkan's byte
   options.accuracy = Accuracy::exact;
   options.tuning.culling.occlusion = Culling::Occlusion::always;
   options.faces = GENERATE(ReflectingFaces::front, ReflectingFaces::both);
-  requireParity(bake(town()), options);
+  requireParity(bake(smallTown()), options);
 }
 
 TEST_CASE("cuda: lists that are too small grow without losing hits") {
@@ -162,16 +157,16 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products it 
   TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   options.tuning.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
-  const Scan decided = CudaOnHost(town(), {sensor}, options).scan(kPoses[0]);
+  const Scan decided = CudaOnHost(smallTown(), {sensor}, options).scan(kPoses[0]);
   options.device = deviceByName("cuda:0");
-  const Scan scan = scanOf(town(), sensor, kPoses[0], options);
+  const Scan scan = scanOf(smallTown(), sensor, kPoses[0], options);
   CHECK(sameBytes(decided, scan));
   CHECK(scan.timings.gpuMs > 0);
   options.accuracy = Accuracy::standard;
-  const Scan reference = truthOf(town(), sensor, kPoses[0], options);
-  requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
+  const Scan reference = truthOf(smallTown(), sensor, kPoses[0], options);
+  requireSame(reference, scanOf(smallTown(), sensor, kPoses[0], options));
   options.device = deviceByName("cuda-fast:0");
-  requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
+  requireSame(reference, scanOf(smallTown(), sensor, kPoses[0], options));
 }
 
 // The test takes minutes with a folder of real scenes.

@@ -20,14 +20,6 @@ using Catch::Matchers::WithinAbs;
 
 namespace {
 
-template <typename T>
-T at(const std::string& bytes, size_t offset) {
-  REQUIRE(offset + sizeof(T) <= bytes.size());
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
-}
-
 /// The small drive in every format, run once for all tests.
 const DriveFolder& made() {
   static const DriveFolder kFolder;

@@ -7,12 +7,10 @@
 #include "effects/formula_inputs.hpp"
 #include "effects/scan_support.hpp"
 #include "effects/sensor_plan.hpp"
-#include "town/town.hpp"
+#include "effects/street.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 const Scene& town() {
   static const Scene scene = makeTown({.triangles = 5'000});
@@ -48,14 +46,6 @@ TestOptions optionsFor(const std::string& device, const Effects& effects) {
   return options;
 }
 
-Shot shotOf(uint64_t frame, size_t sensor = 0) {
-  Shot shot;
-  shot.pose = kPose;
-  shot.frame = frame;
-  shot.sensor = sensor;
-  return shot;
-}
-
 std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) {
   std::vector<Scan> scans;
   simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
@@ -67,7 +57,8 @@ std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) 
 TEST_CASE("the same seed and frame give the same bytes, and different ones different bytes") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Simulator simulator = makeSimulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
-  const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1), shotOf(uint64_t{1} << 32)});
+  const auto scans =
+      scansOf(simulator, {standing(0), standing(1), standing(0), standing(0, 1), standing(uint64_t{1} << 32)});
   CHECK(scans[0].counters.hits > 500);
   CHECK(sameFields(scans[0], scans[2]));
   CHECK(!sameFields(scans[0], scans[1]));
@@ -83,7 +74,7 @@ TEST_CASE("scans in flight keep their own random numbers") {
   needVulkan();
   Simulator simulator = makeSimulator(town(), narrow(), optionsFor("vulkan", noisy()));
   std::vector<Shot> shots;
-  for (uint64_t frame = 0; frame < 5; ++frame) shots.push_back(shotOf(frame));
+  for (uint64_t frame = 0; frame < 5; ++frame) shots.push_back(standing(frame));
   const auto inFlight = scansOf(simulator, shots);
   for (size_t i = 0; i < shots.size(); ++i) CHECK(sameFields(scansOf(simulator, {shots[i]})[0], inFlight[i]));
 }

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects on the device compared with the reference: equal random numbers, and differences only by single precision.
 #include "effects/scan_support.hpp"
+#include "effects/street.hpp"
 #include "lists/list_sensors.hpp"
 #include "sensor/beams.hpp"
-#include "town/town.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A VLP-16 with fewer columns.
 Sensor coarse(uint32_t columns) {
@@ -17,13 +15,8 @@ Sensor coarse(uint32_t columns) {
   return sensor;
 }
 
-const Scene& town() {
-  static const Scene scene = makeTown({.triangles = 20'000});
-  return scene;
-}
-
 Differences compared(const Effects& effects, std::vector<Field> fields, const Sensor& sensor, const Slack& slack = {},
-                     const Scene& scene = town()) {
+                     const Scene& scene = smallTown()) {
   TestOptions options = optionsOn("vulkan");
   options.effects = effects;
   options.fields = std::move(fields);
@@ -77,7 +70,7 @@ Effects physical() {
 
 /// Echoes may differ if pieces of one are about as far apart as separate echoes, and in the choice between two
 /// triangles of nearly equal power.
-void requireAlmostSame(const Effects& effects, const Scene& scene = town()) {
+void requireAlmostSame(const Effects& effects, const Scene& scene = smallTown()) {
   const Differences found = compared(effects, stillFields(), coarse(120), {2e-3, 1e-3, 2e-3}, scene);
   INFO(listed(found));
   CHECK(found.ties < found.beams / 50);
@@ -149,7 +142,7 @@ TEST_CASE("no drop, flake or droplet of fog is nearer than the own window of its
     CHECK(found.all() == 0);
     TestOptions options = optionsOn("vulkan");
     options.effects = effects;
-    const Scan scan = scanOn(town(), sensor, kPose, options);
+    const Scan scan = scanOn(smallTown(), sensor, kPose, options);
     float least[2] = {100, 100};
     for (size_t i = 0; i < scan.beamCount(); ++i) {
       float& of = least[i / sensor.columns % 2];
@@ -220,7 +213,7 @@ TEST_CASE("beams with angular errors hit the same surfaces") {
 // The plate with holes is in front of everything, and every scan tests what lies behind earlier hits. Without fields
 // the host resolves the words of all beams that meet no pane.
 TEST_CASE("effects of lines give the same bytes with every way of binning, and equal the reference", "[combinations]") {
-  Scene scene = town();
+  Scene scene = smallTown();
   for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.6f;
   addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
   const std::vector<const char*> names = {"cut-outs=on", "angle-noise=on", "transmission=on", "divergence.sub_rays=1"};
@@ -292,7 +285,7 @@ FootprintScan footprintScan(bool moving) {
 // With lists every candidate of a footprint is kept, otherwise only those before a triangle that stops the whole
 // footprint. Large triangles in several shells stop many of them.
 TEST_CASE("footprints have the same echoes with lists and with chains that end where the footprint is stopped") {
-  Scene scene = town();
+  Scene scene = smallTown();
   addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
   for (const bool moving : {false, true}) {
     INFO((moving ? "moving" : "at rest"));
@@ -317,7 +310,7 @@ TEST_CASE("footprints have the same echoes with lists and with chains that end w
 
 TEST_CASE("sub-rays that the lanes of a subgroup share have the echoes that one invocation finds") {
   needVulkan();
-  Scene scene = town();
+  Scene scene = smallTown();
   addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
   for (const double distance : {4, 5, 7}) {
     scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), translation(0, 0, 1.8)});
@@ -357,7 +350,7 @@ TEST_CASE("the lists of footprints have room for a town, and grow once where tri
   TestOptions options = optionsOn("vulkan");
   options.effects = physical();
   options.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
-  CHECK(scanOn(town(), coarse(720), kPose, options).counters.retries == 0);
+  CHECK(scanOn(smallTown(), coarse(720), kPose, options).counters.retries == 0);
   options.effects.divergence.horizontal = options.effects.divergence.vertical = 0.03;
   const Scan dense = scanOn(sceneOf(ball(300, 300, 4)), coarse(720), Pose(), options);
   CHECK(dense.counters.projected > 2 * dense.beamCount());
@@ -366,7 +359,7 @@ TEST_CASE("the lists of footprints have room for a town, and grow once where tri
 }
 
 TEST_CASE("transmitted light passes the same panes on every device") {
-  Scene scene = town();
+  Scene scene = smallTown();
   for (Material& one : scene.materials) one.transmission = 0.5f;
   Effects effects = physical();
   effects.transmission.use = effects.returns.use = EffectUse::on;

@@ -3,14 +3,13 @@
 // fields the device computes the returns of these beams alone, and the others keep the words of their nearest hits.
 // With fields it computes all returns, which must be the same.
 #include "effects/scan_support.hpp"
+#include "effects/street.hpp"
 #include "lists/list_sensors.hpp"
-#include "town/town.hpp"
 
 namespace gnosphere::test {
 namespace {
 
 constexpr size_t kPassConstant = 7;  // of shaders/options.glsl
-const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A town in which every second material lets light pass.
 const Scene& glassTown() {

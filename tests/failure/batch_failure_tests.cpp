@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory of the host or of the device runs out at every place of batches, of runs with several views, and of changes of
 // many instances in many worlds.
-#include <catch2/generators/catch_generators.hpp>
 #include <optional>
 
 #include "failure/injection.hpp"
-#include "support.hpp"
+#include "failure/kinds.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -92,16 +91,6 @@ class Subject {
 
   std::string expected_;
 };
-
-DeviceChoice::Kind everyKind() {
-  const auto kind = GENERATE(DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan);
-  if (kind == DeviceChoice::Kind::vulkan) needVulkan();
-  return kind;
-}
-
-std::string nameOf(DeviceChoice::Kind kind, const char* call) {
-  return std::string(kind == DeviceChoice::Kind::reference ? "reference: " : "vulkan: ") + call;
-}
 
 }  // namespace
 

@@ -2,11 +2,11 @@
 // Memory runs out, or a disk fails, at every place of every call: the call reports it, and the object is as before.
 #include <gnosphere.h>
 
-#include <catch2/generators/catch_generators.hpp>
 #include <filesystem>
 
 #include "deformable.hpp"
 #include "failure/injection.hpp"
+#include "failure/kinds.hpp"
 #include "folder.hpp"
 
 namespace gnosphere::test {
@@ -52,16 +52,6 @@ class Subject {
   Scan expected;
 };
 
-DeviceChoice::Kind everyKind() {
-  const auto kind = GENERATE(DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan);
-  if (kind == DeviceChoice::Kind::vulkan) needVulkan();
-  return kind;
-}
-
-const char* nameOf(DeviceChoice::Kind kind) {
-  return kind == DeviceChoice::Kind::reference ? "reference: " : "vulkan: ";
-}
-
 }  // namespace
 
 TEST_CASE("without memory a simulator is not made, and nothing ends the process") {
@@ -77,7 +67,7 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
   Simulator& simulator = subject.simulator;
   const auto check = [&] { subject.check(); };
   const auto each = [&](const char* name, const std::function<void()>& call, const std::function<void()>& undo) {
-    failEach(std::string(nameOf(kind)) + name, Fails::memory, {call, undo, check});
+    failEach(nameOf(kind, name), Fails::memory, {call, undo, check});
   };
   size_t added = 0;
   Random random(3);

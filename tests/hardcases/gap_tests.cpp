@@ -39,7 +39,7 @@ Mesh aimedBall(const RangeOf& rangeOf) {
   return closedShell(kRings + 1, kSegments, [&](uint32_t ring, uint32_t s) {
     const double azimuth = std::numbers::pi * (-1 + 2.0 * s / kSegments);
     const double elevation = ring == 0 ? -90 : ring > kRings ? 90 : ringElevation(ring - 1);
-    const Vec3 d = directionOf(azimuth, elevation * std::numbers::pi / 180);
+    const Vec3 d = directionAt(azimuth, elevation * std::numbers::pi / 180);
     return along(d, rangeOf(d));
   });
 }

@@ -29,7 +29,7 @@ TEST_CASE("hard: a triangle across the azimuth seam") {
   for (int i = 0; i < kWorlds; ++i) {
     const double range = logUniform(random, 0.5, 100), width = logUniform(random, 1e-3, 1.5);
     const auto corner = [&](double side) {
-      return along(directionOf(std::numbers::pi + side * width, random()), range * (1.2 + random()));
+      return along(directionAt(std::numbers::pi + side * width, random()), range * (1.2 + random()));
     };
     family.add(oneTriangle(corner(-1), corner(1), corner(random())), {}, random.bits() % 3);
   }

@@ -158,9 +158,6 @@ inline Vec3 coarse(const Vec3& p) {
 inline Vec3 along(const Vec3& direction, double range) {
   return {direction.x * range, direction.y * range, direction.z * range};
 }
-inline Vec3 directionOf(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
-}
 
 /// A random rotation that maps no axis to another.
 inline Quaternion anyTurn(Random& random) {

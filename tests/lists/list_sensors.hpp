@@ -8,10 +8,6 @@
 
 namespace gnosphere::test {
 
-inline Vec3 directionAt(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
-}
-
 inline Vec3 unit(const Vec3& v) {
   const double length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
   return {v.x / length, v.y / length, v.z / length};

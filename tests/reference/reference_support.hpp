@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 
+#include "bits.hpp"
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
@@ -121,12 +122,6 @@ inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = 
   const auto plan = planner.plan(scene, {sensor, Effects::none()}, 0, false);
   makeReferenceBackend(scene, {plan}, options)->scanAll({&shot, 1}, result, [](size_t) {});
   return result;
-}
-
-/// Whether the bits are equal, including NaN.
-template <typename T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 inline size_t tieCount(const Scan& scan) {

@@ -207,7 +207,7 @@ TEST_CASE("one-sided triangles reflect from their front, also on mirrored instan
       const Scan front = scanOf(scene, sensor, outside, faces),
                  both = scanOf(scene, sensor, outside, ReflectingFaces::both);
       CHECK(front.counters.hits > 0);
-      CHECK(same(front.triangles, both.triangles));
+      CHECK(sameBytes(front.triangles, both.triangles));
       std::vector<uint32_t>& indices = scene.meshes[0].indices;
       for (size_t t = 0; t < indices.size(); t += 3) std::swap(indices[t], indices[t + 1]);
       CHECK(scanOf(scene, sensor, {}, faces).counters.misses == 0);
@@ -228,8 +228,8 @@ TEST_CASE("a world 5,000 km from the origin has the same ranges") {
   byInstance.instances[0].transform.rows = {1, 0, 0, far.x, 0, 1, 0, far.y, 0, 0, 1, far.z};
   for (const Scene& moved : {byOrigin, byInstance}) {
     const Scan there = scanOf(moved, sensor, {pose.position + far, pose.orientation});
-    CHECK(same(here.points, there.points));
-    CHECK(same(here.triangles, there.triangles));
+    CHECK(sameBytes(here.points, there.points));
+    CHECK(sameBytes(here.triangles, there.triangles));
     CHECK(tieCount(there) < 2 * tieCount(here) + 10);
   }
   const reference::SensorFrame frame(pose), farFrame({pose.position + far, pose.orientation});
@@ -256,9 +256,9 @@ TEST_CASE("invalid triangles are dropped and counted and change nothing else") {
   CHECK(scan.counters.triangles == clean.counters.triangles + 7);
   CHECK(scan.counters.nonFinite == 5);
   CHECK(scan.counters.degenerate == 2);
-  CHECK(same(scan.ranges, clean.ranges));
-  CHECK(same(scan.triangles, clean.triangles));
-  CHECK(same(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(clean, Field::tie)));
+  CHECK(sameBytes(scan.ranges, clean.ranges));
+  CHECK(sameBytes(scan.triangles, clean.triangles));
+  CHECK(sameBytes(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(clean, Field::tie)));
 
   Scene away = cube(1);
   away.instances.push_back({"too far", 0, {{1, 0, 0, 1.5e9, 0, 1, 0, 0, 0, 0, 1, 0}}});
@@ -309,8 +309,8 @@ TEST_CASE("the order of the triangles changes only their numbers") {
     for (size_t t = 0; t < order.size(); ++t)  // also rotated, so that another corner is the first
       for (size_t k = 0; k < 3; ++k) mesh.indices[3 * t + k] = before[3 * order[t] + (k + t) % 3];
     const Scan shuffled = scanOf(scene, sensor, pose);
-    CHECK(same(scan.ranges, shuffled.ranges));
-    CHECK(same(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(shuffled, Field::tie)));
+    CHECK(sameBytes(scan.ranges, shuffled.ranges));
+    CHECK(sameBytes(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(shuffled, Field::tie)));
     for (size_t i = 0; i < scan.beamCount(); ++i) {
       REQUIRE(scan.hit(i) == shuffled.hit(i));
       if (scan.hit(i) && !scan.column<uint8_t>(Field::tie)[i])

@@ -82,12 +82,6 @@ Scan full(uint32_t returns) {
   return scan;
 }
 
-bool sameFloats(const std::vector<float>& a, const std::vector<float>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float x, float y) {
-    return std::bit_cast<uint32_t>(x) == std::bit_cast<uint32_t>(y) || (std::isnan(x) && std::isnan(y));
-  });
-}
-
 CloudOptions withFields(const std::string& names) {
   CloudOptions options;
   options.fields = parseFields(names);

@@ -64,14 +64,6 @@ std::vector<std::byte> packed(const Scan& scan, const RecordLayout& layout, size
   return bytes;
 }
 
-template <typename T>
-T read(const std::vector<std::byte>& bytes, size_t offset) {
-  T value;
-  REQUIRE(offset + sizeof(T) <= bytes.size());
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
-}
-
 }  // namespace
 
 TEST_CASE("every field has a name, a type and components, and parses back from its name") {
@@ -245,11 +237,11 @@ TEST_CASE("rows as in a PointCloud2 of x, y, z and intensity: padding is left as
   const std::vector<std::byte> bytes = packed(scan, layout, layout.compact ? 5 : 6);
   for (size_t row = 0; row < 5; ++row) {
     INFO("row " << row);
-    const size_t beam = layout.compact && row == 4 ? 5 : row, at = row * layout.stride;
-    for (size_t c = 0; c < 3; ++c) CHECK(std::memcmp(&bytes[at + 4 * c], &scan.points[3 * beam + c], 4) == 0);
-    if (beam != 4) CHECK(read<float>(bytes, at + 16) == static_cast<float>(beam) + 0.5f);
-    CHECK(read<uint32_t>(bytes, at + 12) == 0xeeeeeeee);
-    for (size_t hole = 20; hole < 32; hole += 4) CHECK(read<uint32_t>(bytes, at + hole) == 0xeeeeeeee);
+    const size_t beam = layout.compact && row == 4 ? 5 : row, start = row * layout.stride;
+    for (size_t c = 0; c < 3; ++c) CHECK(std::memcmp(&bytes[start + 4 * c], &scan.points[3 * beam + c], 4) == 0);
+    if (beam != 4) CHECK(at<float>(bytes, start + 16) == static_cast<float>(beam) + 0.5f);
+    CHECK(at<uint32_t>(bytes, start + 12) == 0xeeeeeeee);
+    for (size_t hole = 20; hole < 32; hole += 4) CHECK(at<uint32_t>(bytes, start + hole) == 0xeeeeeeee);
   }
 }
 
@@ -264,15 +256,16 @@ TEST_CASE("rows as in a numpy structured array: no padding, and wider types") {
   const std::vector<std::byte> bytes = packed(scan, layout, 6);
   for (size_t beam = 0; beam < 6; ++beam) {
     INFO("beam " << beam);
-    const size_t at = beam * layout.stride;
+    const size_t start = beam * layout.stride;
     const bool hit = beam != 4;
-    CHECK(read<double>(bytes, at) == static_cast<double>(beam));
-    CHECK(read<uint32_t>(bytes, at + 8) == beam / 3);
-    CHECK(read<uint16_t>(bytes, at + 12) == (beam == 2));
-    CHECK(read<float>(bytes, at + 14) == (hit ? 1 : 0));
-    CHECK((hit ? read<double>(bytes, at + 18) == double{scan.ranges[beam]} : std::isnan(read<double>(bytes, at + 18))));
-    CHECK(read<uint32_t>(bytes, at + 26) == (hit ? 7 : kNoTriangle));
-    CHECK(read<uint8_t>(bytes, at + 30) == hit);
+    CHECK(at<double>(bytes, start) == static_cast<double>(beam));
+    CHECK(at<uint32_t>(bytes, start + 8) == beam / 3);
+    CHECK(at<uint16_t>(bytes, start + 12) == (beam == 2));
+    CHECK(at<float>(bytes, start + 14) == (hit ? 1 : 0));
+    CHECK(
+        (hit ? at<double>(bytes, start + 18) == double{scan.ranges[beam]} : std::isnan(at<double>(bytes, start + 18))));
+    CHECK(at<uint32_t>(bytes, start + 26) == (hit ? 7 : kNoTriangle));
+    CHECK(at<uint8_t>(bytes, start + 30) == hit);
   }
 }
 
@@ -355,8 +348,8 @@ TEST_CASE("the examples of docs/api.md are compiled, and do what they say") {
   CHECK(meanIntensity(scan) == 3);
   const std::vector<std::byte> rows = pointCloud(scan);
   REQUIRE(rows.size() == 5 * 32);
-  CHECK(read<float>(rows, 4 * 32) == scan.points[15]);
-  CHECK(read<float>(rows, 4 * 32 + 16) == 5);
+  CHECK(at<float>(rows, 4 * 32) == scan.points[15]);
+  CHECK(at<float>(rows, 4 * 32 + 16) == 5);
 
   SensorRequest foggy(smallSensor());
   foggy.variableWeather = true;
