@@ -2,6 +2,7 @@
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
+#include <concepts>
 #include <string>
 
 #include "gnosphere/error.hpp"
@@ -9,8 +10,8 @@
 namespace gnosphere::test {
 
 /// Returns the message of the Error with this code that `work` throws, or that nothing was wrong.
-template <typename Work>
-std::string problemOf(const Work& work, ErrorCode code) {
+template <std::invocable Work>
+std::string problemOf(const Work& work, ErrorCode code = ErrorCode::invalidArgument) {
   try {
     work();
   } catch (const Error& error) {

@@ -6,6 +6,7 @@
 
 #include "cloud_support.hpp"
 #include "output/cloud_table.hpp"
+#include "problem.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -24,14 +25,9 @@ void checkSame(const Scan& read, const Scan& written) {
 }
 
 std::string problemOf(const fs::path& file) {
-  try {
-    readCloud(file);
-  } catch (const Error& error) {
-    CHECK(error.code() == ErrorCode::format);
-    CHECK_THAT(error.what(), ContainsSubstring(file.filename().string()));
-    return error.what();
-  }
-  return "nothing was wrong";
+  const std::string problem = test::problemOf([&] { readCloud(file); }, ErrorCode::format);
+  CHECK_THAT(problem, ContainsSubstring(file.filename().string()));
+  return problem;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "classified_fences.hpp"
 #include "cloud_support.hpp"
+#include "problem.hpp"
 #include "scan/api_example.hpp"
 #include "scan/fields.hpp"
 #include "support.hpp"
@@ -41,18 +42,6 @@ TestOptions asking(std::vector<Field> fields) {
   options.device = DeviceChoice::Kind::reference;
   options.fields = std::move(fields);
   return options;
-}
-
-/// The message of the Error(invalidArgument) that `work` throws.
-template <typename Work>
-std::string problemOf(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    CHECK(error.code() == ErrorCode::invalidArgument);
-    return error.what();
-  }
-  return "nothing was wrong";
 }
 
 /// The rows of a layout, and whether a byte behind them was written.

@@ -11,6 +11,7 @@
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
+#include "problem.hpp"
 #include "sensor/beams.hpp"
 
 using namespace gnosphere;
@@ -33,13 +34,7 @@ ErrorCode codeOf(const auto& call) {
 }
 
 std::string problemOf(const std::string& json) {
-  try {
-    sensorFromJson(json, "test.json");
-  } catch (const Error& error) {
-    CHECK(error.code() == ErrorCode::format);
-    return error.what();
-  }
-  return "nothing was wrong";
+  return test::problemOf([&] { sensorFromJson(json, "test.json"); }, ErrorCode::format);
 }
 
 Sensor small() {

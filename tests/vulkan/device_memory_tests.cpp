@@ -5,6 +5,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <deque>
 
+#include "problem.hpp"
 #include "support.hpp"
 #include "vulkan/buffer.hpp"
 #include "vulkan/device_functions.hpp"
@@ -80,13 +81,7 @@ TEST_CASE("a device without room for a block gives what is needed, and too many 
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
   CHECK_NOTHROW(vulkan::Buffer(device, "numbers", 50'000, MemoryKind::device));
   const auto fails = [&] {
-    try {
-      vulkan::Buffer(device, "numbers", 200'000, MemoryKind::device);
-      return std::string("no error");
-    } catch (const Error& error) {
-      CHECK(error.code() == ErrorCode::outOfMemory);
-      return std::string(error.what());
-    }
+    return problemOf([&] { vulkan::Buffer(device, "numbers", 200'000, MemoryKind::device); }, ErrorCode::outOfMemory);
   };
   CHECK_THAT(fails(), ContainsSubstring("cannot allocate 0.2 MiB for 'numbers'; the device '"));
   heaps.allowed = 0;

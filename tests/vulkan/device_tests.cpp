@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "problem.hpp"
 #include "support.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/device_functions.hpp"
@@ -171,17 +172,11 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
       patience = timeout;
       return result == VK_SUCCESS ? calls.real.vkWaitForFences(handle, count, fences, all, timeout) : result;
     };
-    std::string message;
-    try {
-      commands.wait();
-    } catch (const Error& error) {
-      CHECK(error.code() == ErrorCode::device);
-      message = error.what();
-    }
+    const std::string message = problemOf([&] { commands.wait(); }, ErrorCode::device);
     result = VK_SUCCESS;
     return message;
   };
-  CHECK(text(VK_SUCCESS) == "");
+  CHECK(text(VK_SUCCESS) == "nothing was wrong");
   CHECK(patience < UINT64_MAX);
   const std::string stages = device.capabilities().timestampBits > 0 ? "stages: project; the last one" : "";
   CHECK_THAT(text(VK_ERROR_DEVICE_LOST), ContainsSubstring("was lost while it scanned") && ContainsSubstring(stages));
@@ -300,13 +295,7 @@ TEST_CASE("memory that cannot be mapped is reported as out of memory") {
   vulkan::Device device({}, vulkanOptions().validation);
   const auto fails = [&](PFN_vkMapMemory map) {
     functionsOf(device).vkMapMemory = map;
-    try {
-      vulkan::Buffer(device, "numbers", 3 << 20, MemoryKind::upload);
-      return std::string("no error");
-    } catch (const Error& error) {
-      CHECK(error.code() == ErrorCode::outOfMemory);
-      return std::string(error.what());
-    }
+    return problemOf([&] { vulkan::Buffer(device, "numbers", 3 << 20, MemoryKind::upload); }, ErrorCode::outOfMemory);
   };
   const auto expected = ContainsSubstring("cannot allocate 3.0 MiB for 'numbers'; the device '");
   CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
