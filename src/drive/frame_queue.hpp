@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "base/threads.hpp"
 #include "drive/record.hpp"
@@ -35,8 +36,8 @@ class FrameQueue {
   FrameQueue& operator=(const FrameQueue&) = delete;
 
   /// Fills the record of every frame by scan(record), and waits until all are written. Throws what writing has thrown.
-  template <class Frames, class Scan>
-  void run(const Frames& frames, Scan scan) {
+  template <class Scan>
+  void run(const std::vector<uint64_t>& frames, Scan scan) {
     for (const uint64_t frame : frames) {
       FrameRecord record = empty();
       record.frame = frame;

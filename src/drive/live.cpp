@@ -6,7 +6,6 @@
 #include <chrono>
 #include <map>
 #include <numeric>
-#include <ranges>
 #include <set>
 #include <thread>
 
@@ -193,7 +192,9 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
     live.publish(record);
     if (options.progress) options.progress(report.frames, end - options.firstFrame);
   });
-  queue.run(std::views::iota(options.firstFrame, end), [&](FrameRecord& record) { scanner.scan(record); });
+  std::vector<uint64_t> frames(end - options.firstFrame);
+  std::iota(frames.begin(), frames.end(), options.firstFrame);
+  queue.run(frames, [&](FrameRecord& record) { scanner.scan(record); });
   live.finish();
   return report;
 }
