@@ -29,7 +29,9 @@
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __GNUC__
+#if defined(_WIN32) && defined(GNOSPHERE_EXPORTS)
+#define GNO_API __declspec(dllexport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define GNO_API __attribute__((visibility("default")))
 #else
 #define GNO_API

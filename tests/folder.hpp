@@ -3,10 +3,10 @@
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
 
 namespace gnosphere::test {
@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 class Folder {
  public:
   Folder() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
+    std::random_device random;
+    do path_ = fs::temp_directory_path() / ("gnosphere-" + std::to_string(random()));
+    while (!fs::create_directory(path_));
   }
   ~Folder() {
     std::error_code ignored;

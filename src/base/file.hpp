@@ -2,11 +2,6 @@
 // Reads whole files, and writes files that appear only when they are complete.
 #pragma once
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -20,6 +15,7 @@
 #include <string>
 #include <utility>
 
+#include "base/os.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -31,7 +27,7 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
     const int reason = errno;
     throw Error(ErrorCode::file, file.string() + ": cannot be read: " + std::strerror(reason));
   };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(os::openFile(file, "rb"), std::fclose);
   if (!stream) refuse();
   std::string bytes;
   std::error_code unknown;  // a pipe has no size; it is read block by block like the rest
@@ -69,7 +65,7 @@ inline WritePlace writePlaceOf(std::filesystem::path file) {
   bool inPlace = std::filesystem::exists(file, absent) && !std::filesystem::is_regular_file(file, absent) &&
                  !std::filesystem::is_directory(file, absent);
   for (int i = 0; i < kMostLinks && !inPlace && std::filesystem::is_symlink(file, absent); ++i) {
-    inPlace = file.native().starts_with("/proc/");
+    inPlace = file.generic_string().starts_with("/proc/");
     if (!inPlace) file = file.parent_path() / std::filesystem::read_symlink(file, absent);
   }
   return {std::move(file), inPlace};
@@ -79,13 +75,6 @@ inline WritePlace writePlaceOf(std::filesystem::path file) {
 /// write it.
 inline std::filesystem::path partOf(const std::filesystem::path& file) {
   return std::filesystem::path(file) += ".part";
-}
-
-/// Returns whether an open file still has this name: another process may have renamed or removed it meanwhile.
-inline bool isNamed(int descriptor, const std::filesystem::path& file) {
-  struct stat opened, named;
-  return ::fstat(descriptor, &opened) == 0 && ::stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-         opened.st_dev == named.st_dev;
 }
 
 /// An output file that appears only when it is complete: until then it is written in its folder as .NAME.part, or under
@@ -114,8 +103,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile() {
     if (stream_) std::fclose(stream_);
-    if (!committed_ && !place_.inPlace) std::remove(part_.c_str());
-    if (lock_ >= 0) ::close(lock_);
+    if (!committed_ && !place_.inPlace) removePart();
+    unlock();
   }
 
   void write(const void* data, size_t bytes) {
@@ -124,12 +113,13 @@ class AtomicFile {
   void write(const std::string& text) { write(text.data(), text.size()); }
 
   /// The content reaches the disk before the name does, so that a file that is there is complete after a power failure,
-  /// too. File systems that cannot promise this, and pipes and devices, say so by EINVAL or ENOTSUP.
+  /// too.
   void commit() {
     if (std::fflush(stream_) != 0) refuse(errno);
-    if (::fsync(::fileno(stream_)) != 0 && errno != EINVAL && errno != ENOTSUP) refuse(errno);
+    if (!os::synchronise(stream_)) refuse(errno);
     if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
-    if (!place_.inPlace && std::rename(part_.c_str(), place_.file.c_str()) != 0) refuse(errno);
+    if (!place_.inPlace && !os::renameFile(part_, place_.file)) refuse(errno);
+    unlock();  // a file that is open for its lock cannot be replaced on every system
     committed_ = true;
   }
 
@@ -138,24 +128,31 @@ class AtomicFile {
     std::error_code ignored;
     if (std::filesystem::is_directory(place_.file, ignored)) refuse(EISDIR);
   }
+  void unlock() {
+    if (lock_ >= 0) os::closeFile(std::exchange(lock_, -1));
+  }
+  void removePart() const {
+    std::error_code ignored;
+    std::filesystem::remove(part_, ignored);
+  }
   void open(const char* mode) {
-    stream_ = std::fopen(part_.c_str(), mode);
+    stream_ = os::openFile(part_, mode);
     if (!stream_) refuse(errno);
   }
   // Opens .NAME.part, unless another process has it, or the name would be too long, or the file system has no locks.
   // The lock is kept until the file has been renamed, so that nobody writes over it before. The name is made first,
   // because nothing removes the file if there is no memory for its name afterwards.
   bool openShared() {
-    part_ = place_.file.parent_path() / ("." + place_.file.filename().string() + ".part");
-    stream_ = std::fopen(part_.c_str(), "ab");
+    part_ = place_.file.parent_path() / ((std::filesystem::path(".") += place_.file.filename()) += ".part");
+    stream_ = os::openFile(part_, "ab");
     if (!stream_ && errno != ENAMETOOLONG && errno != EISDIR) refuse(errno);
     if (!stream_) return false;
-    lock_ = ::fcntl(::fileno(stream_), F_DUPFD_CLOEXEC, 0);
-    const bool locked = lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0, taken = !locked && errno == EWOULDBLOCK;
-    if (locked && isNamed(lock_, part_) && ::ftruncate(lock_, 0) == 0) return true;
-    if (!locked && !taken) std::remove(part_.c_str());  // nobody can use it
+    lock_ = os::descriptorOf(stream_);
+    const os::Lock lock = lock_ >= 0 ? os::lockFile(lock_, false) : os::Lock::absent;
+    if (lock == os::Lock::taken && os::isNamed(lock_, part_) && os::makeEmpty(lock_)) return true;
+    if (lock == os::Lock::absent) removePart();  // nobody can use it
     std::fclose(std::exchange(stream_, nullptr));
-    if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+    unlock();
     return false;
   }
   // Processes may share a number, in containers, so that a name is free only if the system says so.
@@ -164,10 +161,10 @@ class AtomicFile {
     while (!stream_) {
       const auto now = static_cast<uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
       char name[64];
-      std::snprintf(name, sizeof(name), ".gnosphere-%x-%llx.part", static_cast<unsigned>(::getpid()),
+      std::snprintf(name, sizeof(name), ".gnosphere-%x-%llx.part", os::processNumber(),
                     static_cast<unsigned long long>(now + tries++));
       part_ = place_.file.parent_path() / name;
-      stream_ = std::fopen(part_.c_str(), "wbx");
+      stream_ = os::openFile(part_, "wbx");
       if (!stream_ && errno != EEXIST) refuse(errno);
     }
   }
@@ -179,7 +176,7 @@ class AtomicFile {
   WritePlace place_;
   std::filesystem::path part_;
   std::FILE* stream_ = nullptr;
-  int lock_ = -1;
+  os::Descriptor lock_ = -1;
   bool committed_ = false;
 };
 
@@ -188,7 +185,7 @@ class AtomicFile {
 inline void checkWritable(const std::filesystem::path& file) {
   if (!writePlaceOf(file).inPlace) {
     const AtomicFile probe(file);
-  } else if (::access(file.c_str(), W_OK) != 0) {
+  } else if (!os::isWritable(file)) {
     throw Error(ErrorCode::file, file.string() + ": cannot be written: " + std::strerror(errno));
   }
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <unistd.h>
-
 #include <memory>
+
+#include "base/os.hpp"
 
 namespace gnosphere {
 
@@ -12,10 +12,10 @@ namespace gnosphere {
 class MakerProcess {
  public:
   /// Whether this process was forked from the one that has made the object.
-  bool isParent() const { return process_ != getpid(); }
+  bool isParent() const { return process_ != os::processNumber(); }
 
  private:
-  pid_t process_ = getpid();
+  uint32_t process_ = os::processNumber();
 };
 
 /// Gives up an object, without destroying it, whose maker() is the parent of this process.

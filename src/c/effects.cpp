@@ -26,7 +26,7 @@ gno_status gno_effects_preset(const char* name, gno_effects* effects) {
 }
 
 gno_status gno_effects_load(const char* file, gno_effects* effects) {
-  return giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(&the(file, "file"))); });
+  return giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(fileOf(file))); });
 }
 
 gno_status gno_effects_from_json(const char* json, gno_effects* effects) {

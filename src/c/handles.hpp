@@ -6,6 +6,7 @@
 #include <gnosphere.h>
 
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <memory>
@@ -175,6 +176,12 @@ template <class T>
 T& the(T* pointer, const char* name) {
   if (!pointer) refuse(std::string(name) + " is null");
   return *pointer;
+}
+
+/// The path of an argument that names a file, in UTF-8.
+inline std::filesystem::path fileOf(const char* file) {
+  const std::string_view text = &the(file, "file");
+  return std::u8string(text.begin(), text.end());
 }
 
 /// Runs the body of a function that makes an object: writes the handle that make() returns to a place of the caller,

@@ -62,16 +62,16 @@ gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_optio
       wanted.compact = from.compact != 0;
       wanted.ascii = from.ascii != 0;
     }
-    writeCloud(*Locked(scan), &the(file, "file"), wanted);
+    writeCloud(*Locked(scan), fileOf(file), wanted);
   });
 }
 
 gno_status gno_scan_write_picture(gno_scan scan, const char* file) {
-  return guard([&] { writePicture(*Locked(scan), &the(file, "file")); });
+  return guard([&] { writePicture(*Locked(scan), fileOf(file)); });
 }
 
 gno_status gno_scan_read(const char* file, gno_scan* scan) {
-  return giveHandle(scan, "scan", [&] { return make<gno_scan>(readCloud(&the(file, "file"))); });
+  return giveHandle(scan, "scan", [&] { return make<gno_scan>(readCloud(fileOf(file))); });
 }
 
 gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison) {

@@ -109,7 +109,7 @@ gno_status gno_scene_load(const char* file, const gno_load_options* options, gno
       wanted.up = enumOf(from.up, UpAxis::z, "gno_load_options::up");
       wanted.scale = from.scale;
     }
-    return make<gno_scene>(loadScene(&the(file, "file"), wanted));
+    return make<gno_scene>(loadScene(fileOf(file), wanted));
   });
 }
 
@@ -244,7 +244,7 @@ gno_status gno_scene_validate(gno_scene scene) {
 }
 
 gno_status gno_scene_write_glb(gno_scene scene, const char* file) {
-  return guard([&] { writeGlb(*Locked(scene), &the(file, "file")); });
+  return guard([&] { writeGlb(*Locked(scene), fileOf(file)); });
 }
 
 gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, double wavelength, gno_optics* optics,
@@ -285,7 +285,7 @@ gno_status gno_scene_get_left_out(gno_scene scene, const char** lines) {
 
 gno_status gno_material_table_load(const char* file, gno_material_table* table) {
   return giveHandle(table, "table",
-                    [&] { return make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
+                    [&] { return make<gno_material_table>(file ? loadMaterialTable(fileOf(file)) : MaterialTable()); });
 }
 
 gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,

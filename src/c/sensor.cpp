@@ -88,9 +88,7 @@ gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor) {
 }
 
 gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor) {
-  return giveHandle(sensor, "sensor", [&] {
-    return reported(readSensorFile(std::filesystem::path(&the(file, "file")), optionsOf(options)));
-  });
+  return giveHandle(sensor, "sensor", [&] { return reported(readSensorFile(fileOf(file), optionsOf(options))); });
 }
 
 gno_status gno_sensor_read(const void* bytes, size_t size, const char* name, const gno_sensor_file_options* options,

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a Drive from JSON. The schema decides what the words are and which values they take; what it cannot say is
 // checked here: names that refer to something, and the files.
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <cctype>
 #include <set>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/os.hpp"
+#include "base/path.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
 #include "drive/formats/format.hpp"
@@ -67,7 +67,7 @@ void DriveReader::classify(const json& object, const std::string& path, const st
     const uint16_t id = classNamed(name, memberPath(path + "." + table, pattern));
     bool any = false;
     for (size_t i = 0; i < all.size(); ++i) {
-      if (fnmatch(pattern.c_str(), all[i].name.c_str(), 0) != 0) continue;
+      if (!os::fits(pattern, all[i].name)) continue;
       any = true;
       if (!matches[i] || pattern.size() >= matches[i]->first) matches[i] = {pattern.size(), id};
     }
@@ -233,7 +233,7 @@ void DriveReader::weather() {
 
 /// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs.
 void DriveReader::checkFolder(const std::string& name, const std::string& path) {
-  fs::path folder = fs::path(name).lexically_normal();
+  fs::path folder = pathOf(name).lexically_normal();
   if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
   const std::string top = folder.begin()->string();
   if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||

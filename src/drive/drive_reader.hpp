@@ -8,6 +8,7 @@
 
 #include "base/json_text.hpp"
 #include "base/nearest_text.hpp"
+#include "base/path.hpp"
 #include "drive/drive.hpp"
 #include "drive/schema_check.hpp"
 
@@ -34,7 +35,7 @@ class DriveReader {
     }
   }
   void refuse(const std::string& path, const std::string& why) { mistakes_.push_back(path + ": " + why); }
-  std::filesystem::path file(const nlohmann::json& name) const { return folder_ / name.get<std::string>(); }
+  std::filesystem::path file(const nlohmann::json& name) const { return folder_ / pathOf(name.get<std::string>()); }
 
   /// Returns the index of a name, or adds a mistake.
   size_t find(const std::vector<std::string>& names, const nlohmann::json& name, const std::string& path) {

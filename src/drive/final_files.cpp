@@ -10,15 +10,16 @@ namespace gnosphere::drive {
 
 void FinalFiles::write(const std::string& path, const std::string& bytes) {
   std::error_code failed;
-  std::filesystem::create_directories((out_ / path).parent_path(), failed);
-  AtomicFile file(out_ / path, partOf(out_ / path));
+  const std::filesystem::path place = *this / path;
+  std::filesystem::create_directories(place.parent_path(), failed);
+  AtomicFile file(place, partOf(place));
   file.write(bytes);
   file.commit();
   noted_.push_back({path, bytes.size(), hashOf(bytes)});
 }
 
 void FinalFiles::add(const std::string& path) {
-  noted_.push_back({path, std::filesystem::file_size(out_ / path), hashOfFile(out_ / path)});
+  noted_.push_back({path, std::filesystem::file_size(*this / path), hashOfFile(*this / path)});
 }
 
 std::string hashOfFile(const std::filesystem::path& file) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/path.hpp"
+
 namespace gnosphere::drive {
 
 /// A final file as the manifest of its drive notes it.
@@ -22,7 +24,7 @@ class FinalFiles {
   explicit FinalFiles(std::filesystem::path out) : out_(std::move(out)) {}
 
   /// Returns the path of a file in the output folder.
-  std::filesystem::path operator/(const std::string& path) const { return out_ / path; }
+  std::filesystem::path operator/(const std::string& path) const { return out_ / pathOf(path); }
   /// Writes a whole file and its folders. The file appears when it is complete. Throws Error(file) with the
   /// system's reason.
   void write(const std::string& path, const std::string& bytes);

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/manifest.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -13,6 +9,8 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "base/json_text.hpp"
+#include "base/os.hpp"
+#include "base/path.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -29,29 +27,25 @@ void makeFolder(const fs::path& folder) {
 
 /// The folders of unfinished files, and their locks, begin with the name of the machine.
 std::string partsOfHost() {
-  char host[256] = {};
-  gethostname(host, sizeof(host) - 1);
-  return std::string("parts-") + host + "-";
+  return "parts-" + os::machineName() + "-";
 }
 
-/// Holds a lock on a file. The system releases it when the process ends, however it ends. Other machines respect it,
-/// too, if the file system can.
+/// Holds a lock on a file. The system releases it when the process ends, however it ends.
 class FileLock {
  public:
   enum class If { free, waited, made };
 
   /// Takes the lock if it is free, or waits for it, or makes the file, which must not be there.
-  FileLock(const fs::path& file, If taken)
-      : descriptor_(open(file.c_str(), O_CREAT | (taken == If::made ? O_EXCL : 0) | O_RDWR | O_CLOEXEC, 0666)) {
+  FileLock(const fs::path& file, If taken) : descriptor_(os::openForLock(file, taken == If::made)) {
     if (descriptor_ < 0)
       lost_ = errno == EEXIST;
-    else if (flock(descriptor_, taken == If::waited ? LOCK_EX : LOCK_EX | LOCK_NB) != 0)
-      lost_ = errno == EWOULDBLOCK;
+    else if (const os::Lock lock = os::lockFile(descriptor_, taken == If::waited); lock != os::Lock::taken)
+      lost_ = lock == os::Lock::busy;
     else
-      lost_ = !(holds_ = isNamed(descriptor_, file));
+      lost_ = !(holds_ = os::isNamed(descriptor_, file));
   }
   ~FileLock() {
-    if (descriptor_ >= 0) close(descriptor_);
+    if (descriptor_ >= 0) os::closeFile(descriptor_);
   }
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
@@ -60,7 +54,7 @@ class FileLock {
   bool lost() const { return lost_; }
 
  private:
-  int descriptor_;
+  os::Descriptor descriptor_;
   bool holds_ = false, lost_ = false;
 };
 
@@ -104,8 +98,8 @@ class ManifestFile {
     std::vector<FileEntry> entries;
     for (const Json& from : list(content_, "files")) {
       FileEntry& entry = entries.emplace_back();
-      entry.path = pathOf(from, "path");
-      if (from.contains("into")) entry.into = pathOf(from, "into");
+      entry.path = pathIn(from, "path");
+      if (from.contains("into")) entry.into = pathIn(from, "into").generic_string();
       entry.hash = text(from, "hash");
       entry.bytes = count(from, "bytes");
     }
@@ -115,7 +109,7 @@ class ManifestFile {
   /// Returns the folders of the files of which final files were made.
   std::vector<fs::path> partFolders() const {
     std::vector<fs::path> folders;
-    for (const Json& from : list(content_, "parts")) folders.push_back(pathOf(from, "folder"));
+    for (const Json& from : list(content_, "parts")) folders.push_back(pathIn(from, "folder"));
     return folders;
   }
 
@@ -160,8 +154,8 @@ class ManifestFile {
     return member(object, key, &Json::is_number).get<double>();
   }
   /// A path that cannot lead out of the folder of the drive.
-  fs::path pathOf(const Json& object, const char* key) const {
-    const fs::path path = text(object, key);
+  fs::path pathIn(const Json& object, const char* key) const {
+    const fs::path path = pathOf(text(object, key));
     if (path.empty() || path.has_root_path() || std::find(path.begin(), path.end(), "..") != path.end())
       refuse("has the path '" + path.string() + "', which leads out of the folder");
     return path;
@@ -188,7 +182,7 @@ class Manifest::Parts {
     std::random_device random;
     for (int tries = 0; tries < 100 && (!lock_ || lock_->lost()); ++tries) {
       const std::string name = numberText("%08llx", random()) + numberText("%08llx", random());
-      folder_ = manifest / (partsOfHost() + name);
+      folder_ = manifest / pathOf(partsOfHost() + name);
       lock_ = std::make_unique<FileLock>(lockFile(), FileLock::If::made);
     }
     makeFolder(folder_);
@@ -253,7 +247,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
   }
   for (const FileEntry& entry : entries) {
     const fs::path file = out_ / entry.path;
-    if (!entry.into.empty() && fs::exists(out_ / entry.into, absent)) continue;
+    if (!entry.into.empty() && fs::exists(out_ / pathOf(entry.into), absent)) continue;
     if (!isWhole(file, entry, verify)) return false;
   }
   return true;
@@ -262,7 +256,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
 void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& files) const {
   Json entries = Json::array(), scans = Json::array();
   for (const OutputFile& file : files) {
-    put(out_ / file.path, file.bytes);
+    put(out_ / pathOf(file.path), file.bytes);
     entries.push_back({{"path", file.path}, {"bytes", file.bytes.size()}, {"hash", hashOf(file.bytes)}});
     if (!file.into.empty()) entries.back()["into"] = file.into;
   }
@@ -292,17 +286,18 @@ std::vector<std::string> Manifest::removeBroken(bool verify) const {
   std::vector<std::string> broken;
   try {
     for (const FileEntry& entry : ManifestFile(finishedFile()).files())
-      if (!isWhole(out_ / entry.path, entry, verify)) broken.push_back(entry.path.string());
+      if (!isWhole(out_ / entry.path, entry, verify)) broken.push_back(entry.path.generic_string());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::format) throw;
     reopen();  // the list of files is damaged, or of a version that had none
     return {};
   }
   for (const std::string& path : broken) {
-    fs::remove(out_ / path, failed);
+    fs::remove(out_ / pathOf(path), failed);
     if (failed)
-      throw Error(ErrorCode::file, (out_ / path).string() + ": is not as it was written, and cannot be removed: " +
-                                       failed.message() + "; remove it, and the drive makes it again");
+      throw Error(ErrorCode::file, (out_ / pathOf(path)).string() +
+                                       ": is not as it was written, and cannot be removed: " + failed.message() +
+                                       "; remove it, and the drive makes it again");
   }
   if (!broken.empty()) reopen();
   return broken;

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "base/json_text.hpp"
+#include "base/path.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -39,7 +40,7 @@ const json& member(const path& file, const json& object, const char* key) {
 
 path besides(const path& file, const json& uri) {
   if (!uri.is_string()) refuseMapping(file, "the name of a file is not a text but " + shown(uri));
-  return file.parent_path() / path(uri.get<std::string>());
+  return file.parent_path() / pathOf(uri.get<std::string>());
 }
 
 /// Returns the first kCount numbers of a row; nothing if one of them is null or missing.

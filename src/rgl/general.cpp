@@ -4,6 +4,8 @@
 #include <gnosphere/error.hpp>
 #include <gnosphere/ros2.hpp>
 
+#include "base/os.hpp"
+#include "base/path.hpp"
 #include "rgl/fields.hpp"
 #include "rgl/node.hpp"
 #include "rgl/scene.hpp"
@@ -79,7 +81,7 @@ void log(rgl_log_level_t level, const std::string& message) {
 void configureLog(rgl_log_level_t level, const char* file, bool standardOutput) {
   std::FILE* opened = nullptr;
   if (file && level != RGL_LOG_LEVEL_OFF) {
-    opened = std::fopen(file, "w");
+    opened = os::openFile(pathOf(file), "w");
     if (!opened) throw Failure(RGL_LOGGING_ERROR, std::string("the log file ") + file + " cannot be written");
   }
   Log& to = theLog();

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "base/path.hpp"
 #include "rgl/node.hpp"
 
 namespace gnosphere::rgl {
@@ -109,7 +110,7 @@ void writePcd(const PointsNode& node, const char* path) {
   const Cloud& cloud = node.cloud();
   if (!cloud.has(RGL_FIELD_XYZ_VEC3_F32))
     throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + " requires XYZ_VEC3_F32 to be present");
-  std::ofstream file(path, std::ios::binary);
+  std::ofstream file(pathOf(path), std::ios::binary);
   const std::string count = std::to_string(cloud.count);
   file << "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
        << "WIDTH " << count << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << count << "\nDATA binary\n";

@@ -16,6 +16,7 @@
 #include <thread>
 #include <tuple>
 
+#include "base/path.hpp"
 #include "rgl/call.hpp"
 #include "rgl/fields.hpp"
 #include "rgl/legacy.hpp"
@@ -30,7 +31,7 @@ Tape& tape() {
 void Tape::begin(const char* path) {
   if (recording_) throw Failure(RGL_TAPE_ERROR, "the tape is recording already; end that recording first");
   const std::string name = path;
-  std::ofstream yaml(name + ".yaml"), binary(name + ".bin", std::ios::binary);
+  std::ofstream yaml(pathOf(name + ".yaml"), std::ios::binary), binary(pathOf(name + ".bin"), std::ios::binary);
   if (!yaml || !binary) throw Failure(RGL_INVALID_FILE_PATH, "the tape " + name + " cannot be written");
   yaml_ = std::move(yaml);
   binary_ = std::move(binary);
@@ -353,7 +354,7 @@ const std::map<std::string, Play>& players() {
 }
 
 std::string contentOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(pathOf(path), std::ios::binary);
   if (!file) throw Failure(RGL_INVALID_FILE_PATH, "the tape's file " + path + " cannot be read");
   std::ostringstream content;
   content << file.rdbuf();

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens libgnosphere_ros2, so that neither the library nor a program needs Cyclone DDS unless it publishes.
-#include <dlfcn.h>
-
 #include <cstdlib>
 #include <mutex>
 
+#include "base/os.hpp"
 #include "gnosphere/error.hpp"
 #include "ros2/wire.hpp"
 
@@ -17,24 +16,17 @@ struct Library {
 };
 
 // The symbols of another copy of Cyclone DDS in the process, as ROS has one, must not replace those that the library
-// was built with. The sanitizers end a process that asks for this.
-int flags() {
-  const bool sanitized = dlsym(RTLD_DEFAULT, "__asan_init") || dlsym(RTLD_DEFAULT, "__tsan_init");
-  return RTLD_NOW | RTLD_LOCAL | (sanitized ? 0 : RTLD_DEEPBIND);
-}
-
+// was built with.
 Library load() {
   const char* chosen = std::getenv("GNOSPHERE_ROS2_LIBRARY");
   const std::string name = chosen ? chosen : GNOSPHERE_ROS2_LIBRARY;
-  void* const handle = dlopen(name.c_str(), flags());
-  if (!handle) {
-    const char* why = dlerror();
+  void* const handle = os::openLibrary(name, true);
+  if (!handle)
     return {nullptr,
-            "GnoSphere cannot publish for ROS 2 (" + std::string(why ? why : name.c_str()) +
+            "GnoSphere cannot publish for ROS 2 (" + os::libraryProblem() +
                 "): install the Debian packages cyclonedds-dev and cyclonedds-tools, and build GnoSphere again"};
-  }
-  const auto version = reinterpret_cast<VersionFunction*>(dlsym(handle, kVersionName));
-  const auto open = reinterpret_cast<OpenFunction*>(dlsym(handle, kOpenName));
+  const auto version = reinterpret_cast<VersionFunction*>(os::symbolOf(handle, kVersionName));
+  const auto open = reinterpret_cast<OpenFunction*>(os::symbolOf(handle, kOpenName));
   if (!version || !open || version() != std::string(GNOSPHERE_ROS2_VERSION))
     return {nullptr, name + " is of another version of GnoSphere than " + GNOSPHERE_ROS2_VERSION};
   return {open, ""};

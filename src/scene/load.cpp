@@ -9,6 +9,8 @@
 
 #include "base/finite.hpp"
 #include "base/limits.hpp"
+#include "base/os.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "scene/readers.hpp"
 
@@ -55,7 +57,7 @@ FileBytes readFile(const fs::path& file) {
   // Reading a pipe or a device may never end.
   if (!fs::is_regular_file(status)) failFile(file, "it is not a regular file");
 
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(os::openFile(file, "rb"), &std::fclose);
   if (!stream) failFile(file, std::strerror(errno));
   const uintmax_t size = fs::file_size(file, problem);
   if (problem) failFile(file, problem.message());
@@ -107,7 +109,7 @@ Scene loadScene(const fs::path& file, const LoadOptions& options) {
   Source source;
   source.name = std::string("'").append(file.string()).append("'");
   source.sibling = [folder = file.parent_path()](const std::string& relativePath) {
-    return readFile(folder / fs::path(std::u8string(relativePath.begin(), relativePath.end())));
+    return readFile(folder / pathOf(relativePath));
   };
   Scene scene = readScene(format, bytes, source);
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/cuda_memory.hpp"
 
-#include <dlfcn.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <string>
 
+#include "base/os.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere::vulkan {
@@ -52,13 +50,13 @@ struct Driver {
 
 Driver openDriver() {
   Driver driver;
-  void* const library = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
+  void* const library = os::openLibrary("libcuda.so.1");
   if (!library) {
     driver.problem = "CUDA's driver (libcuda.so.1) was not found";
     return driver;
   }
   const auto find = [&](auto& function, const char* name) {
-    function = reinterpret_cast<std::decay_t<decltype(function)>>(dlsym(library, name));
+    function = reinterpret_cast<std::decay_t<decltype(function)>>(os::symbolOf(library, name));
     if (!function) driver.problem = std::string("CUDA's driver has no ") + name;
   };
 #define GNO_FIND(name_) find(driver.name_, #name_);
@@ -135,7 +133,7 @@ CudaMemory::CudaMemory(const DeviceInfo& device, int number, int fd, uint64_t by
     buffer.size = bytes;
     return driver.cuExternalMemoryGetMappedBuffer(&address_, imported_, &buffer);
   });
-  if (!imported) close(fd);  // otherwise the descriptor is CUDA's
+  if (!imported) os::closeFile(fd);  // otherwise the descriptor is CUDA's
   if (result != 0 && imported) driver.cuDestroyExternalMemory(imported_);
   void* popped = nullptr;
   if (pushed) driver.cuCtxPopCurrent_v2(&popped);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/instance.hpp"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
 
+#include "base/os.hpp"
 #include "gnosphere/error.hpp"
 #include "vulkan/driver_advice.hpp"
 
@@ -40,13 +39,14 @@ struct Loader {
 };
 
 Loader openLoader() {
-  void* library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-  if (!library) library = dlopen("libvulkan.so", RTLD_NOW | RTLD_LOCAL);
+  const std::vector<std::string> names = os::vulkanLoaders();
+  void* library = nullptr;
+  for (size_t i = 0; i < names.size() && !library; ++i) library = os::openLibrary(names[i]);
   Loader loader;
-  if (library) loader.lookUp = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+  if (library)
+    loader.lookUp = reinterpret_cast<PFN_vkGetInstanceProcAddr>(os::symbolOf(library, "vkGetInstanceProcAddr"));
   if (!loader.lookUp)
-    throw Error(ErrorCode::device,
-                std::string("no Vulkan loader (libvulkan.so.1) and driver was found; ") + driverAdvice);
+    throw Error(ErrorCode::device, "no Vulkan loader (" + names[0] + ") and driver was found; " + driverAdvice);
   loader.createInstance = reinterpret_cast<PFN_vkCreateInstance>(loader.lookUp(nullptr, "vkCreateInstance"));
   loader.extensions = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
       loader.lookUp(nullptr, "vkEnumerateInstanceExtensionProperties"));

@@ -2,10 +2,11 @@
 #include "vulkan/pipeline_cache.hpp"
 
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
 
 #include "base/file.hpp"
+#include "base/os.hpp"
+#include "base/path.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -17,15 +18,9 @@ constexpr uint64_t kMostBytes = 256 << 20;
 
 std::filesystem::path cacheFolder(const std::string& setting) {
   if (setting == "off") return {};
-  if (!setting.empty()) return setting;
-  const auto absolute = [](const char* variable) {
-    const char* value = std::getenv(variable);
-    const std::filesystem::path path(value ? value : "");
-    return path.is_absolute() ? path : std::filesystem::path();
-  };
-  if (const auto folder = absolute("XDG_CACHE_HOME"); !folder.empty()) return folder / "gnosphere";
-  if (const auto home = absolute("HOME"); !home.empty()) return home / ".cache" / "gnosphere";
-  return {};
+  if (!setting.empty()) return pathOf(setting);
+  const std::filesystem::path folder = os::cacheFolder();
+  return folder.empty() ? folder : folder / "gnosphere";
 }
 
 namespace {

@@ -10,8 +10,7 @@
 
 namespace gnosphere::vulkan {
 
-/// Returns the folder for a text that is SimulatorOptions::cache; empty if pipelines are not kept. By the XDG base
-/// directory specification, relative paths in the environment count as unset.
+/// Returns the folder for a text that is SimulatorOptions::cache; empty if pipelines are not kept.
 std::filesystem::path cacheFolder(const std::string& setting);
 
 /// Returns the driver's data in the content of a cache file; empty if it is damaged or from another driver or device.

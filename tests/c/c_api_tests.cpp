@@ -201,9 +201,9 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   CHECK(count == pack(wanted, {{{Field::x, 0, 0}, {Field::instance, 0, 8, ValueType::f64}}, 16, false}, same));
   CHECK(rows == same);
   const test::Folder folder;
-  REQUIRE(gno_scan_write(scan, (folder / "cloud.npy").c_str(), nullptr) == GNO_OK);
+  REQUIRE(gno_scan_write(scan, (folder / "cloud.npy").string().c_str(), nullptr) == GNO_OK);
   gno_scan read = nullptr;
-  REQUIRE(gno_scan_read((folder / "cloud.npy").c_str(), &read) == GNO_OK);
+  REQUIRE(gno_scan_read((folder / "cloud.npy").string().c_str(), &read) == GNO_OK);
   gno_comparison comparison = gno_comparison_init();
   REQUIRE(gno_scan_compare(scan, read, 1e-3, &comparison) == GNO_OK);
   CHECK(comparison.hits == wanted.counters.hits);

@@ -6,6 +6,7 @@
 
 #include "accuracy_report.hpp"
 #include "base/file.hpp"
+#include "base/path.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
@@ -43,14 +44,14 @@ void check(const Options& options) {
   std::vector<std::string> files;
   for (const std::string& file : {options.json, options.plot})
     if (!file.empty() && file != "-") files.push_back(file);
-  if (!options.plot.empty() && std::filesystem::path(options.plot).extension() != ".svg") {
+  if (!options.plot.empty() && pathOf(options.plot).extension() != ".svg") {
     throw Error(ErrorCode::invalidArgument, "--plot: " + options.plot + " must end in .svg");
   }
   checkOutputFiles(files, inputsOf(options, options, options.trajectory));
 }
 
 void write(const std::string& file, const std::string& bytes) {
-  AtomicFile output(file);
+  AtomicFile output(pathOf(file));
   output.write(bytes);
   output.commit();
 }
@@ -79,7 +80,7 @@ int runAccuracy(const Options& options) {
     materials = materialsOf(options);
   }
   std::vector<Pose> poses;
-  if (!options.trajectory.empty()) poses = loadTrajectory(options.trajectory);
+  if (!options.trajectory.empty()) poses = loadTrajectory(pathOf(options.trajectory));
   if (options.poses) poses = thinned(poses, *options.poses);
   const Scene scene = loadScene(options);
   if (poses.empty()) poses = posesAround(poseOf(options, scene), options.poses.value_or(kPoses));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 
+#include "base/path.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "json.hpp"
@@ -56,7 +57,7 @@ void printComparison(const Comparison& c, const std::vector<std::string>& ignore
 }
 
 int runCompare(const CompareOptions& options) {
-  const CloudFile reference = readCloudFile(options.reference), other = readCloudFile(options.other);
+  const CloudFile reference = readCloudFile(pathOf(options.reference)), other = readCloudFile(pathOf(options.other));
   const Comparison comparison = compareFiles(reference, other, options.tolerance);
   const std::vector<std::string> ignored = ignoredFields(reference.scan, other.scan);
   options.json ? printJson(comparison, ignored) : printComparison(comparison, ignored, options.tolerance);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "console.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
+
+#include "base/os.hpp"
+#include "base/path.hpp"
 
 namespace gnosphere::cli {
 
@@ -81,9 +82,9 @@ std::string bareMs(double ms) {
   return formatted(ms < 1 ? "%.3f" : "%.2f", ms);
 }
 
-std::string fileSize(const std::filesystem::path& file) {
+std::string fileSize(const std::string& file) {
   std::error_code unknown;
-  const auto bytes = static_cast<double>(std::filesystem::file_size(file, unknown));
+  const auto bytes = static_cast<double>(std::filesystem::file_size(pathOf(file), unknown));
   if (unknown) return "";
   if (bytes < 1e3) return formatted("%.0f bytes", bytes);
   return bytes < 1e6 ? formatted("%.1f kB", bytes / 1e3) : formatted("%.1f MB", bytes / 1e6);
@@ -98,7 +99,7 @@ std::string typed;
 }
 
 void rememberCommand(int argc, char** argv) {
-  typed = std::filesystem::path(argv[0]).filename().string();
+  typed = pathOf(argv[0]).filename().string();
   for (int i = 1; i < argc; ++i) typed.append(" ").append(argv[i]);
 }
 
@@ -122,7 +123,7 @@ bool ProgressLines::isDue(uint64_t done, uint64_t total, double nowMs) {
 Progress::Progress(const char* what, uint64_t total, bool lines)
     : what_(what),
       total_(total),
-      terminal_(isatty(STDERR_FILENO) == 1),
+      terminal_(os::isTerminal(stderr)),
       inLines_(lines && !terminal_),
       startMs_(nowMs()),
       lastMs_(startMs_),

@@ -22,7 +22,7 @@ std::string metres(double value);     ///< 0.00059 -> 5.9e-04
 std::string percent(double share);    ///< 0.0123 -> 1.23 %
 std::string milliseconds(double ms);  ///< with three significant digits and the unit
 std::string bareMs(double ms);        ///< the same without the unit, for table columns in ms
-std::string fileSize(const std::filesystem::path& file);
+std::string fileSize(const std::string& file);
 
 /// Returns "1 frame" or "1,000 frames"; `many` is the word for any other number than 1.
 std::string counted(uint64_t count, const char* one, const char* many);

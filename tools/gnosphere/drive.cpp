@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/path.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "drive/live.hpp"
@@ -23,7 +24,7 @@ struct DriveCall {
 
 drive::RunOptions optionsOf(const DriveCall& call) {
   drive::RunOptions options;
-  options.out = call.out;
+  options.out = pathOf(call.out);
   options.verify = call.verify;
   chooseFrames(call.frames, options.firstFrame, options.endFrame);
   if (!call.shard.empty() &&
@@ -110,7 +111,7 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
 
 int runDrive(const DriveCall& call) {
   drive::RunOptions options = optionsOf(call);
-  const drive::Drive drive = drive::readDrive(call.file);
+  const drive::Drive drive = drive::readDrive(pathOf(call.file));
   for (const std::string& warning : drive.warnings) complain("warning: " + warning);
   if (const std::string why = drive::mistakeOfFrames(drive, options.firstFrame, options.endFrame); !why.empty())
     throw Error(ErrorCode::invalidArgument, "--frames: " + why);
@@ -120,7 +121,7 @@ int runDrive(const DriveCall& call) {
   if (call.out.empty()) return 0;
   for (const char* made : {"objects.json", "classes.json"}) {
     std::error_code absent;
-    if (std::filesystem::equivalent(std::filesystem::path(call.out) / made, call.file, absent))
+    if (std::filesystem::equivalent(pathOf(call.out) / made, pathOf(call.file), absent))
       throw Error(ErrorCode::invalidArgument, call.file + " would be written, too; choose another --output");
   }
   const double begin = nowMs();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/path.hpp"
 #include "console.hpp"
 #include "scanning.hpp"
 
@@ -51,7 +52,7 @@ Effects effectsOf(const EffectOptions& options) {
 }
 
 MaterialTable materialsOf(const EffectOptions& options) {
-  return options.materials.empty() ? MaterialTable() : loadMaterialTable(options.materials);
+  return options.materials.empty() ? MaterialTable() : loadMaterialTable(pathOf(options.materials));
 }
 
 void warnAboutMaterials(const EffectOptions& options, const Scene& scene, const MaterialTable& table) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/file.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
@@ -38,7 +39,7 @@ std::string fileOf(const ScanOptions& options, const std::string& file, size_t n
 /// Refuses options of cloud files that change none of them.
 void checkWithoutEffect(const ScanOptions& options) {
   const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, text); };
-  const auto hasColumns = [](const std::string& file) { return cloudFormat(file).layout == nullptr; };
+  const auto hasColumns = [](const std::string& file) { return cloudFormat(pathOf(file)).layout == nullptr; };
   const std::pair<const char*, bool> given[] = {{"--frame world", options.frame == "world"},
                                                 {"--compact", options.compact},
                                                 {"--fields", options.fields.has_value()}};
@@ -62,13 +63,13 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
                   "--fields: only --device reference gives '" + std::string(fieldInfo(field).name) + "'");
     }
   }
-  if (!options.image.empty() && lower(std::filesystem::path(options.image).extension().string()) != ".png") {
+  if (!options.image.empty() && lower(pathOf(options.image).extension().string()) != ".png") {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
   }
   const auto asciiChanges = [](const std::string& file) {
-    return cloudFormat(file).text == CloudFormat::Text::ifAsked;
+    return cloudFormat(pathOf(file)).text == CloudFormat::Text::ifAsked;
   };
-  for (const std::string& output : options.outputs) cloudFormat(output);
+  for (const std::string& output : options.outputs) cloudFormat(pathOf(output));
   checkWithoutEffect(options);
   if (options.ascii && std::ranges::none_of(options.outputs, asciiChanges))
     throw Error(ErrorCode::invalidArgument, "--ascii changes .pcd and .ply files, and no --output is one");
@@ -85,7 +86,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
 /// Returns the fields of the scan: those to write, and the intensity that a file of fixed columns (KITTI) holds.
 std::vector<Field> scannedFields(const ScanOptions& options, const CloudOptions& cloud, const Effects& effects) {
   std::vector<Field> fields = cloud.fields;
-  const auto isFixed = [](const std::string& file) { return cloudFormat(file).layout != nullptr; };
+  const auto isFixed = [](const std::string& file) { return cloudFormat(pathOf(file)).layout != nullptr; };
   if (effects.intensity.use != EffectUse::off && std::ranges::any_of(options.outputs, isFixed) &&
       std::ranges::count(fields, Field::intensity) == 0)
     fields.push_back(Field::intensity);
@@ -161,8 +162,8 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
     warned = warned || warnOfSteps(*mapped);
   }
   for (const std::string& output : options.outputs)
-    writeCloud(mapped ? *mapped : scan, fileOf(options, output, number), cloud);
-  if (!options.image.empty()) writePicture(scan, fileOf(options, options.image, number));
+    writeCloud(mapped ? *mapped : scan, pathOf(fileOf(options, output, number)), cloud);
+  if (!options.image.empty()) writePicture(scan, pathOf(fileOf(options, options.image, number)));
 }
 
 /// The name of a file and its size, which pipes and devices do not have.
@@ -179,7 +180,7 @@ void tell(const ScanOptions& options, const ScanReport& report) {
   std::vector<std::string> written = options.outputs;
   if (!options.image.empty()) written.push_back(options.image);
   if (!options.stats.empty()) {
-    AtomicFile stats(options.stats);
+    AtomicFile stats(pathOf(options.stats));
     stats.write(statsJson(report));
     stats.commit();
   }
@@ -220,7 +221,7 @@ void check(const ScanOptions& options) {
 int runScan(const ScanOptions& options) {
   check(options);
   std::vector<SensorMotion::Stamp> trajectory;
-  if (!options.trajectory.empty()) trajectory = drive::readTum(options.trajectory);
+  if (!options.trajectory.empty()) trajectory = drive::readTum(pathOf(options.trajectory));
   Effects effects = effectsOf(options);
   // Without deskewing, each column of a moving sensor has a frame of its own, and no single pose leads to the world.
   if (options.frame == "world") effects.sensorMotion.deskew = true;

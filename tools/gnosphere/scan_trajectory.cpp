@@ -4,15 +4,16 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/path.hpp"
 #include "console.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::cli {
 
 std::string numbered(const std::string& file, size_t number) {
-  const std::filesystem::path path(file);
+  const std::filesystem::path path = pathOf(file);
   const std::string name = path.stem().string() + formatted("-%06zu", number) + path.extension().string();
-  return (path.parent_path() / name).string();
+  return (path.parent_path() / pathOf(name)).string();
 }
 
 namespace {

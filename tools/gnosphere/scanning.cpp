@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/path.hpp"
 #include "base/quaternion.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
@@ -176,7 +177,7 @@ SimulatorOptions simulatorOptions(const ScanningOptions& options, SimulatorOptio
 }
 
 Scene loadSceneAtRest(const ScanningOptions& options) {
-  return gnosphere::loadScene(options.scene, {kUpAxes.at(options.up), options.scale});
+  return gnosphere::loadScene(pathOf(options.scene), {kUpAxes.at(options.up), options.scale});
 }
 
 Scene loadScene(const ScanningOptions& options) {
@@ -272,13 +273,13 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::vector<s
   for (const std::string& file : files) {
     std::error_code absent;
     for (const std::string& input : inputs)
-      if (std::filesystem::equivalent(file, input, absent))
+      if (std::filesystem::equivalent(pathOf(file), pathOf(input), absent))
         throw Error(ErrorCode::invalidArgument, file + " is read, too, as " + input + "; choose another output file");
-    const std::filesystem::path own = std::filesystem::absolute(writePlaceOf(file).file),
+    const std::filesystem::path own = std::filesystem::absolute(writePlaceOf(pathOf(file)).file),
                                 place = std::filesystem::weakly_canonical(own, absent);
     if (!seen.insert(absent ? own : place).second)
       throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
-    checkWritable(file);
+    checkWritable(pathOf(file));
   }
 }
 

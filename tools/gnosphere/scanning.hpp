@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/path.hpp"
 #include "effect_options.hpp"
 #include "gnosphere/gnosphere.hpp"
 #include "gnosphere/options.hpp"
@@ -47,14 +48,14 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
     return named(nameOrFile);
   } catch (const Error& unknown) {
     std::error_code ignored;
-    const std::filesystem::path path = nameOrFile;
+    const std::filesystem::path path = pathOf(nameOrFile);
     if (path.empty() || !std::filesystem::exists(path, ignored)) {
       if (path.has_extension() || path.has_parent_path())
         throw Error(unknown.code(), "there is no file '" + nameOrFile + "'");
       throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
     }
   }
-  return load(nameOrFile);
+  return load(pathOf(nameOrFile));
 }
 /// The sensor that --sensor names.
 Sensor sensorOf(const std::string& nameOrFile);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/file.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
@@ -20,7 +21,7 @@ struct SensorsOptions {
   std::string name;
   SensorFileOptions file;
   bool json = false;
-  std::filesystem::path beams, image;
+  std::string fireTimes, beams, image;
 
   bool completesFile() const {
     return !file.head.empty() || !file.mode.empty() || file.scanRate != 0 || file.columns != 0 ||
@@ -181,23 +182,23 @@ int runSensors(const SensorsOptions& options) {
     listCatalogue();
     return 0;
   }
-  if (!options.image.empty() && lower(options.image.extension().string()) != ".png")
-    throw Error(ErrorCode::invalidArgument, "--image: " + options.image.string() + " must end in .png");
-  for (const std::filesystem::path& file : {options.beams, options.image})
-    if (!file.empty()) checkWritable(file);
+  if (!options.image.empty() && lower(pathOf(options.image).extension().string()) != ".png")
+    throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
+  for (const std::string& file : {options.beams, options.image})
+    if (!file.empty()) checkWritable(pathOf(file));
   const BuiltInHead head = builtInHead(options.name);
   SensorFile file;
   std::error_code missing;
-  if (!head.real && !head.ideal && std::filesystem::exists(options.name, missing))
-    file = readSensorFile(std::filesystem::path(options.name), options.file);
+  if (!head.real && !head.ideal && std::filesystem::exists(pathOf(options.name), missing))
+    file = readSensorFile(pathOf(options.name), options.file);
   else
     file.sensor = sensorOf(options.name);
   if (file.family.empty() && options.completesFile())
     throw Error(ErrorCode::invalidArgument,
                 "--head, --mode, --rate, --columns, --beams-per-scan and --fire-times complete a sensor file, and '" +
                     options.name + "' is built in; NAME:MODE chooses a mode");
-  if (!options.beams.empty()) writeBeams(file.sensor, options.beams);
-  if (!options.image.empty()) writePatternPicture(file.sensor, options.image);
+  if (!options.beams.empty()) writeBeams(file.sensor, pathOf(options.beams));
+  if (!options.image.empty()) writePatternPicture(file.sensor, pathOf(options.image));
   if (options.json) {
     for (const std::string& text : file.assumed) complain("assumed: " + text);
     for (const std::string& text : file.ignored) complain("ignored: " + text);
@@ -230,11 +231,14 @@ Action addSensors(CLI::App& app) {
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
-  app.add_option("--fire-times", options->file.fireTimes, "Hesai's file of firing times for an angle correction");
+  app.add_option("--fire-times", options->fireTimes, "Hesai's file of firing times for an angle correction");
   app.footer(
       "Without a sensor, the catalogue is listed.\n"
       "Example: gnosphere sensors HDL-64E --json > sensor.json");
-  return [options] { return runSensors(*options); };
+  return [options] {
+    options->file.fireTimes = pathOf(options->fireTimes);
+    return runSensors(*options);
+  };
 }
 
 }  // namespace gnosphere::cli

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/file.hpp"
+#include "base/path.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "town_drive.hpp"
@@ -27,7 +28,7 @@ std::string triangleCount(std::string& text) {
 }
 
 int runTown(const TownCall& call) {
-  const std::filesystem::path file = call.file;
+  const std::filesystem::path file = pathOf(call.file);
   if (file.extension() != ".glb") {
     throw Error(ErrorCode::invalidArgument, file.string() + ": the name must end in .glb");
   }
@@ -35,26 +36,26 @@ int runTown(const TownCall& call) {
     throw Error(ErrorCode::invalidArgument,
                 "--trajectory: " + call.drive + " is the --output file, too; use different names");
   }
-  if (!call.example.empty() && std::filesystem::path(call.example).extension() != ".json")
+  if (!call.example.empty() && pathOf(call.example).extension() != ".json")
     throw Error(ErrorCode::invalidArgument, "--drive: " + call.example + ": the name must end in .json");
   checkWritable(file);  // fails before the work, not after it
   if (!call.example.empty())
-    for (const std::filesystem::path& part : townDriveFiles(call.example)) {
-      if (part == file || part == call.drive)
+    for (const std::filesystem::path& part : townDriveFiles(pathOf(call.example))) {
+      if (part == file || part == pathOf(call.drive))
         throw Error(ErrorCode::invalidArgument, "--drive would write " + part.string() + ", too; use different names");
       checkWritable(part);
     }
-  if (!call.drive.empty()) checkWritable(call.drive);
+  if (!call.drive.empty()) checkWritable(pathOf(call.drive));
   const std::vector<Pose> drive = makeDrive(call.options);
   Scene town = makeTown(call.options);
   if (call.baked) town = bake(town);
   writeGlb(town, file);
-  if (!call.drive.empty()) writeTum(drive, call.drive);
-  if (!call.example.empty()) writeTownDrive(town, file, drive, call.example);
+  if (!call.drive.empty()) writeTum(drive, pathOf(call.drive));
+  if (!call.example.empty()) writeTownDrive(town, file, drive, pathOf(call.example));
   say("town", grouped(town.placedTriangleCount()) + " triangles (" + grouped(town.uniqueTriangleCount()) +
                   " unique) in " + grouped(town.instances.size()) + " instances of " + grouped(town.meshes.size()) +
                   " meshes, seed " + std::to_string(call.options.seed));
-  say("wrote", file.string() + ", " + fileSize(file));
+  say("wrote", file.string() + ", " + fileSize(call.file));
   if (!call.example.empty()) say("example", call.example + ", for gnosphere drive");
   const Vec3& start = drive.front().position;
   const std::string pose = formatted("%.2f,%.2f,%.2f", start.x, start.y, start.z);
@@ -85,7 +86,7 @@ Action addTown(CLI::App& app) {
                  "trajectory and models");
   app.footer("Example: gnosphere town --triangles 1000000 -o town.glb");
   return [call] {
-    call->options.xodr = call->xodr;
+    call->options.xodr = pathOf(call->xodr);
     return runTown(*call);
   };
 }

@@ -112,7 +112,7 @@ void writeModel(const Mesh& mesh, const fs::path& file) {
 }
 
 fs::path beside(const fs::path& file, const char* ending) {
-  return file.parent_path() / (file.stem().string() + ending);
+  return file.parent_path() / (file.stem() += ending);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
@@ -47,7 +48,7 @@ std::string readThree(const std::string& folder) {
       "CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR "
       "IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */\n";
   for (const char* name : {"build/three.min.js", "examples/js/controls/OrbitControls.js"}) {
-    const fs::path file = fs::path(folder) / name;
+    const fs::path file = pathOf(folder) / name;
     std::error_code absent;
     if (!fs::exists(file, absent))
       throw Error(ErrorCode::file, file.string() +
@@ -126,7 +127,7 @@ void keepFrames(const ViewCall& call, Series& series) {
 }
 
 Json addSeries(const ViewCall& call, Page& page) {
-  Series series = findSeries(call.a, call.sensor);
+  Series series = findSeries(pathOf(call.a), call.sensor);
   if (series.frames.empty()) throw Error(ErrorCode::invalidArgument, call.a + ": holds no clouds");
   keepFrames(call, series);
   Progress progress("frame", series.frames.size());
@@ -145,13 +146,13 @@ Json addSeries(const ViewCall& call, Page& page) {
 }
 
 Json addCloud(const ViewCall& call, Page& page) {
-  page.add({fs::path(call.a).filename().string(), everyNth(readViewCloud(call.a), call.every)});
+  page.add({pathOf(call.a).filename().string(), everyNth(readViewCloud(pathOf(call.a)), call.every)});
   checkSize(call, page, 1);
-  return {{"title", fs::path(call.a).filename().string()}, {"notes", Json::array()}};
+  return {{"title", pathOf(call.a).filename().string()}, {"notes", Json::array()}};
 }
 
 Json addDifference(const ViewCall& call, Page& page) {
-  const ViewCloud a = readViewCloud(call.a), b = readViewCloud(call.b);
+  const ViewCloud a = readViewCloud(pathOf(call.a)), b = readViewCloud(pathOf(call.b));
   const ViewCloud both = differenceOf(a, b, call.distance);
   const ViewColumn& difference = *both.find("difference");
   std::string summary;
@@ -163,7 +164,7 @@ Json addDifference(const ViewCall& call, Page& page) {
   page.add({"A and B", everyNth(both, call.every)});
   checkSize(call, page, 1);
   const bool byBeam = comparesBeams(a, b);
-  return {{"title", fs::path(call.a).filename().string() + " and " + fs::path(call.b).filename().string()},
+  return {{"title", pathOf(call.a).filename().string() + " and " + pathOf(call.b).filename().string()},
           {"notes",
            {"A is " + call.a + ", B is " + call.b + ".",
             std::string(byBeam ? "Points of one beam are compared" : "Each point is compared with the nearest one") +
@@ -172,13 +173,13 @@ Json addDifference(const ViewCall& call, Page& page) {
 }
 
 int runView(const ViewCall& call) {
-  if (!lower(fs::path(call.output).extension().string()).starts_with(".htm"))
+  if (!lower(pathOf(call.output).extension().string()).starts_with(".htm"))
     throw Error(ErrorCode::invalidArgument, call.output + ": the page's name ends with .html");
   const std::string three = readThree(call.three);
-  checkWritable(call.output);
+  checkWritable(pathOf(call.output));
   std::error_code absent;
-  const bool isFolder = fs::is_directory(call.a, absent);
-  if (!call.b.empty() && (isFolder || fs::is_directory(call.b, absent)))
+  const bool isFolder = fs::is_directory(pathOf(call.a), absent);
+  if (!call.b.empty() && (isFolder || fs::is_directory(pathOf(call.b), absent)))
     throw Error(ErrorCode::invalidArgument,
                 (isFolder ? call.a : call.b) + ": is a folder; two clouds are compared, or one folder is shown");
   if (!isFolder && !(call.sensor + call.frames).empty())
@@ -195,7 +196,7 @@ int runView(const ViewCall& call) {
     head["colour"] = call.colour;
   }
   head["every"] = call.every;
-  AtomicFile out(call.output);
+  AtomicFile out(pathOf(call.output));
   out.write(page.html(std::move(head), three));
   out.commit();
   say("frames", grouped(page.frameCount()) + " with " + grouped(page.pointCount()) + " points");

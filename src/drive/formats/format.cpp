@@ -2,9 +2,9 @@
 #include "drive/formats/format.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <iterator>
 #include <span>
 
@@ -67,12 +67,15 @@ int64_t unixNanoseconds(const Drive& drive, double time) {
 std::string dateText(int64_t nanoseconds) {
   constexpr int64_t kSecond = 1'000'000'000;
   const int64_t rest = ((nanoseconds % kSecond) + kSecond) % kSecond;
-  const std::time_t seconds = (nanoseconds - rest) / kSecond;
-  std::tm parts = {};
-  gmtime_r(&seconds, &parts);
-  char date[32], text[64];
-  std::strftime(date, sizeof(date), "%Y-%m-%d %H:%M:%S", &parts);
-  std::snprintf(text, sizeof(text), "%s.%09lld", date, static_cast<long long>(rest));
+  const std::chrono::sys_seconds time(std::chrono::seconds((nanoseconds - rest) / kSecond));
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss clock(time - day);
+  char text[64];
+  std::snprintf(text, sizeof(text), "%04d-%02u-%02u %02d:%02d:%02d.%09lld", int{date.year()}, unsigned{date.month()},
+                unsigned{date.day()}, static_cast<int>(clock.hours().count()),
+                static_cast<int>(clock.minutes().count()), static_cast<int>(clock.seconds().count()),
+                static_cast<long long>(rest));
   return text;
 }
 

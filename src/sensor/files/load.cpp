@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 
@@ -178,7 +179,7 @@ const std::vector<Family>& families() {
 }
 
 std::string endingOf(const std::string& name) {
-  return lower(std::filesystem::path(name).extension().string());
+  return lower(pathOf(name).extension().string());
 }
 
 bool mayEndWith(const Family& family, const std::string& ending) {
@@ -315,7 +316,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
       source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
                     " columns; at most 100 million are read");
   if (!options.head.empty()) applyHead(source, from, options.columns == 0 && options.scanRate == 0);
-  if (file.sensor.name.empty()) file.sensor.name = std::filesystem::path(name).stem().string();
+  if (file.sensor.name.empty()) file.sensor.name = pathOf(name).stem().string();
   try {
     validate(file.sensor);
   } catch (const Error& invalid) {

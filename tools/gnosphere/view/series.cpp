@@ -9,6 +9,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "drive/formats/format.hpp"
 #include "output/cloud_format.hpp"
@@ -111,11 +112,11 @@ class DriveOutput {
   void readFrame(const fs::path& file) {
     readManifest(file, [&](const nlohmann::json& frame) {
       std::set<fs::path> all;
-      for (const nlohmann::json& entry : frame.at("files")) all.insert(entry.at("path").get<std::string>());
+      for (const nlohmann::json& entry : frame.at("files")) all.insert(pathOf(entry.at("path").get<std::string>()));
       const uint64_t number = frame.at("frame").get<uint64_t>();
       std::vector<std::string> boxed;  // sensors with boxes, in the order of the scans
       for (const nlohmann::json& entry : frame.at("files")) {
-        const fs::path path = entry.at("path").get<std::string>();
+        const fs::path path = pathOf(entry.at("path").get<std::string>());
         addFile(number, path, kindOf(path, all));
         if (endsWith(entry.value("into", ""), ".mcap")) others_.insert("mcap");
         if (endsWith(entry.value("into", ""), ".osi")) others_.insert("osi");

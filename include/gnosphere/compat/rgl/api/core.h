@@ -12,10 +12,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-#define RGL_API extern "C" __attribute__((visibility("default")))
+#ifndef _WIN32
+#define RGL_VISIBLE __attribute__((visibility("default")))
+#elif defined(GNOSPHERE_EXPORTS)
+#define RGL_VISIBLE __declspec(dllexport)
 #else
-#define RGL_API __attribute__((visibility("default")))
+#define RGL_VISIBLE
+#endif
+#ifdef __cplusplus
+#define RGL_API extern "C" RGL_VISIBLE
+#else
+#define RGL_API RGL_VISIBLE
 #endif
 
 // The version that a program is built for. A program may define another one before it includes this file.

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What systems do in different ways: os_posix.cpp and os_windows.cpp have the same functions. Texts and names of files
+// are in UTF-8. What fails leaves its reason in errno.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gnosphere::os {
+
+/// Opens a file as std::fopen does, for bytes. A file that is open can be renamed and removed by every process.
+std::FILE* openFile(const std::filesystem::path& file, const char* mode);
+
+/// Whether a file, pipe or device can be written.
+bool isWritable(const std::filesystem::path& file);
+
+/// Gives a file another name; a file that has it is replaced.
+bool renameFile(const std::filesystem::path& file, const std::filesystem::path& name);
+
+/// The content of an open file reaches the disk. Returns true, too, if the file system cannot promise this.
+bool synchronise(std::FILE* stream);
+
+/// A file that is open for its lock. Whoever closes it, or ends, gives the lock back.
+using Descriptor = int;
+enum class Lock { taken, busy, absent };  ///< busy: another holder has it; absent: the file system has no locks
+
+/// Opens a file for its lock, and makes it if it is not there; with `mustBeNew` it must not be there. -1 if that fails.
+Descriptor openForLock(const std::filesystem::path& file, bool mustBeNew);
+/// Another descriptor of an open file, which outlives the stream. -1 if that fails.
+Descriptor descriptorOf(std::FILE* stream);
+/// Takes the lock of a file, and waits for it if `wait`.
+Lock lockFile(Descriptor file, bool wait);
+/// Whether an open file still has this name: another process may have renamed or removed it meanwhile.
+bool isNamed(Descriptor opened, const std::filesystem::path& file);
+bool makeEmpty(Descriptor file);
+void closeFile(Descriptor file);
+
+/// The folder in which programs of this user keep what they can make again; empty if there is none.
+std::filesystem::path cacheFolder();
+
+/// Whether a name fits a pattern with *, ? and sets as [a-c] and [!a-c].
+bool fits(const std::string& pattern, const std::string& name);
+
+using Locale = void*;
+/// Lets C's library write and read numbers with a decimal point in this thread. Returns the locale before, for one
+/// useLocale().
+Locale useClassicLocale();
+void useLocale(Locale locale);
+
+std::string machineName();
+uint32_t processNumber();
+
+/// Opens a shared library, which stays open; null if it cannot be opened. With `ownSymbols` the library uses its own
+/// copy of what another library of the process has, too.
+void* openLibrary(const std::string& file, bool ownSymbols = false);
+/// Why this thread's last openLibrary() gave null.
+std::string libraryProblem();
+/// The address of a function in a library; null if the library has none of this name.
+void* symbolOf(void* library, const char* name);
+
+/// The file names under which Vulkan's loader may be found, the usual one first.
+std::vector<std::string> vulkanLoaders();
+/// The end of messages that no Vulkan driver is there.
+const char* vulkanAdvice();
+
+/// Whether a stream is a terminal that knows the control sequences of ECMA-48.
+bool isTerminal(std::FILE* stream);
+/// Gives a program's main() standard streams for bytes in UTF-8, each open, and its arguments in UTF-8.
+void prepareProgram(int& argc, char**& argv);
+
+}  // namespace gnosphere::os

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fnmatch.h>
+#include <locale.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <initializer_list>
+
+#include "base/os.hpp"
+
+namespace gnosphere::os {
+
+std::FILE* openFile(const std::filesystem::path& file, const char* mode) {
+  return std::fopen(file.c_str(), mode);
+}
+
+bool isWritable(const std::filesystem::path& file) {
+  return ::access(file.c_str(), W_OK) == 0;
+}
+
+bool renameFile(const std::filesystem::path& file, const std::filesystem::path& name) {
+  return std::rename(file.c_str(), name.c_str()) == 0;
+}
+
+// File systems that cannot promise this, and pipes and devices, say so by EINVAL or ENOTSUP.
+bool synchronise(std::FILE* stream) {
+  return ::fsync(::fileno(stream)) == 0 || errno == EINVAL || errno == ENOTSUP;
+}
+
+Descriptor openForLock(const std::filesystem::path& file, bool mustBeNew) {
+  return ::open(file.c_str(), O_CREAT | (mustBeNew ? O_EXCL : 0) | O_RDWR | O_CLOEXEC, 0666);
+}
+
+Descriptor descriptorOf(std::FILE* stream) {
+  return ::fcntl(::fileno(stream), F_DUPFD_CLOEXEC, 0);
+}
+
+// Other machines respect the lock, too, if the file system can.
+Lock lockFile(Descriptor file, bool wait) {
+  if (::flock(file, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0) return Lock::taken;
+  return errno == EWOULDBLOCK ? Lock::busy : Lock::absent;
+}
+
+bool isNamed(Descriptor opened, const std::filesystem::path& file) {
+  struct stat one, named;
+  return ::fstat(opened, &one) == 0 && ::stat(file.c_str(), &named) == 0 && one.st_ino == named.st_ino &&
+         one.st_dev == named.st_dev;
+}
+
+bool makeEmpty(Descriptor file) {
+  return ::ftruncate(file, 0) == 0;
+}
+
+void closeFile(Descriptor file) {
+  ::close(file);
+}
+
+// By the XDG base directory specification, relative paths in the environment count as unset.
+std::filesystem::path cacheFolder() {
+  const auto absolute = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    const std::filesystem::path path(value ? value : "");
+    return path.is_absolute() ? path : std::filesystem::path();
+  };
+  if (const auto folder = absolute("XDG_CACHE_HOME"); !folder.empty()) return folder;
+  if (const auto home = absolute("HOME"); !home.empty()) return home / ".cache";
+  return {};
+}
+
+bool fits(const std::string& pattern, const std::string& name) {
+  return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
+
+Locale useClassicLocale() {
+  static const locale_t kClassic = ::newlocale(LC_ALL_MASK, "C", nullptr);
+  return ::uselocale(kClassic);
+}
+
+void useLocale(Locale locale) {
+  ::uselocale(static_cast<locale_t>(locale));
+}
+
+std::string machineName() {
+  char name[256] = {};
+  ::gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+uint32_t processNumber() {
+  return static_cast<uint32_t>(::getpid());
+}
+
+// The sanitizers end a process that asks for symbols of its own.
+void* openLibrary(const std::string& file, bool ownSymbols) {
+  int flags = RTLD_NOW | RTLD_LOCAL;
+  if (ownSymbols && !::dlsym(RTLD_DEFAULT, "__asan_init") && !::dlsym(RTLD_DEFAULT, "__tsan_init"))
+    flags |= RTLD_DEEPBIND;
+  return ::dlopen(file.c_str(), flags);
+}
+
+std::string libraryProblem() {
+  const char* why = ::dlerror();
+  return why ? why : "the system gives no reason";
+}
+
+void* symbolOf(void* library, const char* name) {
+  return ::dlsym(library, name);
+}
+
+std::vector<std::string> vulkanLoaders() {
+  return {"libvulkan.so.1", "libvulkan.so"};
+}
+
+const char* vulkanAdvice() {
+  return "apt install mesa-vulkan-drivers brings one that runs on the CPU";
+}
+
+bool isTerminal(std::FILE* stream) {
+  return ::isatty(::fileno(stream)) == 1;
+}
+
+// A file that the program or a driver opens must not get the number of a standard stream that is closed: what is
+// printed would be written to that file. A stream that was closed still fails.
+void prepareProgram(int&, char**&) {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+}  // namespace gnosphere::os

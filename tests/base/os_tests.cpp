@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What systems do in different ways, with the same expectations on each.
+#include <catch2/catch_test_macros.hpp>
+#include <cerrno>
+#include <fstream>
+
+#include "base/file.hpp"
+#include "base/os.hpp"
+#include "base/path.hpp"
+#include "folder.hpp"
+
+using namespace gnosphere;
+
+TEST_CASE("one holder at a time has the lock of a file") {
+  const test::Folder folder;
+  const std::filesystem::path file = folder.path() / "lock";
+  const os::Descriptor one = os::openForLock(file, true);
+  REQUIRE(one >= 0);
+  CHECK(os::openForLock(file, true) < 0);
+  CHECK(errno == EEXIST);
+  const os::Descriptor other = os::openForLock(file, false);
+  REQUIRE(other >= 0);
+  CHECK(os::lockFile(one, false) == os::Lock::taken);
+  CHECK(os::lockFile(other, false) == os::Lock::busy);
+  os::closeFile(one);
+  CHECK(os::lockFile(other, true) == os::Lock::taken);
+  os::closeFile(other);
+}
+
+TEST_CASE("an open file can be written, renamed and replaced, and knows whether a name is its own") {
+  const test::Folder folder;
+  const std::filesystem::path file = folder.path() / "file", name = folder.path() / "name";
+  std::ofstream(name) << "old";
+  std::FILE* const stream = os::openFile(file, "wbx");
+  REQUIRE(stream);
+  CHECK(!os::openFile(file, "wbx"));
+  CHECK(errno == EEXIST);
+  const os::Descriptor opened = os::descriptorOf(stream);
+  CHECK(std::fputs("new\n", stream) >= 0);
+  CHECK(os::synchronise(stream));
+  CHECK(std::fclose(stream) == 0);
+  CHECK(os::isNamed(opened, file));
+  CHECK(os::renameFile(file, name));
+  CHECK(!os::isNamed(opened, file));
+  CHECK(os::isNamed(opened, name));
+  CHECK(readWholeFile(name) == "new\n");  // no byte is added at the end of a line
+  CHECK(os::makeEmpty(opened));
+  CHECK(readWholeFile(name).empty());
+  os::closeFile(opened);
+  CHECK(!os::renameFile(file, name));
+  CHECK(errno == ENOENT);
+}
+
+TEST_CASE("a name in UTF-8 is that of the file") {
+  const test::Folder folder;
+  const std::filesystem::path file = folder.path() / pathOf("Größe 測量.txt");
+  AtomicFile output(file);
+  output.write("content");
+  output.commit();
+  CHECK(readWholeFile(folder.path() / u8"Größe 測量.txt") == "content");
+  CHECK(file.filename().string() == "Größe 測量.txt");
+}
+
+TEST_CASE("a name fits a pattern") {
+  CHECK(os::fits("car*", "car 7"));
+  CHECK(!os::fits("car*", "a car"));
+  CHECK(os::fits("wall?", "wall1"));
+  CHECK(!os::fits("wall?", "wall"));
+  CHECK(os::fits("[a-c]1", "b1"));
+  CHECK(!os::fits("[!a-c]1", "b1"));
+  CHECK(os::fits("a.(b)+", "a.(b)+"));
+  CHECK(!os::fits("a.b", "axb"));
+  CHECK(os::fits("\\*", "*"));
+  CHECK(!os::fits("\\*", "x"));
+  CHECK(os::fits("[", "["));
+}
+
+TEST_CASE("a library that is not there has a reason, and the process a number") {
+  CHECK(!os::openLibrary("gnosphere-no-such-library"));
+  CHECK(!os::libraryProblem().empty());
+  CHECK(os::processNumber() > 0);
+  CHECK(!os::machineName().empty());
+}
