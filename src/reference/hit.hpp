@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "base/vector.hpp"
 #include "gnosphere/scan.hpp"
@@ -51,6 +52,19 @@ struct Triangle {
   static constexpr uint32_t kStill = 0xffffffffu;
 };
 
+/// x * y - product without loss, where product is x * y rounded (Dekker 1971). std::fma would do, but the C library of
+/// MinGW rounds it twice.
+inline double lostOf(double x, double y, double product) {
+  const auto halves = [](double value) {
+    const double scaled = 134217729 * value;  // 2^27 + 1
+    const double high = scaled - (scaled - value);
+    return std::pair(high, value - high);
+  };
+  const auto [a, b] = halves(x);
+  const auto [c, d] = halves(y);
+  return ((a * c - product) + a * d + b * c) + b * d;
+}
+
 /// d . (a x b), rounded only at the end, so that its sign is exact. The product is positive if the edge a -> b passes
 /// the direction d counter-clockwise, seen against d. The 24 parts of the six products are summed without loss
 /// (two-term products and grow-expansion of Shewchuk 1997, Adaptive Precision Floating-Point Arithmetic).
@@ -68,9 +82,9 @@ inline double edgeExact(const Vec3& d, const Vec3& a, const Vec3& b) {
   };
   const auto addProduct = [&](double x, double y, double z) {
     const double high = x * y;
-    for (double part : {std::fma(x, y, -high), high}) {
+    for (double part : {lostOf(x, y, high), high}) {
       const double product = part * z;
-      add(std::fma(part, z, -product));
+      add(lostOf(part, z, product));
       add(product);
     }
   };
