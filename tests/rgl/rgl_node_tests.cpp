@@ -175,7 +175,7 @@ TEST_CASE("RGL: merges, ground and voxels") {
   CHECK(two[0].value[0] == Approx(-0.2));
   CHECK(two[1].value[0] == Approx(0.2));
   const Folder folder;
-  OK(rgl_graph_write_pcd_file(voxels, (folder / "two.pcd").c_str()));
+  OK(rgl_graph_write_pcd_file(voxels, (folder / "two.pcd").string().c_str()));
   const std::string file = bytesOf(folder / "two.pcd");
   CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
   CHECK(file.find("POINTS 2\n") != std::string::npos);
