@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "base/json_text.hpp"
 #include "base/nearest_text.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/world.hpp"
 
-#include <cmath>
 #include <numeric>
 
 #include "drive/pose_math.hpp"

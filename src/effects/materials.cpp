@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Optical properties of the scene's materials, with the rows of a material table applied.
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "base/text.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "eval/rank.hpp"
 #include "eval/sample.hpp"

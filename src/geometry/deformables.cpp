@@ -2,7 +2,6 @@
 #include "geometry/deformables.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 

@@ -2,7 +2,6 @@
 #include "geometry/transform_rows.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "base/threads.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/vertex_sources.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "gnosphere/error.hpp"

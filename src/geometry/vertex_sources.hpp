@@ -4,7 +4,6 @@
 
 #include <array>
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 

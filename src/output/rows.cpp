@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/rows.hpp"
 
-#include <algorithm>
 #include <cstring>
 
 #include "base/threads.hpp"

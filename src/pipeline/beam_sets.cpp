@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <map>
-#include <string>
 #include <utility>
 
 #include "base/limits.hpp"

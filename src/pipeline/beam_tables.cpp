@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/beam_tables.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -2,7 +2,6 @@
 #include "pipeline/origin_groups.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/vector.hpp"
 

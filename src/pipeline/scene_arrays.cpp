@@ -2,7 +2,6 @@
 #include "pipeline/scene_arrays.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace gnosphere {
 namespace {

@@ -2,7 +2,6 @@
 // Room for the scans of a sensor: arrays with entries per beam and view, and lists of triangles, which grow.
 #include <algorithm>
 #include <initializer_list>
-#include <span>
 #include <utility>
 
 #include "base/limits.hpp"

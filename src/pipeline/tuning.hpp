@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "common/shared.h"
 #include "gnosphere/simulator.hpp"

@@ -5,7 +5,6 @@
 
 #include <rgl/api/core.h>
 
-#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <string>

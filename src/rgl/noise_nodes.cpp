@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes that add noise to points.
-#include <limits>
-
 #include "rgl/node.hpp"
 
 namespace gnosphere::rgl {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Radar: detections from points, and objects from detections.
 #include <algorithm>
-#include <array>
 #include <complex>
 #include <limits>
 #include <map>
-#include <optional>
 
 #include "rgl/node.hpp"
 #include "rgl/scene.hpp"

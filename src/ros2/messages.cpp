@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans as messages, and what messages must fulfil.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <span>
 

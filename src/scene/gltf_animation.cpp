@@ -2,7 +2,6 @@
 #include "scene/gltf_animation.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "base/finite.hpp"
 #include "base/transform.hpp"

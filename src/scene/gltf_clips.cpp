@@ -2,7 +2,6 @@
 #include "scene/gltf_clips.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "base/finite.hpp"

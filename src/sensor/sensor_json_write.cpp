@@ -4,7 +4,6 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <concepts>
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/commands.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 

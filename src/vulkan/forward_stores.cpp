@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/forward_stores.hpp"
 
-#include <utility>
-
 namespace gnosphere::vulkan {
 namespace {
 

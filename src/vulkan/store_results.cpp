@@ -2,7 +2,6 @@
 #include "vulkan/store_results.hpp"
 
 #include <map>
-#include <utility>
 
 namespace gnosphere::vulkan {
 namespace {

@@ -3,9 +3,6 @@
 // 2019): sequences/00/velodyne/000000.bin, labels/000000.label, times.txt, calib.txt, poses.txt, and poses/00.txt.
 // There is no camera: camera 0 stands where the lidar is, with the axes of a camera, and its projections are the
 // identity.
-#include <cmath>
-#include <cstring>
-
 #include "base/decimal_point.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"

@@ -2,7 +2,6 @@
 // The layout of nuScenes (Caesar et al., CVPR 2020): v1.0-drive/*.json, samples and sweeps. Every lidar is a channel. A
 // .pcd.bin file has x, y, z, intensity 0..255 and ring as floats.
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/hash.hpp"

@@ -3,7 +3,6 @@
 // of Livox) or poses of rays (N x 3 x 4, N x 4 x 4, N x 12, N x 16), and raw poses (.mat3x4f of RGL). A ray starts at
 // the translation of its pose and points along the pose's own z axis. The axes of all are ours.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
 // turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
-#include <algorithm>
 #include <cmath>
 #include <set>
 

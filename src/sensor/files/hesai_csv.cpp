@@ -4,7 +4,6 @@
 // only change their sign. Flash lidars have a row per pixel, and x points forward.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "base/sha256.hpp"

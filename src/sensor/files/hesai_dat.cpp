@@ -3,8 +3,6 @@
 // and 3.2), FT120 (minor versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so
 // forward is 90 degrees and our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's
 // decoder does, roundings included.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 

@@ -2,7 +2,6 @@
 // OmniLidar prims in USD's text, as NVIDIA's Isaac Sim 5 and later have them. Their attributes omni:sensor:Core:NAME
 // are those of a profile, so they become one, and its reader does the rest.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <set>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
