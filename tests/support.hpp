@@ -135,7 +135,7 @@ inline Transform translation(double x, double y, double z) {
 inline Transform scaling(double x, double y, double z) {
   return {{x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0}};
 }
-/// A unit vector; radians.
+/// Returns the unit vector with this azimuth and elevation in radians.
 inline Vec3 directionAt(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }

@@ -29,7 +29,7 @@ struct NpyHeader {
   throw Error(ErrorCode::format, file + ": " + plainAscii(why));
 }
 
-/// Parser of the dictionary.
+/// Reads the dictionary of Python in a header.
 class NpyDictionary {
  public:
   NpyDictionary(const std::string& file, std::string_view text) : file_(file), text_(text) {}
@@ -123,7 +123,7 @@ class NpyDictionary {
 };
 
 /// Reads the header of an NPY file, of which at least 12 bytes are there, the first of them those of all NPY files.
-/// Throws Error(format).
+/// Throws Error(format) that names the file and the place of the mistake.
 inline NpyHeader readNpyHeader(std::string_view bytes, const std::string& file) {
   const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(bytes[i])); };
   if (byte(6) < 1 || byte(6) > 3) refuseNpy(file, "NPY version " + std::to_string(byte(6)) + " is not read");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What systems do in different ways: os_posix.cpp and os_windows.cpp have the same functions. Texts and names of files
-// are in UTF-8. What fails leaves its reason in errno.
+// The functions of the operating system, with one interface: os_posix.cpp and os_windows.cpp implement it. Texts and
+// names of files are in UTF-8. A function that fails leaves the reason in errno.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses in GLM's types.
+// Rotations and positions of poses in the types of GLM.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -57,7 +57,7 @@ class RecordedScans {
     std::vector<Recorded> scans;             // whose outcome is not known yet
     std::shared_ptr<SensorArrays> replaced;  // what has recorded them, if the sensor has other arrays since
   };
-  /// A frame in flight.
+  /// The recorded scans of one frame in flight.
   struct Frame {
     std::map<size_t, SensorScans> sensors;   // by number
     ArrayTable classes;                      // of surfaces

@@ -20,9 +20,9 @@ class PlacedArrays {
   friend class SceneArrays;
   PlacedGroups groups_;
   // `instances`, of which only firstTriangle is valid for instances out of range; `placed`, the (instance, group) pairs
-  // of those in range; `ownerRanges`, see TriangleNumbers::ownerRanges(). If kernels ask for them: `instanceMeshes`,
-  // and with several views `instanceNumbers`, which count in the scene. With several views: `instanceViews`. Of
-  // deformable meshes: `deformers`, `jointRows` and `morphWeights`.
+  // of those in range; `ownerRanges`, see TriangleNumbers::ownerRanges(). If kernels ask for them, there are
+  // `instanceMeshes`, and with several views `instanceNumbers`, which count in the scene. Several views have
+  // `instanceViews`, deformable meshes `deformers`, `jointRows` and `morphWeights`.
   ArrayTable arrays_;
   InstanceTable::InViews inViews_;
   uint64_t deformation_ = 0;  // Deformables::version() when those of deformable meshes were written

@@ -23,14 +23,15 @@ struct Part {
 
 constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
 
-/// What a part may have at most.
+/// The most that a part of a submission may have.
 struct PartLimits {
   const SceneArrays& scene;
   uint64_t listBytes;  ///< on the device, of lists of the scene's instances and clusters
   size_t views;
 };
 
-/// Divides shots into parts. `sensors` has the arrays by sensor. The parts refer to the shots and the sensors.
+/// Divides shots into parts within the limits. `sensors` has the arrays by sensor. The parts refer to the shots and the
+/// sensors.
 std::vector<Part> partsOf(std::span<const Shot> shots, std::span<SensorArrays* const> sensors,
                           const PartLimits& limits);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What systems do in different ways, with the same expectations on each.
+// The functions of the operating system, with the same expectations on each.
 #include <catch2/catch_test_macros.hpp>
 #include <cerrno>
 #include <fstream>

@@ -105,7 +105,7 @@ TEST_CASE("points of an instance move to their end positions at a constant veloc
   const Transform start = {{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}};
   const Transform end = {{0, -1, 0, 12, 1, 0, 0, 0, 0, 0, 1, 1}};
   const Vec3 corner = {1, 2, 3};
-  // It moves from (11, 2, 3) to (10, 1, 4) in 0.1 s.
+  // The corner moves from (11, 2, 3) to (10, 1, 4) in 0.1 s.
   const Vec3 velocity = velocityOf(start, end, 0.1) * corner;
   CHECK(velocity.x == Approx(-10));
   CHECK(velocity.y == Approx(-10));

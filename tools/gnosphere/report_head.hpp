@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the outputs of `gnosphere accuracy` with and without --effects begin with.
+// The beginning of the outputs of `gnosphere accuracy`, with and without --effects.
 #pragma once
 
 #include <string>

@@ -82,7 +82,8 @@ const Window& windowOf(const SensorSource& source, const std::vector<Window>& wi
   return windows[static_cast<size_t>(id)];
 }
 
-/// Fires emitters. If those of any state have origins or ranges, all beams of a list have them.
+/// Adds the beams of emitters to a list. If emitters of any state have origins or ranges, all beams of a list have
+/// them.
 class Firing {
  public:
   Firing(const SensorSource& source, const std::vector<Emitters>& states, const std::vector<Window>& windows)
