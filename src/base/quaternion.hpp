@@ -21,12 +21,12 @@ inline Vec3 operator*(const Quaternion& q, const Vec3& v) {
   return v + q.w * t + cross(u, t);
 }
 
-inline double lengthOf(const Quaternion& q) {
+inline double normOf(const Quaternion& q) {
   return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
 }
 
 inline Quaternion normalized(const Quaternion& q) {
-  const double length = lengthOf(q);
+  const double length = normOf(q);
   return {q.x / length, q.y / length, q.z / length, q.w / length};
 }
 
@@ -35,7 +35,7 @@ inline Quaternion normalized(const Quaternion& q) {
 inline constexpr double kUnitTolerance = 0.01;
 
 inline bool isUnit(const Quaternion& q) {
-  return std::abs(lengthOf(q) - 1) < kUnitTolerance;
+  return std::abs(normOf(q) - 1) < kUnitTolerance;
 }
 
 }  // namespace gnosphere

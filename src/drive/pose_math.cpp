@@ -8,7 +8,7 @@ namespace gnosphere::drive {
 
 double angleBetween(const Quaternion& a, const Quaternion& b) {
   const Quaternion turn = Quaternion{-a.x, -a.y, -a.z, a.w} * b;
-  return 2 * std::atan2(lengthOf(Vec3{turn.x, turn.y, turn.z}), std::abs(turn.w));
+  return 2 * std::atan2(lengthOf({turn.x, turn.y, turn.z}), std::abs(turn.w));
 }
 
 Pose operator*(const Pose& a, const Pose& b) {

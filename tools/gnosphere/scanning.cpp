@@ -37,7 +37,7 @@ Pose parsePose(const std::string& text) {
   pose.position = {numbers[0], numbers[1], numbers[2]};
   if (numbers.size() == 3) return pose;
   const Quaternion q = {numbers[3], numbers[4], numbers[5], numbers[6]};
-  const double length = lengthOf(q);
+  const double length = normOf(q);
   if (!(length > 1e-6) || !std::isfinite(length)) {
     throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
   }
