@@ -70,7 +70,8 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
       place.run("accuracy wide.obj --trajectory t.tum --poses 2 --runs 2 --json a.json --plot a.svg" + kSmall);
   CHECK(result.err == "");
   REQUIRE(result.status == 0);
-  for (const char* words : {"standard", "what each part of standard buys", "first-corner cull", "2.0 or more", "from 2 poses"})
+  for (const char* words :
+       {"standard", "what each part of standard buys", "first-corner cull", "2.0 or more", "from 2 poses"})
     CHECK_THAT(result.out, ContainsSubstring(words));
 
   const auto json = place.json("a.json");
