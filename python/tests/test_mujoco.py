@@ -312,6 +312,14 @@ def test_what_changes_in_the_model_moves_the_sensor(device):
         gm.Lidar(model, ahead, site="nowhere")
 
 
+def step_and_record(model, data, lidar, steps):
+    """Steps the simulation and records each step."""
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        lidar.record(data)
+
+
 def forward_beams():
     """A sensor whose 11 beams look along x, one each 10 ms, and their times."""
     sensor = gnosphere.Sensor()
@@ -336,10 +344,7 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
         mujoco.mj_forward(model, data)
         start = float(data.site("roof").xpos[0] - data.body("wall").xpos[0])
         lidar.record(data)
-        for _ in range(10):
-            mujoco.mj_step(model, data)
-            mujoco.mj_kinematics(model, data)
-            lidar.record(data)
+        step_and_record(model, data, lidar, 10)
         scan = lidar.scan(data)
         assert scan.ranges == pytest.approx(-start - 0.5 - 15 * times, abs=2e-5)
     still = gm.Lidar(model, sensor, site="roof", options=options(device)).scan(data)
@@ -369,10 +374,7 @@ def test_a_motion_that_is_not_simulated_leaves_its_part_as_at_the_end(device, se
     lidar = gm.Lidar(model, sensor, site="roof", effects=effects, options=options(device))
     mujoco.mj_forward(model, data)
     lidar.record(data)
-    for _ in range(10):
-        mujoco.mj_step(model, data)
-        mujoco.mj_kinematics(model, data)
-        lidar.record(data)
+    step_and_record(model, data, lidar, 10)
     speed = 10 * sensor_motion + 5 * object_motion
     assert lidar.scan(data).ranges == pytest.approx(18 + speed * (0.1 - times), abs=2e-5)
 
@@ -394,10 +396,7 @@ def test_each_sensor_scans_with_the_records(device):
     for order in ((0, 1), (2, 1, 0), (1, 2, 0)):
         mujoco.mj_forward(model, data)
         lidar.record(data)
-        for _ in range(10):
-            mujoco.mj_step(model, data)
-            mujoco.mj_kinematics(model, data)
-            lidar.record(data)
+        step_and_record(model, data, lidar, 10)
         end = float(data.body("wall").xpos[0]) - 0.5
         for number in order:
             expected = [end] if number == 2 else end + 5 * (0.1 - times)
@@ -478,10 +477,7 @@ def test_lists_of_beams_with_times_see_motion(device):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         lidar.record(data)
-    for _ in range(5):
-        mujoco.mj_step(model, data)
-        mujoco.mj_kinematics(model, data)
-        lidar.record(data)
+    step_and_record(model, data, lidar, 5)
     end = float(data.site("roof").xpos[0])
     assert lidar.scan(data).ranges == pytest.approx(39.9 - 6 - end + 10 * (0.05 - times), abs=2e-5)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which reader takes a sensor file, what a built-in head adds, and damaged files of every family.
+// The choice of the reader of a sensor file, values that a built-in head adds, and damaged files of every family.
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>

@@ -365,7 +365,7 @@ TEST_CASE("Hesai binary: AT128 has a pattern per mirror face, whose corrections 
   // the corrections are those of 34 and 36 degrees, 4 and 8 hundredths, in the middle: 6.
   CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(90 - (30 + 2.4 + 0.06), 1e-9));
   CHECK_THAT(elevationDeg(sensor, 0), WithinAbs(1.5 - 0.06, 1e-9));
-  // A column later they are rounded: at 35.05 degrees of the head, 6.1 to 6.
+  // In the next column, at 35.05 degrees of the head, the corrections are rounded from 6.1 to 6.
   CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(90 - (30.1 + 2.4 + 0.06), 1e-9));
   CHECK_THAT(azimuthDeg(sensor, 600), WithinAbs(90 - (90 + 2.4), 1e-9));
   CHECK_THAT(azimuthDeg(sensor, 1200), WithinAbs(90 - (30 - 0.65), 1e-9));

@@ -22,7 +22,7 @@ struct Story {
   std::string posesText() const { return counted(poses.size(), "pose", "poses"); }
 };
 
-/// Whether the times are those of the device.
+/// Returns whether a row has times of the device, from its timestamps, beside those of the wall clock.
 inline bool stamped(const RowTimes& row) {
   return row.gpuMs.median > 0;
 }
