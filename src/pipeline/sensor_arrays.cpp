@@ -56,7 +56,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)),
-      mostWork_(machine.submits() ? mostWork(options, machine.traits()) : 0) {
+      mostWork_(machine.submits() ? mostWork(options, machine.traits()) : 0),
+      lists_(machine, plan, binning_, beams(), triangles) {
   options_.BINNING = binning_;
   if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
@@ -74,7 +75,6 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       arrays_[array.array]->write(0, array.content);
     }
   if (keepsRecords()) makeRecordTables();
-  makeFirstLists(triangles);
   addSlot();
 }
 
@@ -259,7 +259,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   const uint32_t number = views[0].group->set;
   const std::vector<BeamTables>& set = beamSets_.sets[number];
   const auto count = static_cast<uint32_t>(views.size());
-  slot.capacities = capacities_;
+  slot.capacities = lists_.capacities();
   slot.views.assign(views.begin(), views.end());
   slot.tables.clear();
   for (const View& view : views) slot.tables.push_back(&set[view.group->table]);
@@ -272,9 +272,9 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   if (set.size() > 1 && !tables.startFarthest.empty()) load(slot, {startFarthest(slot.tables)});
   gpu::Frame content = frameOf(tables, count);
   content.instanceCount = instances.count;
-  content.projectedCapacity = capacities_.projected;
-  content.tileCapacity = capacities_.tiles;
-  content.candidateCapacity = capacities_.candidates;
+  content.projectedCapacity = slot.capacities.projected;
+  content.tileCapacity = slot.capacities.tiles;
+  content.candidateCapacity = slot.capacities.candidates;
   const DispatchSizes sizes = dispatchSizesOf(machine_.traits());
   content.cullWorkgroups = sizes.cullWorkgroups;
   content.triangleWorkgroups = sizes.triangleWorkgroups;
@@ -286,6 +286,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   if (!plan_.bare()) load(slot, shotArrays(plan_, shots, motions, instances));
 
   arrays_.bind(arrays);
+  lists_.arrays().bind(arrays);
   slot.arrays.bind(arrays);
   setArrays_[number].bind(arrays);
   const Motion moves = motions.empty() ? Motion::none : motions[0].moves ? Motion::all : Motion::lasers;
@@ -399,7 +400,7 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
 
 void SensorArrays::addTo(MemoryUse& use) const {
   for (const ArrayTable& own : setArrays_) use.sensor += own.bytes();
-  use.work += arrays_.bytes();
+  use.work += arrays_.bytes() + lists_.arrays().bytes();
   for (const Slot& slot : slots_) use.work += slot.arrays.bytes();
 }
 
@@ -443,6 +444,7 @@ Plan SensorArrays::planWith(const Slot& slot, uint32_t views) const {
   };
   add(setArrays_[0]);
   add(arrays_);
+  add(lists_.arrays());
   add(slot.arrays);
   return plan;
 }

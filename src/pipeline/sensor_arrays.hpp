@@ -11,6 +11,7 @@
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
+#include "pipeline/triangle_lists.hpp"
 
 namespace gnosphere {
 
@@ -63,16 +64,16 @@ class SensorArrays {
   /// Throws Error(device) if the device has run nothing of the last scan of this slot.
   void checkAlive(size_t slot);
   /// Returns whether a list was too small for the last scan of this slot. The scan must run again after growLists().
-  bool cutShort(size_t slot);
+  bool cutShort(size_t slot) { return TriangleLists::cutShort(counters(slots_[slot]), slots_[slot].capacities); }
   /// Grows the lists that were too small to the sizes that the scan has counted. No slot may be running.
-  void growLists(size_t slot);
+  void growLists(size_t slot) { lists_.grow(counters(slots_[slot])); }
   /// Grows the lists to those of a sensor with another plan of the same scene, whose scans they have held.
-  void growListsAs(const SensorArrays& other);
+  void growListsAs(const SensorArrays& other) { lists_.growAs(other.lists_); }
   /// Tells that the lists were large enough for the last submission of this slot, of so many views, in which sensor or
   /// instances moved or none did.
-  void noteEnough(size_t slot, size_t views, bool moved);
+  void noteEnough(size_t slot, size_t views, bool moved) { lists_.noteEnough(slots_[slot].capacities, views, moved); }
   /// Whether the lists, as they are now, were large enough for a submission like this one.
-  bool hadEnough(size_t views, bool moves) const { return views <= (moves ? movingViewsThatFit_ : viewsThatFit_); }
+  bool hadEnough(size_t views, bool moves) const { return lists_.hadEnough(views, moves); }
   /// Returns the outputs of the last scan of the slot, of all its views, each of which is a shot.
   DeviceResults results(size_t slot);
   /// Returns the outputs of the shot of a view.
@@ -146,18 +147,10 @@ class SensorArrays {
   gpu::Frame frameOf(const BeamTables& tables, uint32_t views) const;
   std::vector<Step> largestScan(uint32_t views) const;
   Plan planWith(const Slot& slot, uint32_t views) const;
-  uint64_t mostProjected() const;
-  uint64_t candidateBytes() const;
-  uint64_t mostCandidates() const;
-  uint64_t tilesBehind(const Capacities& room) const;
-  uint64_t listBytes(const Capacities& room) const;
-  void makeFirstLists(uint64_t triangles);
-  void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes) { arrays_.allocate(machine_, array, bytes, MemoryKind::device); }
   void addSlot();
   void load(Slot& slot, const std::vector<ArrayContent>& arrays);
   const gpu::Counters& counters(Slot& slot) const;
-  uint64_t limit(uint64_t entryBytes) const;
 
   Machine& machine_;
   const SensorPlan& plan_;
@@ -174,10 +167,7 @@ class SensorArrays {
   std::vector<Output> outputs_;
   RecordTables records_;  // of the layout; empty if the host reads the results
   uint64_t mostWork_;     // of a submission; 0: scans are not divided
-  Capacities capacities_;
-  size_t viewsThatFit_ = 0, movingViewsThatFit_ = 0;  // see hadEnough()
-  // A scan of one view has room for so many projected triangles and candidates at first.
-  uint32_t firstProjected_ = 0, firstCandidates_ = 0;
+  TriangleLists lists_;
   ArrayTable arrays_;
   std::vector<ArrayTable> setArrays_;  // tables of each set
   std::vector<Slot> slots_;            // each one after the first is made at its first use
