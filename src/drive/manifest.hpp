@@ -6,12 +6,15 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "drive/formats/format.hpp"
 
 namespace gnosphere::drive {
+
+class UnfinishedFiles;
 
 class Manifest {
  public:
@@ -40,8 +43,6 @@ class Manifest {
   void reopen() const;
 
  private:
-  class Parts;
-
   std::filesystem::path frameFile(uint64_t frame) const;
   std::filesystem::path finishedFile() const { return folder_ / "finished"; }
   void put(const std::filesystem::path& file, const std::string& bytes) const;
@@ -56,7 +57,8 @@ class Manifest {
 
   const Drive& drive_;
   std::filesystem::path out_, folder_;
-  mutable std::unique_ptr<Parts> parts_;  // made when something is written, so that a read-only folder can be checked
+  mutable std::unique_ptr<UnfinishedFiles>
+      unfinished_;  // made when something is written, so that a read-only folder can be checked
 };
 
 }  // namespace gnosphere::drive

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The folder in which a process writes files until they are whole.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "drive/file_lock.hpp"
+
+namespace gnosphere::drive {
+
+/// Makes a folder and its parents. Throws Error(file) with the reason.
+void makeFolder(const std::filesystem::path& folder);
+
+/// A folder for unfinished files with a lock beside it, which are removed together.
+class UnfinishedFiles {
+ public:
+  /// Makes the folder in another one. Throws Error(file).
+  explicit UnfinishedFiles(const std::filesystem::path& in);
+  ~UnfinishedFiles();
+  UnfinishedFiles(const UnfinishedFiles&) = delete;
+  UnfinishedFiles& operator=(const UnfinishedFiles&) = delete;
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// Removes from a folder what processes of this machine have left there when they were killed: their locks are free.
+  static void removeAbandoned(const std::filesystem::path& in);
+
+ private:
+  std::filesystem::path lockFile() const { return std::filesystem::path(folder_).concat(".lock"); }
+
+  std::filesystem::path folder_;
+  std::unique_ptr<FileLock> lock_;
+};
+
+}  // namespace gnosphere::drive
