@@ -194,11 +194,13 @@ constexpr const char* kScanBatch =
     "Makes the scans of many shots of one sensor, each with the same result as scan_into(), and collects them in "
     "arrays with the view (the index into `shots`) as their first dimension, without holding the GIL. `shots` is a "
     "sequence of Shot, a sequence of Pose, or an array of poses of shape (n, 7): position x, y, z (metres) and "
-    "orientation x, y, z, w. Poses are completed by `sensor`, `worlds` (one number, or one for each view) and `frame`: "
-    "the frame number of the first view, which those of the others follow. Random numbers depend on the frame number. "
+    "orientation x, y, z, w (MuJoCo puts w first). Poses are completed by `sensor`, `worlds` (one number, or one for "
+    "each view) and `frame`: the frame number of the first view, which those of the others follow. Random numbers "
+    "depend on the frame number. "
     "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
-    "of views from call to call to have other noise. `fields` are those that the batch has beside the ranges; without "
-    "any it has all that a Scan of the sensor has. Ctrl-C ends the batch. Raises "
+    "of views from call to call to have other noise. A sensor of several patterns fires pattern `frame` modulo their "
+    "number. `fields` are those that the batch has beside the ranges; without any it has all that a Scan of the sensor "
+    "has. Ctrl-C ends the batch. Raises "
     "Error(invalid_argument) that names the first shot which is not valid, before anything runs, Error(out_of_memory) "
     "if the results do not fit into the memory, and TypeError for shots of several types.";
 
@@ -330,9 +332,9 @@ void bindChanges(nb::class_<Self>& simulator) {
       "Moves many instances in one call. `instances` has the shape (n,), integers; `transforms` is a sequence of "
       "Transform, or has the shape (n, 3, 4), as Transform has it, (n, 4, 4) with the last rows 0, 0, 0, 1, or (n, 7): "
       "the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as a "
-      "quaternion x, y, z, w of any length but zero. float32 and float64 of shape (n, 3, 4) or (n, 7) in C order are "
-      "read where they are. Of equal "
-      "indices the last one counts. Everything is checked before anything changes: the Error names the first entry of "
+      "quaternion x, y, z, w of any length but zero (MuJoCo puts w first). float32 and float64 of shape (n, 3, 4) or "
+      "(n, 7) in C order are read where they are. Of equal indices the last one counts. Everything is checked before "
+      "anything changes: the Error names the first entry of "
       "`instances` that does not exist, or whose values are not finite.");
 }
 

@@ -3,6 +3,7 @@
 
 import importlib.util
 import os
+import types
 import warnings
 from pathlib import Path
 
@@ -282,6 +283,49 @@ def test_many_worlds_scan_as_each_alone(device):
     assert set(np.unique(geoms)) == {-1, 0}
     with pytest.raises(ValueError, match="there are 2 worlds, so scan\\(\\) needs as many MjData, not 1"):
         hidden.scan(datas[:1])
+    with pytest.raises(TypeError, match="each world has one sensor"):
+        hidden.add_sensor("VLP-16")
+
+
+def test_worlds_take_the_states_of_all_worlds_as_arrays(device):
+    """As MJX and MuJoCo Warp have them."""
+    model = every_type()
+    settings = {"site": "mast", "effects": NONE, "options": options(device)}
+    worlds = gm.Worlds([model] * 3, sphere_of_beams(2000), deformables=False, **settings)
+    datas = [mujoco.MjData(model) for _ in range(3)]
+    for number, data in enumerate(datas):
+        data.qpos += np.random.default_rng(number).uniform(-0.2, 0.2, model.nq)
+        mujoco.mj_forward(model, data)
+    names = ("geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
+    states = types.SimpleNamespace(**{name: np.stack([getattr(data, name) for data in datas]) for name in names})
+    states.geom_xmat = states.geom_xmat.reshape(3, -1, 3, 3)
+    of_each, of_all = worlds.scan(datas), worlds.scan(states)
+    np.testing.assert_array_equal(of_all.ranges, of_each.ranges)
+    np.testing.assert_array_equal(of_all.instances, of_each.instances)
+    assert len({ranges.tobytes() for ranges in of_all.ranges}) == 3
+    with pytest.raises(ValueError, match=r"geom_xpos has the shape \(\d+, 3\), without a dimension of worlds"):
+        worlds.scan(datas[0])
+    states.site_xpos[1] = np.nan
+    with pytest.raises(ValueError, match="the sensor of world 1 has the pose"):
+        worlds.scan(states)
+    deforming = mujoco.MjModel.from_xml_string(OTHER)
+    with pytest.raises(ValueError, match="a model has flexes or skins, so scan\\(\\) needs MjData of each world"):
+        gm.Worlds([deforming], "VLP-16", **settings).scan(states)
+
+
+def test_each_world_goes_through_all_patterns_of_its_sensor(device):
+    model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom type="box" size="5 5 5"/></worldbody></mujoco>')
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min = 100, 0
+    turns = np.radians([0, 30, 40])
+    sensor.patterns = [gnosphere.BeamList([[np.cos(turn), np.sin(turn), 0]]) for turn in turns]
+    for count in (1, 2, 3, 4):
+        worlds = gm.Worlds([model] * count, sensor, effects=NONE, options=options(device))
+        ranges = np.array([worlds.scan([data] * count).ranges[:, 0] for _ in range(3)])
+        for of_world in ranges.T:
+            np.testing.assert_allclose(np.sort(of_world), 5 / np.cos(turns), rtol=1e-5)
 
 
 def test_what_changes_in_the_model_moves_the_sensor(device):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any, Optional, Union
 
 import mujoco as mj
@@ -14,6 +15,23 @@ from .. import _gnosphere as gno
 from .. import adapter
 from .lidar import Mount, PoseSource
 from .shapes import VISIBLE_GROUPS, Bodies, ModelShapes, Tessellation
+
+
+# Numbers per geom or site in the states of all worlds.
+_STATE = {"geom_xpos": 3, "geom_xmat": 9, "site_xpos": 3, "site_xmat": 9}
+
+
+def _states_of(data: Any) -> list[Any]:
+    """The state of each world, from one object with those of all worlds."""
+    arrays = {}
+    for name, numbers in _STATE.items():
+        array = np.asarray(getattr(data, name), np.float64)
+        if array.ndim < 3:
+            raise ValueError(
+                f"gnosphere.mujoco.Worlds: {name} has the shape {array.shape}, without a dimension of worlds"
+            )
+        arrays[name] = array.reshape(*array.shape[:2], numbers)
+    return [SimpleNamespace(**dict(zip(arrays, state))) for state in zip(*arrays.values())]
 
 
 class Worlds(adapter.Lidar):
@@ -68,20 +86,46 @@ class Worlds(adapter.Lidar):
         listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(map(gno.Field, fields))
         self._fields = [gno.Field.instance, *(field for field in listed if field != gno.Field.instance)]
 
-    def scan(self, datas: Sequence[Any], *, into: Optional[gno.Batch] = None) -> gno.Batch:
+    def add_sensor(
+        self,
+        sensor: Union[str, gno.Sensor],
+        *,
+        effects: Optional[gno.Effects] = None,
+        fields: adapter.Fields = (),
+        ignore: Iterable[int] = (),
+    ) -> int:
+        """Raises TypeError: each world has one sensor."""
+        raise TypeError("gnosphere.mujoco.Worlds: each world has one sensor; make other Worlds for another")
+
+    def scan(self, datas: Union[Sequence[Any], Any], *, into: Optional[gno.Batch] = None) -> gno.Batch:
         """Scans each world as its MjData has it, of which mj_kinematics() must have been run. The batch has the ranges,
-        the instances and the fields that were asked for; a view has the bytes of Lidar.scan() with the same frame."""
+        the instances and the fields that were asked for; a view has the bytes of Lidar.scan() with the same frame.
+
+        In place of MjData of each world, `datas` may be one object with the states of all: `geom_xpos`, `geom_xmat`,
+        `site_xpos` and `site_xmat` with the world as first dimension, as MJX and MuJoCo Warp have them. Flexes and
+        skins need MjData."""
+        if hasattr(datas, "geom_xpos"):
+            if any(made.flexes or made.skins for made in self._worlds):
+                raise ValueError(
+                    "gnosphere.mujoco.Worlds: a model has flexes or skins, so scan() needs MjData of each world"
+                )
+            datas = _states_of(datas)
         if len(datas) != len(self.models):
             raise ValueError(f"there are {len(self.models)} worlds, so scan() needs as many MjData, not {len(datas)}")
         for mount, made, data, row in zip(self._mounts, self._worlds, datas, self._poses):
             pose = mount.pose(data)
             row[:3], row[3:] = pose.position, pose.orientation
             made.place(data, pose.position, self._rows[made.first :], self.simulator)
+        for number, row in enumerate(self._poses):
+            if not np.isfinite(row).all():
+                raise ValueError(f"gnosphere.mujoco.Worlds: the sensor of world {number} has the pose {row.tolist()}")
         self.move(self._rows)
         batch = gno.Batch() if into is None else into
-        worlds = np.arange(1, len(self.models) + 1, dtype=np.uint32)
+        count = len(self.models)
+        worlds = np.arange(1, count + 1, dtype=np.uint32)
         self.simulator.scan_batch_into(self._poses, batch, worlds=worlds, frame=self.frame, fields=self._fields)
-        self.frame += len(self.models)
+        # One more than a multiple of the number of patterns, so that each world goes through all of them.
+        self.frame += count + (1 - count) % max(1, len(self.sensors[0].patterns))
         return batch
 
     def geom_ids(self, batch: gno.Batch) -> npt.NDArray[np.int32]:
