@@ -15,7 +15,7 @@ void makeFolder(const std::filesystem::path& folder);
 /// A folder for unfinished files with a lock beside it, which are removed together.
 class UnfinishedFiles {
  public:
-  /// Makes the folder in another one. Throws Error(file).
+  /// Makes the folder in another one, or throws Error(file).
   explicit UnfinishedFiles(const std::filesystem::path& in);
   ~UnfinishedFiles();
   UnfinishedFiles(const UnfinishedFiles&) = delete;
