@@ -36,6 +36,40 @@ Pose Trajectory::at(double time) const {
   return poseAt(motion_, {}, time);
 }
 
+Trajectory::Rates Trajectory::ratesAt(double time) const {
+  constexpr double kApart = 0.05;
+  const std::vector<Stamp>& stamps = motion_.stamps;
+  if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands
+  const auto last = static_cast<ptrdiff_t>(stamps.size()) - 1;
+  // The next stamp in a direction that is far enough away; behind the end if there is none.
+  const auto next = [&](ptrdiff_t from, ptrdiff_t step) {
+    ptrdiff_t to = from + step;
+    while (to >= 0 && to <= last && std::abs(stamps[to].time - stamps[from].time) < kApart - 1e-9) to += step;
+    return to;
+  };
+  const auto after = std::ranges::lower_bound(stamps, time, {}, &Stamp::time) - stamps.begin();
+  ptrdiff_t middle = std::min(after, last);
+  if (after > 0 && after <= last && time - stamps[after - 1].time < stamps[after].time - time) --middle;
+  if (next(middle, -1) < 0) middle = next(0, 1);
+  if (middle > last || next(middle, 1) > last) middle = next(last, -1);
+  const ptrdiff_t low = middle < 0 ? 0 : std::max<ptrdiff_t>(next(middle, -1), 0),
+                  high = middle < 0 ? last : next(middle, 1);
+  const Stamp &first = stamps[low], &end = stamps[high];
+  const Vec3 across = (1 / (end.time - first.time)) * (end.pose.position - first.pose.position);
+  Rates rates = {across, {}, {}};
+  if (middle > low && middle < high) {
+    const Stamp& between = stamps[middle];
+    const Vec3 early = (1 / (between.time - first.time)) * (between.pose.position - first.pose.position);
+    rates.acceleration = (2 / (end.time - between.time)) * (across - early);
+    rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;
+  }
+  const Quaternion turn = inverse(first.pose).orientation * end.pose.orientation;
+  const Vec3 axis = (turn.w < 0 ? -1.0 : 1.0) * Vec3{turn.x, turn.y, turn.z};
+  const double sine = lengthOf(axis), angle = 2 * std::atan2(sine, std::abs(turn.w));
+  if (sine > 0) rates.turnRate = (angle / (sine * (end.time - first.time))) * axis;
+  return rates;
+}
+
 bool Trajectory::movesWithin(double from, double to) const {
   const Pose start = at(from);
   if (!equal(start, at(to))) return true;

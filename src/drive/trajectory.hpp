@@ -24,6 +24,15 @@ class Trajectory {
   Pose at(double time) const;
   double begin() const { return motion_.stamps.front().time; }
   double end() const { return motion_.stamps.back().time; }
+  /// How a vehicle moves at a time, as an inertial unit measures it, but for gravity.
+  struct Rates {
+    Vec3 velocity;      ///< m/s in the world frame
+    Vec3 acceleration;  ///< m/s^2 in the world frame
+    Vec3 turnRate;      ///< rad/s about the vehicle's axes
+  };
+  /// Returns the rates of the parabola through three stamps about `time`, at least 0.05 s apart where the trajectory is
+  /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing.
+  Rates ratesAt(double time) const;
   bool covers(double time) const { return time >= begin() && time <= end(); }
   /// Whether the pose changes between two times.
   bool movesWithin(double from, double to) const;

@@ -195,6 +195,37 @@ TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
   CHECK_THAT((later[1] - first[1]) * M_PI / 180 * 6378137 * std::cos(first[0] * M_PI / 180), WithinAbs(2, 1e-6));
   CHECK_THAT(later[7], WithinAbs(4, 1e-6));  // m/s to the east, and ahead
   CHECK_THAT(later[8], WithinAbs(4, 1e-6));
+  for (const auto& oxts : {first, later})
+    for (size_t value : {13, 16}) CHECK_THAT(oxts[value], WithinAbs(9.80665, 1e-6));  // az and au
+  CHECK_THAT(first[8], WithinAbs(4, 1e-6));
+}
+
+TEST_CASE(
+    "a vehicle on a circle has the speed, the acceleration and the turn rate of the circle, from its first stamp to "
+    "its last") {
+  constexpr double kRadius = 20, kTurnRate = 0.5;
+  for (const double step : {0.001, 0.01, 0.1}) {
+    std::vector<drive::Trajectory::Stamp> stamps;
+    for (int i = 0; i * step <= 2.0001; ++i) {
+      const double angle = kTurnRate * i * step;
+      stamps.push_back({i * step,
+                        {{kRadius * std::cos(angle), kRadius * std::sin(angle), 1},
+                         {0, 0, std::sin((angle + M_PI / 2) / 2), std::cos((angle + M_PI / 2) / 2)}}});
+    }
+    const drive::Trajectory circle(std::move(stamps));
+    for (const double time : {0.0, 0.003, 0.3, 0.55, 1.0, 1.98, circle.end()}) {
+      INFO("step " << step << " s, time " << time << " s");
+      const drive::Trajectory::Rates rates = circle.ratesAt(time);
+      const double angle = kTurnRate * time, speed = kRadius * kTurnRate, inwards = speed * kTurnRate;
+      CHECK_THAT(rates.velocity.x, WithinAbs(-speed * std::sin(angle), 0.01));
+      CHECK_THAT(rates.velocity.y, WithinAbs(speed * std::cos(angle), 0.01));
+      CHECK_THAT(rates.acceleration.x, WithinAbs(-inwards * std::cos(angle), 0.3));
+      CHECK_THAT(rates.acceleration.y, WithinAbs(-inwards * std::sin(angle), 0.3));
+      CHECK_THAT(rates.turnRate.z, WithinAbs(kTurnRate, 1e-9));
+    }
+    const drive::Trajectory::Rates before = circle.ratesAt(-0.1);
+    CHECK((before.velocity.x == 0 && before.velocity.y == 0 && before.acceleration.x == 0 && before.turnRate.z == 0));
+  }
 }
 
 TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {

@@ -16,6 +16,7 @@ namespace {
 // scaled by the cosine of the first latitude, and this is its inverse.
 constexpr double kLatitude = 49, kLongitude = 8.4, kAltitude = 115;
 constexpr double kEarthRadius = 6378137;
+constexpr double kGravity = 9.80665;  // m/s^2, standard gravity
 
 constexpr const char* kDataFormat =
     "lat:   latitude of the oxts-unit (deg)\nlon:   longitude of the oxts-unit (deg)\n"
@@ -98,8 +99,8 @@ class KittiRaw : public Format {
 
  private:
   std::string oxtsOf(double time) const {
-    constexpr double kStep = 0.01;  // seconds over which speeds are taken
-    const Pose pose = drive_.ego.at(time), before = drive_.ego.at(time - kStep), after = drive_.ego.at(time + kStep);
+    const Pose pose = drive_.ego.at(time);
+    const Trajectory::Rates rates = drive_.ego.ratesAt(time);
     const Vec3 first = drive_.ego.at(drive_.start).position, p = pose.position - first;
     const double scale = std::cos(kLatitude * kDegree);
     const double east = scale * kEarthRadius * kLongitude * kDegree + p.x,
@@ -107,18 +108,15 @@ class KittiRaw : public Format {
     const double longitude = east / (scale * kEarthRadius) / kDegree,
                  latitude = 2 * std::atan(std::exp(north / (scale * kEarthRadius))) / kDegree - 90;
     const auto [yaw, pitch, roll] = yawPitchRollOf(pose.orientation);
-    const Vec3 v = (1 / (2 * kStep)) * (after.position - before.position);
-    const Vec3 a = (1 / (kStep * kStep)) * (after.position - 2.0 * pose.position + before.position);
-    const Pose turned = inverse(pose);
-    const Vec3 ownV = turned.orientation * v, ownA = turned.orientation * a;
-    const Quaternion turn = inverse(before).orientation * after.orientation;
-    const double sign = turn.w < 0 ? -2 : 2;
-    const Vec3 w = (sign / (2 * kStep)) * Vec3{turn.x, turn.y, turn.z};
-    return formattedLine(
-               "%.14g",
-               {latitude, longitude, kAltitude + p.z, roll,   pitch,  yaw, v.y, v.x, ownV.x, ownV.y, ownV.z, ownA.x,
-                ownA.y,   ownA.z,    ownA.x,          ownA.y, ownA.z, w.x, w.y, w.z, w.x,    w.y,    w.z}) +
-           " 0 0 4 10 4 4 0\n";
+    // An accelerometer at rest measures that it is held up. x, y, z are the vehicle's axes; forward, leftward and
+    // upward are level.
+    const Vec3 v = rates.velocity, held = rates.acceleration + Vec3{0, 0, kGravity}, w = rates.turnRate;
+    const Quaternion own = inverse(pose).orientation, level = yawPitchRoll(-yaw, 0, 0);
+    const Vec3 a = own * held, levelV = level * v, levelA = level * held, levelW = level * (pose.orientation * w);
+    std::vector<double> values = {latitude, longitude, kAltitude + p.z, roll, pitch, yaw, v.y, v.x};
+    for (const Vec3& vector : {levelV, a, levelA, w, levelW})
+      values.insert(values.end(), {vector.x, vector.y, vector.z});
+    return formattedLine("%.14g", values) + " 0 0 4 10 4 4 0\n";
   }
 
   std::string date_, folder_;
