@@ -71,6 +71,13 @@ TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each 
   CHECK(place.get("a-000000.csv") != place.get("b-000000.csv"));
   CHECK(place.get("a-000003.csv") == place.get("b-000003.csv"));  // nothing follows the last pose
 
+  place.put("dense.tum", "0 0 0 1.8 0 0 0 1\n0.01 0 0 1.8 0 0 0 1\n0.02 0 0 1.8 0 0 0 1\n");
+  CHECK_THAT(
+      place.run("scan floor.obj --trajectory dense.tum -o d.csv" + quick).err,
+      StartsWith(
+          "gnosphere: warning: dense.tum has a pose every 0.01 s, and a turn of VLP-16 takes 0.1 s, so the scans "
+          "overlap; gnosphere drive makes one scan per turn"));
+
   REQUIRE(
       place
           .run("scan floor.obj --trajectory t.tum -o n.csv --effect sensor-motion=off --effect range-noise.sigma=0.1" +

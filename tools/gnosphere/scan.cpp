@@ -110,6 +110,19 @@ void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& 
            (many ? "another --trajectory" : "--pose") + " moves it, --scale changes the unit of the scene");
 }
 
+/// Warns of poses that follow each other in less than half a turn of the head: every pose has a scan of its own.
+void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
+                      const std::vector<SensorMotion::Stamp>& trajectory) {
+  if (trajectory.size() < 2) return;
+  const double span = trajectory.back().time - trajectory.front().time;
+  const double apart = span / static_cast<double>(trajectory.size() - 1);
+  if (apart > 0 && apart < 0.5 * sensor.rotationPeriod)
+    complain("warning: " + options.trajectory + formatted(" has a pose every %.3g s, and a turn of ", apart) +
+             sensor.name +
+             formatted(" takes %.3g s, so the scans overlap; gnosphere drive makes one scan per turn",
+                       sensor.rotationPeriod));
+}
+
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
   if (scene.placedTriangleCount() == 0)
     complain("warning: " + options.scene + " has no triangle, so every beam misses");
@@ -228,6 +241,7 @@ int runScan(const ScanOptions& options) {
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
   const Sensor sensor = sensorOf(options.sensor);
+  warnOfDensePoses(options, sensor, trajectory);
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
