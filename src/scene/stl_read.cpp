@@ -65,17 +65,30 @@ Scene readBinaryStl(Bytes bytes, size_t triangles) {
   return mesh.finish();
 }
 
+/// The text of a file, without a mark of UTF-8.
+std::string_view markless(Bytes bytes) {
+  std::string_view text = textOf(bytes);
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
+/// Whether a word is this keyword, which some programs write in capitals.
+bool is(std::string_view word, std::string_view keyword) {
+  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
 Scene readTextStl(Bytes bytes, const Source& source) {
-  std::string_view rest = textOf(bytes);
+  std::string_view rest = markless(bytes);
   StlMesh mesh(bytes.size() / 200);
   size_t triangles = 0, corners = 0;
   bool ended = false;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
-    if (word == "solid" || word == "endsolid") {
+    if (is(word, "solid") || is(word, "endsolid")) {
       // A name follows, which may contain any word.
       rest.remove_prefix(std::min(rest.find('\n'), rest.size()));
-      ended = word == "endsolid";
-    } else if (word == "vertex") {
+      ended = is(word, "endsolid");
+    } else if (is(word, "vertex")) {
       Corner corner;
       for (double& value : corner) {
         const std::string_view number = nextWord(rest);
@@ -87,7 +100,7 @@ Scene readTextStl(Bytes bytes, const Source& source) {
       if (++corners > 3)
         source.fail("facet " + std::to_string(triangles) + " of the STL file has more than 3 vertices");
       mesh.add(corner);
-    } else if (word == "endfacet") {
+    } else if (is(word, "endfacet")) {
       if (corners != 3) source.fail("facet " + std::to_string(triangles) + " of the STL file has not 3 vertices");
       corners = 0;
       ++triangles;
@@ -100,7 +113,8 @@ Scene readTextStl(Bytes bytes, const Source& source) {
 }  // namespace
 
 Scene readStl(Bytes bytes, const Source& source) {
-  // Some binary files begin with "solid", the first word of text files, so the file size decides.
+  // Some binary files begin with "solid", the first word of text files, so the file size decides. Where bytes follow
+  // the last triangle, the header does: its count of triangles has a byte of 0.
   size_t triangles = 0;
   if (bytes.size() >= kStlHeader) {
     uint32_t count;
@@ -108,8 +122,9 @@ Scene readStl(Bytes bytes, const Source& source) {
     triangles = count;
     if (bytes.size() == kStlHeader + triangles * kStlTriangle) return readBinaryStl(bytes, triangles);
   }
-  std::string_view text = textOf(bytes);
-  if (nextWord(text) == "solid") return readTextStl(bytes, source);
+  std::string_view text = markless(bytes);
+  const bool isText = text.substr(0, kStlHeader).find('\0') == text.npos;
+  if (isText && is(nextWord(text), "solid")) return readTextStl(bytes, source);
   if (bytes.size() < kStlHeader) source.fail("it is not STL: it is too short and does not begin with 'solid'");
   if ((bytes.size() - kStlHeader) / kStlTriangle < triangles)
     source.fail("the STL file is cut off or not STL: its header claims " + std::to_string(triangles) +

@@ -2,6 +2,7 @@
 // Readers of OBJ, PLY and STL.
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -311,6 +312,21 @@ TEST_CASE("STL corners with the same bits become one vertex, in text and in bina
                        stlTriangle({0, 0, 0, 1, 0, 0, 0, 1.5f, 0}) + stlTriangle({0, 1.5f, 0, 1, 0, 0, 1, 1, 0});
   CHECK(loadText("a.stl", binary).meshes.at(0).positions == positions);
   CHECK(loadText("a.stl", binary).meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
+  CHECK(loadText("a.stl", binary + "more").meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
+}
+
+TEST_CASE("text STL is read in capitals and with a mark of UTF-8") {
+  const std::string text =
+      "solid Part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1.5e0 0\nendloop\nendfacet\n"
+      "endsolid Part\n";
+  const Floats positions = {0, 0, 0, 1, 0, 0, 0, 1.5f, 0};
+  std::string capitals = text;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(c));
+  for (const std::string& each : {capitals, "\xEF\xBB\xBF" + text, "\xEF\xBB\xBF" + capitals}) {
+    INFO(each);
+    CHECK(loadText("a.stl", each).meshes.at(0).positions == positions);
+    CHECK_THAT(loadFailure("a.stl", each.substr(0, each.size() - 14)), ContainsSubstring("it has no endsolid"));
+  }
 }
 
 TEST_CASE("an STL corner that is nan is not merged with others") {
