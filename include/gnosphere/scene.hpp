@@ -63,7 +63,7 @@ struct Material {
   float alphaCutoff = 0.5f;
   uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha channel of the base colour texture
   /// Gain of the retro-reflection over a Lambertian surface of reflectance 1, at most kMostRetro. A surface without
-  /// retro-reflection has 0. No scene file format that we read states it.
+  /// retro-reflection has 0. glTF states it in `extras`, other formats do not.
   float retro = 0;
   /// If true, both faces reflect. glTF states this per material; scenes from other formats are double-sided.
   bool doubleSided = true;
@@ -234,9 +234,9 @@ struct LoadOptions {
 /// Error(format) if its content is invalid.
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
-/// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. A deformable mesh that no
-/// animated instance places is written as it is deformed, instances of animated nodes come before the others, and the
-/// holes of cut-out materials are lost, because no texture is written. Throws Error(file) if it cannot be written.
+/// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. loadScene() reads back
+/// what scans of the scene see, with the same numbers of instances and materials. A deformable mesh that no animated
+/// instance places is written as it is deformed. Throws Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

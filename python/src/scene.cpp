@@ -113,7 +113,8 @@ void bindMaterial(nb::module_& m) {
       .def_rw("alpha_image", &Material::alphaImage,
               "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
       .def_rw("retro", &Material::retro,
-              "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. No scene file states it.")
+              "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. glTF states it in "
+              "`extras`.")
       .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.");
   readWriteWhole(material, "class_id", &Material::classId,
                  "Semantic class, numbered by the user; if 0, that of the instance counts. See Field.class_id.");
@@ -198,9 +199,11 @@ void bindScene(nb::module_& m) {
         "Skins, morph targets and animations of glTF are in Scene.animation; the instances and the deformations of the "
         "meshes are at rest, as the nodes of the file are. Raises Error(file) if the file cannot be read, "
         "Error(format) if its content is invalid.");
-  m.def("write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
-        "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
-        "that no animated instance places is written as it is deformed. Raises Error(file).");
+  m.def(
+      "write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
+      "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
+      "that no animated instance places is written as it is deformed. load_scene() reads back what scans of the scene "
+      "see. Raises Error(file).");
 }
 
 }  // namespace gnosphere::python

@@ -215,8 +215,16 @@ class Tidying {
     if (const Json& stated = number.is_null() ? name : number; !stated.is_null()) o["extras"] = {{"class", stated}};
   }
 
+  /// Returns an entry of the extras; null if there is none.
+  static Json extraOf(const Json& o, const char* name) {
+    if (!o.is_object() || !o.contains("extras") || !o["extras"].is_object()) return {};
+    return o["extras"].value(name, Json());
+  }
+
   void node(Json& o, const std::string& where) {
+    Json instance = extraOf(o, kInstanceExtra);
     classOf(o);
+    if (makeWhole(instance, std::numeric_limits<int>::max())) o["extras"][kInstanceExtra] = instance;
     keep(o, where,
          {{"extras", Kind::object},
           {"name", Kind::text},
@@ -347,7 +355,12 @@ class Tidying {
   }
 
   void material(Json& o, const std::string& where) {
+    const Json retro = extraOf(o, "retro");
     classOf(o);
+    if (retro.is_number() && retro >= 0 && retro <= Material::kMostRetro)
+      o["extras"]["retro"] = retro;
+    else if (!retro.is_null())
+      leftOut_.add("retro-reflections of materials that are no numbers from 0 to 1000000");
     keep(o, where,
          {{"extras", Kind::object},
           {"name", Kind::text},

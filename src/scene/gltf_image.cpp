@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the alpha images of cut-out materials from their base colour textures.
+// Reads the alpha images of cut-out materials from their base colour textures, and writes them.
 #include <stb_image.h>
+#include <stb_image_write.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <string_view>
 #include <tuple>
 
@@ -146,6 +148,23 @@ uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string
 }
 
 }  // namespace
+
+std::vector<uint8_t> pngOf(const AlphaImage& image) {
+  if (image.width > kMostPixels || image.height > kMostPixels)
+    throw Error(ErrorCode::invalidArgument, "an alpha image has " + std::to_string(image.width) + " x " +
+                                                std::to_string(image.height) + " pixels; the limit of files is " +
+                                                std::to_string(kMostPixels) + " per side");
+  std::vector<uint8_t> pixels(2 * image.alpha.size(), 255);
+  for (size_t i = 0; i < image.alpha.size(); ++i) pixels[2 * i + 1] = image.alpha[i];
+  std::vector<uint8_t> png;
+  const auto append = [](void* to, void* data, int size) {
+    const auto* bytes = static_cast<const uint8_t*>(data);
+    static_cast<std::vector<uint8_t>*>(to)->insert(static_cast<std::vector<uint8_t>*>(to)->end(), bytes, bytes + size);
+  };
+  const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+  if (!stbi_write_png_to_func(append, &png, width, height, 2, pixels.data(), 2 * width)) throw std::bad_alloc();
+  return png;
+}
 
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
                                                        Scene& scene) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 #include <unordered_map>
 
@@ -60,7 +61,7 @@ class MeshReader {
   GltfFollowReader follow_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
   std::unordered_map<int, int> meshesOfAccessor_;  ///< key: accessor of POSITION; value: how many meshes use it
-  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those that several meshes use
+  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those of several users
   std::unordered_map<int, std::vector<float>> uvs_;              ///< key: accessor
   std::vector<Run> runs_;                                        ///< runs of the mesh being read
   std::vector<DracoMesh> draco_;  ///< of the mesh being read; Vertices::positions is -2 - i for entry i
@@ -219,12 +220,18 @@ const GltfTexture* MeshReader::textureOf(const tinygltf::Primitive& primitive) c
                                                                                        : nullptr;
 }
 
-/// Appends the vertices of all runs. Primitives that share accessors share their vertices.
+/// Appends the vertices of all runs. Primitives that share accessors share their vertices; those that share only the
+/// accessor of positions, as with holes and without, have the vertices that each uses.
 void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
   std::map<Vertices, uint32_t> firstVertex;
+  std::map<int, Vertices> ofAccessor;
+  std::set<int> shared;
+  for (const Run& run : runs_)
+    if (ofAccessor.emplace(run.vertices.positions, run.vertices).first->second != run.vertices)
+      shared.insert(run.vertices.positions);
   for (const Run& run : runs_) {
     const int accessor = run.vertices.positions;
-    if (accessor >= 0 && meshesOfAccessor_[accessor] > 1) {
+    if (accessor >= 0 && (meshesOfAccessor_[accessor] > 1 || shared.contains(accessor))) {
       if (firstVertex.emplace(run.vertices, 0).second) appendUsedVertices(mesh, run.vertices, who);
       continue;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <limits>
 
 #include "base/finite.hpp"
 #include "base/transform.hpp"
@@ -71,6 +72,7 @@ class Reader {
     for (const tinygltf::Material& material : model_.materials) scene_.materials.push_back(readMaterial(material));
     parents_ = parents();
     readNodes();
+    sortInstances();
     readMeshes();
     readGltfAnimation(file_, arrays_, source_, parents_, placements_, scene_, leftOut_);
     if (scene_.unreadImages > 0)
@@ -88,6 +90,7 @@ class Reader {
   void place(size_t node, const Transform& transform, const StatedClass& byNodes);
   void add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
            const std::string& who);
+  void sortInstances();
   void readMeshes();
 
   const GltfFile& file_;
@@ -116,6 +119,7 @@ Material Reader::readMaterial(const tinygltf::Material& from) const {
   const StatedClass stated = classIn(from.extras);
   material.classId = stated.id;
   material.className = stated.name;
+  if (from.extras.Has("retro")) material.retro = static_cast<float>(from.extras.Get("retro").GetNumberAsDouble());
   const auto transmission = from.extensions.find("KHR_materials_transmission");
   if (transmission != from.extensions.end() && transmission->second.Has("transmissionFactor"))
     material.transmission = unit(transmission->second.Get("transmissionFactor").GetNumberAsDouble());
@@ -240,6 +244,27 @@ void Reader::place(size_t index, const Transform& transform, const StatedClass& 
                                       scales.empty() ? Vec3{1, 1, 1} : vector(&scales[3 * i]));
     add({index, true, offset}, transform * offset, stated, who + ", instance " + std::to_string(i));
   }
+}
+
+/// Gives the instances the order that the nodes of a file of writeGlb() state. Others come after them, as they are.
+void Reader::sortInstances() {
+  constexpr int kLast = std::numeric_limits<int>::max();
+  const auto numberOf = [&](size_t i) {
+    const tinygltf::Value& extras = model_.nodes[placements_[i].node].extras;
+    return extras.IsObject() && extras.Has(kInstanceExtra) ? extras.Get(kInstanceExtra).GetNumberAsInt() : kLast;
+  };
+  std::vector<std::pair<int, size_t>> order;
+  for (size_t i = 0; i < placements_.size(); ++i) order.emplace_back(numberOf(i), i);
+  if (std::is_sorted(order.begin(), order.end())) return;
+  std::sort(order.begin(), order.end());
+  std::vector<Instance> instances;
+  std::vector<GltfPlacement> placements;
+  for (const auto& [number, i] : order) {
+    instances.push_back(std::move(scene_.instances[i]));
+    placements.push_back(placements_[i]);
+  }
+  scene_.instances = std::move(instances);
+  placements_ = std::move(placements);
 }
 
 /// Reads only the meshes that the scene places, in the order of the file.

@@ -25,13 +25,14 @@ using Json = nlohmann::json;
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123;
 constexpr int kVertexTarget = 34962, kIndexTarget = 34963;
 constexpr int kPoints = 0;
+constexpr int kWraps[] = {10497, 33648, 33071};  // by AlphaImage::Wrap: repeat, mirrored repeat, clamp to edge
 
 /// Adds the class of a material or an instance: its number, or else its name.
 void addClass(Json& item, uint16_t id, const std::string& name) {
   if (id != 0)
-    item["extras"] = {{"class", id}};
+    item["extras"]["class"] = id;
   else if (!name.empty())
-    item["extras"] = {{"class", name}};
+    item["extras"]["class"] = name;
 }
 
 Json toJson(const Material& material) {
@@ -45,10 +46,13 @@ Json toJson(const Material& material) {
   if (material.alphaMode == AlphaMode::mask) {
     json["alphaMode"] = "MASK";
     json["alphaCutoff"] = material.alphaCutoff;
+    if (material.alphaImage != kNoImage)
+      json["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", material.alphaImage}};
   }
   if (material.transmission > 0)
     json["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = material.transmission;
   addClass(json, material.classId, material.className);
+  if (material.retro > 0) json["extras"]["retro"] = material.retro;
   return json;
 }
 
@@ -91,6 +95,7 @@ class Document {
       json_["materials"].push_back(toJson(material));
       if (material.transmission > 0) json_["extensionsUsed"] = {"KHR_materials_transmission"};
     }
+    for (const AlphaImage& image : scene.alphaImages) add(image);
     for (const AnimatedInstance& animated : scene.animation.instances)
       followed_[scene.instances[animated.instance].mesh] = true;
     for (size_t i = 0; i < scene.meshes.size(); ++i) add(scene.meshes[i], followed_[i]);
@@ -115,13 +120,19 @@ class Document {
     return json_[array].size() - 1;
   }
 
+  void addBytes(const void* bytes, size_t size) {
+    arrays_.emplace_back(bytes, size);
+    byteLength_ += size;
+  }
   /// The values must live as long as the document.
   template <typename T>
   size_t addView(const std::vector<T>& values, int target) {
     Json view = {{"buffer", 0}, {"byteOffset", byteLength_}, {"byteLength", values.size() * sizeof(T)}};
     if (target != 0) view["target"] = target;
-    arrays_.emplace_back(values.data(), values.size() * sizeof(T));
-    byteLength_ += values.size() * sizeof(T);
+    addBytes(values.data(), values.size() * sizeof(T));
+    // The next array begins at a whole word, as glTF requires.
+    static constexpr std::array<uint8_t, 4> kPadding = {};
+    addBytes(kPadding.data(), (4 - byteLength_ % 4) % 4);
     return push("bufferViews", std::move(view));
   }
 
@@ -139,6 +150,7 @@ class Document {
     return accessor;
   }
 
+  void add(const AlphaImage& image);
   void add(const Mesh& mesh, bool followed);
   void addJoints(const Mesh& mesh, Json& attributes);
   void addNodes();
@@ -157,7 +169,17 @@ class Document {
   std::deque<std::vector<float>> floats_;      // arrays that the scene does not have
   std::deque<std::vector<uint16_t>> shorts_;   // the same
   std::deque<std::vector<uint32_t>> indices_;  // the same
+  std::deque<std::vector<uint8_t>> images_;    // the same
 };
+
+/// Adds a texture of the number that the image has in the scene.
+void Document::add(const AlphaImage& image) {
+  const size_t view = addView(images_.emplace_back(pngOf(image)), 0);
+  const size_t source = push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+  const size_t sampler = push("samplers", {{"wrapS", kWraps[static_cast<size_t>(image.wrapU)]},
+                                           {"wrapT", kWraps[static_cast<size_t>(image.wrapV)]}});
+  push("textures", {{"source", source}, {"sampler", sampler}});
+}
 
 /// A deformable mesh that no animated instance places is written as it is deformed.
 void Document::add(const Mesh& mesh, bool followed) {
@@ -167,6 +189,7 @@ void Document::add(const Mesh& mesh, bool followed) {
     Json attributes, targets = Json::array();
     attributes["POSITION"] =
         addPositions(baked ? floats_.emplace_back(deformedPositions(mesh, mesh.deformation)) : mesh.positions);
+    if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = addAccessor(mesh.uvs, "VEC2", 2, kVertexTarget);
     if (followed) addJoints(mesh, attributes);
     if (followed)
       for (const std::vector<float>& offsets : mesh.morphTargets)
@@ -245,6 +268,8 @@ void Document::addNodes() {
     Json item = {{"mesh", instance.mesh}};
     if (!instance.name.empty()) item["name"] = instance.name;
     addClass(item, instance.classId, instance.className);
+    // The tree of the animation decides on the order of the nodes, so each says which instance it is.
+    if (!animation.instances.empty()) item["extras"][kInstanceExtra] = i;
     if (followers[i] != nullptr) {
       addFollower(*followers[i], std::move(item), roots);
       continue;

@@ -51,6 +51,13 @@ Scene readStl(Bytes bytes, const Source& source);
 /// Error(outOfMemory).
 Scene readScene(SceneFormat format, Bytes bytes, const Source& source);
 
+/// The PNG file of an alpha image: white pixels with this alpha. Throws Error(invalidArgument) if the image has more
+/// pixels than the reader of glTF takes, or the library is built without PNG.
+std::vector<uint8_t> pngOf(const AlphaImage& image);
+
+/// In the extras of a node of glTF: the number of its instance in the scene that writeGlb() wrote.
+inline constexpr const char* kInstanceExtra = "gnosphere_instance";
+
 /// Sets positions and origin from doubles x y z. The origin is 0 if floats hold every coordinate exactly, else the
 /// centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
 void storePositions(Mesh& mesh, std::span<const double> coordinates);

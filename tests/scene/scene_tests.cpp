@@ -33,6 +33,8 @@ Scene sampleScene() {
                      {"c", 0, {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}}};
   scene.materials[1].classId = scene.instances[1].classId = 65535;
   scene.materials[2].className = scene.instances[2].className = "road";
+  scene.materials[0].retro = 300.1f;
+  scene.materials[2].retro = Material::kMostRetro;
   return scene;
 }
 
@@ -80,7 +82,51 @@ TEST_CASE("loadScene reads back the output of writeGlb bit for bit") {
     CHECK(a.doubleSided == b.doubleSided);
     CHECK(a.classId == b.classId);
     CHECK(a.className == b.className);
+    CHECK(a.retro == b.retro);
   }
+}
+
+TEST_CASE("the holes of cut-out materials are kept by writing and reading") {
+  Scene scene = sampleScene();
+  scene.alphaImages = {{3, 1, {0, 128, 255}, AlphaImage::Wrap::clamp, AlphaImage::Wrap::mirror},
+                       {1, 2, {7, 9}, AlphaImage::Wrap::repeat, AlphaImage::Wrap::clamp}};
+  scene.materials[2].alphaImage = 1;
+  scene.materials.push_back(scene.materials[2]);
+  scene.materials[3].alphaImage = 0;
+  for (Mesh& mesh : scene.meshes)
+    for (size_t v = 0; v < mesh.vertexCount(); ++v)
+      mesh.uvs.insert(mesh.uvs.end(), {0.1f * static_cast<float>(v), 1 - 0.3f * static_cast<float>(v)});
+  scene.meshes[0].parts = {{0, 2, 2}, {2, 1, 0}};
+  scene.meshes[1].parts = {{0, 3, 3}};
+  const Folder folder;
+  writeGlb(scene, folder / "a.glb");
+  const Scene read = loadScene(folder / "a.glb");
+  CHECK(read.unreadImages == 0);
+  REQUIRE(read.alphaImages.size() == 2);
+  REQUIRE(read.materials.size() == 4);
+  for (size_t m : {2, 3}) {
+    REQUIRE(read.materials[m].alphaImage != kNoImage);
+    const AlphaImage& a = scene.alphaImages[scene.materials[m].alphaImage];
+    const AlphaImage& b = read.alphaImages[read.materials[m].alphaImage];
+    CHECK((b.width == a.width && b.height == a.height));
+    CHECK(b.alpha == a.alpha);
+    CHECK((b.wrapU == a.wrapU && b.wrapV == a.wrapV));
+  }
+  const auto corners = [](const Mesh& mesh, uint32_t triangles) {
+    Floats all;
+    for (size_t i = 0; i < 3 * size_t{triangles}; ++i)
+      for (size_t axis = 0; axis < 2; ++axis) all.push_back(mesh.uvs.at(2 * size_t{mesh.indices[i]} + axis));
+    return all;
+  };
+  CHECK(corners(read.meshes[0], 2) == corners(scene.meshes[0], 2));
+  CHECK(corners(read.meshes[1], 3) == corners(scene.meshes[1], 3));
+  // The part without holes and the one with holes have the vertices that each uses, however often it is written.
+  CHECK(read.meshes[0].vertexCount() == 4 + 3);
+  writeGlb(read, folder / "b.glb");
+  CHECK(loadScene(folder / "b.glb").meshes[0].vertexCount() == 4 + 3);
+  scene.alphaImages[0] = {16385, 1, std::vector<uint8_t>(16385)};
+  CHECK_THAT(problemOf([&] { writeGlb(scene, folder / "wide.glb"); }),
+             ContainsSubstring("an alpha image has 16385 x 1 pixels; the limit of files is 16384 per side"));
 }
 
 TEST_CASE("empty scenes and empty meshes are kept by writing and reading") {
