@@ -19,7 +19,8 @@ enum class ClipEnd { loop, hold };
 /// An empty Clip gives the state at rest. The scene must be valid, see validate().
 GNOSPHERE_API SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd end = ClipEnd::loop);
 
-/// The clip of this name. Throws Error(invalidArgument) that tells the nearest names.
+/// The clip of this name, or, where none has it, of this number, counted from 0. Throws Error(invalidArgument) that
+/// tells the nearest names, or the numbers of several clips that have the name.
 GNOSPHERE_API const Clip& clipNamed(const Scene& scene, const std::string& name);
 
 }  // namespace gnosphere

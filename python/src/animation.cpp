@@ -219,7 +219,9 @@ void bindStates(nb::module_& m) {
       "scene.");
   m.def(
       "clip_named", [](const Scene& scene, const std::string& name) { return clipNamed(scene, name); }, "scene"_a,
-      "name"_a, "A copy of the clip of this name. Raises Error(invalid_argument) that tells the nearest names.");
+      "name"_a,
+      "A copy of the clip of this name, or, where none has it, of this number, counted from 0. Raises "
+      "Error(invalid_argument) that tells the nearest names, or the numbers of several clips that have the name.");
 }
 
 }  // namespace gnosphere::python

@@ -78,10 +78,11 @@ Scene DriveReader::scene(const json& object, const std::string& path) {
 std::optional<Animation> DriveReader::animation(const json& object, const std::string& path, const Scene& scene) {
   const json& given = memberOf(object, "animation");
   if (given.is_null() || scene.instances.empty()) return {};
-  std::vector<std::string> names;
-  for (const Clip& clip : scene.animation.clips) names.push_back(clip.name);
   Animation animation;
-  animation.clip = find(names, given["clip"], path + ".animation.clip");
+  attempt(path + ".animation.clip", [&] {
+    const Clip& clip = clipNamed(scene, given["clip"].get<std::string>());
+    animation.clip = static_cast<size_t>(&clip - scene.animation.clips.data());
+  });
   animation.speed = given.value("speed", 1.0);
   animation.offset = given.value("offset", 0.0);
   animation.end = given.value("loop", true) ? ClipEnd::loop : ClipEnd::hold;

@@ -3,6 +3,7 @@
 #include "gnosphere/animation.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "base/nearest_text.hpp"
@@ -146,11 +147,22 @@ SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd
 }
 
 const Clip& clipNamed(const Scene& scene, const std::string& name) {
+  const std::vector<Clip>& clips = scene.animation.clips;
   std::vector<std::string> names;
-  for (const Clip& clip : scene.animation.clips) {
-    if (clip.name == name) return clip;
-    names.push_back(clip.name);
+  std::vector<size_t> found;
+  for (size_t i = 0; i < clips.size(); ++i) {
+    names.push_back(clips[i].name);
+    if (clips[i].name == name) found.push_back(i);
   }
+  if (found.size() == 1) return clips[found[0]];
+  if (found.size() > 1)
+    throw Error(ErrorCode::invalidArgument, std::to_string(found.size()) + " clips are called '" + name +
+                                                "'; choose one by its number, such as " + std::to_string(found[0]) +
+                                                " or " + std::to_string(found[1]));
+  size_t number = 0;
+  const char* end = name.data() + name.size();
+  const std::from_chars_result parsed = std::from_chars(name.data(), end, number);
+  if (parsed.ec == std::errc() && parsed.ptr == end && number < clips.size()) return clips[number];
   throw Error(ErrorCode::invalidArgument,
               "no clip is called '" + name + "'; " +
                   (names.empty() ? "the scene has none" : nearestText(name, std::move(names))));

@@ -387,6 +387,20 @@ TEST_CASE("clips are found by name, and a wrong name gets the nearest") {
              ContainsSubstring("no clip is called 'Wlak'; the nearest are Walk"));
 }
 
+TEST_CASE("a clip whose name another clip has is found by its number") {
+  GltfFileMaker file = animatedFile();
+  for (const char* name : {"Walk", "3", "Walk", "Idle"})
+    file.json["animations"].push_back({{"name", name}, {"channels", Json::array()}, {"samplers", Json::array()}});
+  const Scene scene = file.load();
+  CHECK_THAT(problemOf([&] { clipNamed(scene, "Walk"); }),
+             ContainsSubstring("2 clips are called 'Walk'; choose one by its number, such as 1 or 3"));
+  CHECK(&clipNamed(scene, "1") == &scene.animation.clips[1]);
+  CHECK(&clipNamed(scene, "3") == &scene.animation.clips[2]);  // a name goes before a number
+  CHECK(&clipNamed(scene, "4") == &scene.animation.clips[4]);
+  for (const char* name : {"5", "-1", "1.0", "01x"})
+    CHECK_THAT(problemOf([&] { clipNamed(scene, name); }), ContainsSubstring("no clip is called"));
+}
+
 TEST_CASE("an animation that does not fit its scene is refused") {
   GltfFileMaker file = skinnedFile();
   addChannel(file, 2, "rotation", "LINEAR", {0, 1}, Floats{0, 0, 0, 1, 0, 0, 0, 1});

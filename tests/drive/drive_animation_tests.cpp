@@ -113,8 +113,9 @@ TEST_CASE("a wrong animation in a drive file is told with its path and the neare
     json[Json::json_pointer(pointer)] = value;
     CHECK_THAT(problemOf([&] { folder.read(json); }, ErrorCode::format), ContainsSubstring(words));
   };
-  refused("/actors/0/animation/clip", "pusch", "actors[0].animation.clip: 'pusch' is unknown; there is push");
+  refused("/actors/0/animation/clip", "pusch", "actors[0].animation.clip: no clip is called 'pusch'; there is push");
   refused("/actors/0/animation/sped", 1, "actors[0].animation.sped: is an unknown word");
   refused("/actors/1/animation", Json::object(), "actors[1].animation.clip: is missing");
-  refused("/scenes/0/animation", {{"clip", "push"}}, "scenes[0].animation.clip: 'push' is unknown; there are none");
+  refused("/scenes/0/animation", {{"clip", "push"}},
+          "scenes[0].animation.clip: no clip is called 'push'; the scene has none");
 }

@@ -71,9 +71,10 @@ void print(const InfoOptions& options, const Scene& scene) {
       meshes.push_back({nameOf(mesh, i), grouped(mesh.vertexCount()), grouped(mesh.jointCount),
                         grouped(mesh.influences), grouped(mesh.morphTargets.size())});
   }
-  std::vector<TableRow> clips = {{"animation", "seconds", "nodes"}};
+  std::vector<TableRow> clips = {{"animation", "number", "seconds", "nodes"}};
   for (const Clip& clip : scene.animation.clips)
-    clips.push_back({clip.name, formatted("%.3f", clip.duration), grouped(movedNodes(clip))});
+    clips.push_back(
+        {clip.name, std::to_string(clips.size() - 1), formatted("%.3f", clip.duration), grouped(movedNodes(clip))});
   for (const auto& table : {meshes, clips}) {
     if (table.size() == 1) continue;
     std::printf("\n");
