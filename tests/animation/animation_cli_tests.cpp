@@ -53,6 +53,21 @@ TEST_CASE("info tells what is deformable, the animations, and what is left out")
   CHECK(place.run("info floor.obj").status == 0);
 }
 
+TEST_CASE("info --json lists the names and classes of instances and materials") {
+  const Workplace place;
+  GltfFileMaker file = triangleFile();
+  file.json["materials"] = Json::parse(R"([{"name": "paint", "extras": {"class": 7}}, {"name": "glass"}])");
+  file.json["meshes"][0]["primitives"][0]["material"] = 0;
+  file.json["nodes"][0].update(Json::parse(R"({"name": "car 1", "extras": {"class": "car"}})"));
+  file.node({{"mesh", 0}});
+  place.put("cars.gltf", file.text());
+  const nlohmann::json info = place.runJson("info cars.gltf --json");
+  CHECK(info["instances"] == 2);
+  CHECK(info["instance_list"] == Json::parse(R"([{"name": "car 1", "class": "car", "mesh": "tri"},
+                                                 {"name": "", "class": null, "mesh": "tri"}])"));
+  CHECK(info["material_list"] == Json::parse(R"([{"name": "paint", "class": 7}, {"name": "glass", "class": null}])"));
+}
+
 TEST_CASE("scan shows a scene at a time of an animation") {
   const Workplace place;
   place.put("wall.gltf", movingWall());

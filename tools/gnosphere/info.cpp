@@ -28,6 +28,13 @@ size_t movedNodes(const Clip& clip) {
   return static_cast<size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
+/// The class of an instance or a material: its number, or else its name; null for none.
+template <typename Item>
+Json classOf(const Item& item) {
+  if (item.classId != 0) return item.classId;
+  return item.className.empty() ? Json() : Json(item.className);
+}
+
 Json infoJson(const InfoOptions& options, const Scene& scene) {
   const Bounds bounds = worldBounds(scene);
   Json json = {{"scene", options.scene},
@@ -47,6 +54,14 @@ Json infoJson(const InfoOptions& options, const Scene& scene) {
                                          {"joints_per_vertex", mesh.influences},
                                          {"morph_targets", mesh.morphTargets.size()}});
   }
+  json["instance_list"] = Json::array();
+  for (const Instance& instance : scene.instances)
+    json["instance_list"].push_back({{"name", instance.name},
+                                     {"class", classOf(instance)},
+                                     {"mesh", nameOf(scene.meshes[instance.mesh], instance.mesh)}});
+  json["material_list"] = Json::array();
+  for (const Material& material : scene.materials)
+    json["material_list"].push_back({{"name", material.name}, {"class", classOf(material)}});
   json["animations"] = Json::array();
   for (const Clip& clip : scene.animation.clips)
     json["animations"].push_back({{"name", clip.name}, {"duration", clip.duration}, {"nodes", movedNodes(clip)}});
