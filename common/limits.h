@@ -32,6 +32,9 @@ GNO_CONST uint kFewRows = 4;
 GNO_CONST uint kRowLookupCells = 16384;
 // Vertices with a larger coordinate are dropped and counted: products of three coordinates would overflow a float.
 GNO_CONST float kCoordinateLimit = 1e9f;
+// A map whose determinant is at most this share of the product of its columns' lengths flattens a mesh. Rounding leaves
+// 1e-16 of it, or 1e-7 where a file states single precision, and its inverse would take points far away.
+GNO_CONST float kFlatVolume = 1e-6f;
 // Error of the elevation key (range -1..1) by which bounds are widened. The slack covers 3 rounding errors of the key
 // itself (2e-7), the error of an arc's highest point from a normal with relative error 3e-7 per unit edge/height ratio,
 // and the shift of a vertex by the inside test's own rounding (3e-7). Ten times their sum is still small beside the

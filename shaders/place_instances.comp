@@ -40,17 +40,27 @@ Instance composed(TransformSource source, Placement placement, Pairs meshOrigin,
   for (int k = 0; k < 3; ++k) turned.of[k] = combined(rows, toSensor.of[k]);
   Pairs shift = plus(plus(Pairs(source.shift, source.shiftLow), pairs(placement.shift)), combined(columns, meshOrigin));
 
+  // If it flattens the mesh along an axis of the mesh, any number may be the pivot's coordinate along this axis.
+  bool flattens = false;
+  mat3 whole = placement.columns;
+  for (int k = 0; k < 3; ++k)
+    if (whole[k] == vec3(0.0)) {
+      whole[k] = normalize(cross(whole[(k + 1) % 3], whole[(k + 2) % 3]));
+      flattens = true;
+    }
+  PairsMatrix filled = matrixOf(pairs(whole[0]), pairs(whole[1]), pairs(whole[2]));
   // The inverse of the linear part, times the determinant.
-  PairsMatrix inverse = transposed(matrixOf(crossOf(columns.of[1], columns.of[2]), crossOf(columns.of[2], columns.of[0]),
-                                            crossOf(columns.of[0], columns.of[1])));
-  Pairs volume = each(combined(inverse, columns.of[0]), 0);
+  PairsMatrix inverse = transposed(matrixOf(crossOf(filled.of[1], filled.of[2]), crossOf(filled.of[2], filled.of[0]),
+                                            crossOf(filled.of[0], filled.of[1])));
+  Pairs volume = each(combined(inverse, filled.of[0]), 0);
   vec3 pivot = -over(combined(inverse, shift), volume).high;
-  // A transform that flattens the mesh has no inverse.
-  if (!(abs(volume.high.x) > 1e-30) || !inLimits(pivot)) pivot = vec3(0.0);
+  // Any other transform that flattens the mesh has no inverse.
+  bool usable = abs(volume.high.x) > max(1e-30, kFlatVolume * length(whole[0]) * length(whole[1]) * length(whole[2]));
+  if (!usable || !inLimits(pivot)) pivot = vec3(0.0);
   Pairs offset = combined(transposed(toSensor), plus(combined(columns, pairs(pivot)), shift));
 
   return Instance(vec4(turned.of[0].high, pivot.x), vec4(turned.of[1].high, pivot.y), vec4(turned.of[2].high, pivot.z),
-                  offset.high, number | uint(volume.high.x < 0.0) << 31);
+                  offset.high, number | uint(usable && !flattens && volume.high.x < 0.0) << 31);
 }
 
 void place(TransformedInstance entry) {

@@ -25,12 +25,26 @@ glm::dmat3 linear(const Transform& t) {
   return glm::dmat3(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
 }
 
+// Whether a map takes the mesh into a plane, but for rounding.
+bool flattens(const glm::dmat3& map) {
+  const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
+  return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
+}
+
+// The inverse of a map. If it flattens the mesh along an axis of the mesh, as a scale of 0 does, any number may be the
+// coordinate along this axis; if it flattens the mesh otherwise, there is no inverse, and the result is zero.
+glm::dmat3 inverseOf(glm::dmat3 map) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (map[axis] == glm::dvec3(0)) map[axis] = glm::normalize(glm::cross(map[(axis + 1) % 3], map[(axis + 2) % 3]));
+  return flattens(map) ? glm::dmat3(0) : glm::inverse(map);
+}
+
 void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dmat3& toWorld,
              const glm::dmat3& fromWorld, const glm::dvec3& position, uint32_t number, gpu::Instance& out) {
   // World positions are subtracted first, in double: the difference is small wherever in the world the scene lies.
   const glm::dvec3 translation = position - sensor;
-  // The pivot is the sensor's position in the mesh frame. A transform that flattens the mesh has no inverse; its pivot
-  // is zero.
+  // The pivot is the sensor's position in the mesh frame, or of that position in the plane of a flattened mesh. Without
+  // an inverse it is zero.
   const glm::vec3 rounded(-(fromWorld * translation));
   const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
   const glm::vec3 pivot = usable ? rounded : glm::vec3(0);
@@ -176,9 +190,9 @@ bool InstanceTable::put(size_t index, const Transform& transform, bool known, ui
   placement.toWorld = toWorld;
   placement.position = position;
   placement.changedAt = change;
-  const double volume = glm::determinant(toWorld);
-  placement.mirrored = volume < 0;
-  placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(toWorld) : glm::dmat3(0);
+  placement.flat = flattens(toWorld);
+  placement.mirrored = !placement.flat && glm::determinant(toWorld) < 0;
+  placement.fromWorld = inverseOf(toWorld);
   spheres_[index] = sphereOf(index);
   return true;
 }
@@ -457,13 +471,12 @@ double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMoti
     const glm::dmat3 change = turning * placement.fromWorld;
     const double bend =
         std::sqrt(glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2]));
-    const bool flat = placement.fromWorld == glm::dmat3(0);
     to[static_cast<uint32_t>(motion.instance)] = {
         row(0),
         row(1),
         row(2),
         {static_cast<float>(most * 1.00001),
-         flat ? kAnyChange : std::min(kAnyChange, static_cast<float>(bend * period * 1.00001)), 0, 0}};
+         placement.flat ? kAnyChange : std::min(kAnyChange, static_cast<float>(bend * period * 1.00001)), 0, 0}};
     // Instances that may be anywhere are placed in any case.
     if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
   }

@@ -147,11 +147,11 @@ class InstanceTable {
 
  private:
   struct Placement {
-    glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero if the transform flattens the mesh
+    glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero if there is no inverse
     glm::dvec3 position = {};                 ///< of the mesh's origin
     uint64_t changedAt = 0;
     uint32_t mesh = 0, world = 0;
-    bool mirrored = false;
+    bool mirrored = false, flat = false;
   };
   struct World {
     std::vector<uint32_t> instances;  ///< in ascending order

@@ -15,6 +15,8 @@ constexpr double kFarthestWorld = 1e15;
 /// Limit on the condition of a matrix: no single-precision simulator can use a worse one, and a larger error bound
 /// would only widen every beam.
 constexpr double kWorstCondition = 1e3;
+/// A map whose determinant is at most this share of the product of its columns' lengths flattens a mesh.
+constexpr double kFlatVolume = 1e-6f;  // rounded as on devices
 
 /// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
 /// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the
@@ -88,7 +90,12 @@ void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, co
     const float* q = &mesh.positions[3 * size_t{b}];
     return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
   };
-  const int8_t outside = determinant(instance.transform) < 0 ? 1 : -1;
+  // A map that flattens the mesh does not mirror it, whichever sign rounding leaves.
+  const double volume = determinant(instance.transform);
+  const auto& rows = instance.transform.rows;
+  double box = 1;
+  for (int k = 0; k < 3; ++k) box *= lengthOf({rows[k], rows[4 + k], rows[8 + k]});
+  const int8_t outside = volume < -kFlatVolume * box ? 1 : -1;
   size_t part = 0;
   for (size_t t = 0; t < mesh.triangleCount(); ++t) {
     const uint32_t* corner = &mesh.indices[3 * t];

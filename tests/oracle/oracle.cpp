@@ -41,7 +41,14 @@ Placed place(const Transform& instance, const Vec3& origin, const Pose& pose) {
   const glm::dvec3 translation =
       glm::dvec3(m[3], m[7], m[11]) - glm::dvec3(pose.position.x, pose.position.y, pose.position.z);
   glm::dvec3 pivot(0);
-  if (std::abs(glm::determinant(toWorld)) > 1e-30) pivot = -(glm::inverse(toWorld) * translation);
+  const auto flattens = [](const glm::dmat3& map) {
+    const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
+    return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
+  };
+  glm::dmat3 whole = toWorld;
+  for (int k = 0; k < 3; ++k)
+    if (whole[k] == glm::dvec3(0)) whole[k] = glm::normalize(glm::cross(whole[(k + 1) % 3], whole[(k + 2) % 3]));
+  if (!flattens(whole)) pivot = -(glm::inverse(whole) * translation);
   glm::vec3 pivot32(pivot);
   if (!glm::all(glm::lessThanEqual(glm::abs(pivot32), glm::vec3(gpu::kCoordinateLimit)))) pivot32 = glm::vec3(0);
   const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
@@ -52,8 +59,7 @@ Placed place(const Transform& instance, const Vec3& origin, const Pose& pose) {
     placed.pivot[r] = pivot32[r];
     placed.offset[r] = offset[r];
   }
-  const auto& t = instance.rows;
-  placed.mirrored = glm::determinant(glm::dmat3(t[0], t[4], t[8], t[1], t[5], t[9], t[2], t[6], t[10])) < 0;
+  placed.mirrored = !flattens(toWorld) && glm::determinant(toWorld) < 0;
   return placed;
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step project: no triangle that a beam can hit is culled, whatever its shape and position.
+#include <cmath>
 #include <limits>
 
+#include "base/transform.hpp"
+#include "base/vector.hpp"
 #include "support.hpp"
 
 using namespace gnosphere;
@@ -186,6 +189,49 @@ TEST_CASE("an instance flattened to a plane is scanned correctly") {
   Scene scene = sceneOf(builder.take());
   scene.instances[0].transform = translation(6, 0.3, 0.2) * scaling(0, 2, 2);
   requireAsReference(scene, gridSensor(900, 40, -30, 30));
+}
+
+TEST_CASE("the points of a flattened instance lie in its plane") {
+  needVulkan();
+  const auto turned = [](double x, double y, double z, double w) { return composed({}, {x, y, z, w}, {1, 1, 1}); };
+  const Transform sheared = scaling(1, 2, 0.5) * turned(0.3, -0.2, 0.5, 1);
+  const auto pointsOf = [&](const Scene& scene, const Vec3& place, const Vec3& normal) {
+    const Scan scan = scanOf(scene, gridSensor(720, 181, -90, 90), {}, vulkanOptions());
+    size_t hits = 0;
+    for (size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+      if (!std::isfinite(scan.ranges[beam])) continue;
+      const float* p = &scan.points[3 * beam];
+      const double off = dot(normal, Vec3{p[0], p[1], p[2]} - place);
+      INFO("beam " << beam << " is " << off << " m off");
+      CHECK(std::abs(off) < 5e-5);
+      ++hits;
+    }
+    CHECK(hits > 100);
+  };
+  // Far from the origin of the mesh the corners have a precision of a millimetre.
+  MeshBuilder far;
+  far.box({9990, 9990, 9990}, {10010, 10010, 10010}, 3);
+  Scene scene = sceneOf(far.take());
+  Transform& map = scene.instances[0].transform;
+  map = turned(0.1, 0.2, 0.3, 1) * sheared * scaling(1, 1, 0);
+  const Vec3 middle = map * Vec3{10000, 10000, 0};
+  const Vec3 across = cross({map.rows[0], map.rows[4], map.rows[8]}, {map.rows[1], map.rows[5], map.rows[9]});
+  const Vec3 normal = 1 / lengthOf(across) * across;
+  const Vec3 place = 40.0 * normal;
+  map = translation(place.x - middle.x, place.y - middle.y, place.z - middle.z) * map;
+  pointsOf(scene, place, normal);
+  // A map in single precision whose determinant is not quite 0. Its inverse took the mesh out of sight.
+  MeshBuilder near;
+  near.box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, 3);
+  scene = sceneOf(near.take());
+  for (const double angle : {0.1, 0.4, 0.7, 1.3, 2.2, 2.9}) {
+    Transform flat = sheared * scaling(1, 0, 1) * turned(std::sin(angle), 0.3, angle, 1);
+    for (double& value : flat.rows) value = static_cast<float>(value);
+    const Vec3 tilted = cross(flat * Vec3{1, 0.3, 0}, flat * Vec3{0, 0.2, 1});
+    const Vec3 upright = 1 / lengthOf(tilted) * tilted;
+    scene.instances[0].transform = translation(3 * upright.x, 3 * upright.y, 3 * upright.z) * flat;
+    pointsOf(scene, 3.0 * upright, upright);
+  }
 }
 
 TEST_CASE("an empty scene, one triangle and a sensor without channels are scanned") {
