@@ -154,13 +154,18 @@ Json addCloud(const ViewCall& call, Page& page) {
 Json addDifference(const ViewCall& call, Page& page) {
   const ViewCloud a = readViewCloud(pathOf(call.a)), b = readViewCloud(pathOf(call.b));
   const ViewCloud both = differenceOf(a, b, call.distance);
+  // Each cloud has counts of its own: a point that is the same in both is one of A and one of B.
   const ViewColumn& difference = *both.find("difference");
-  std::string summary;
-  for (const auto& [kind, name] : difference.names) {
-    const auto count = std::count(difference.values.begin(), difference.values.end(), kind);
-    summary += (summary.empty() ? "" : ", ") + grouped(static_cast<uint64_t>(count)) + " " + name;
+  auto kinds = difference.values.begin();
+  for (const auto& [cloud, name] : {std::pair(&a, "A"), std::pair(&b, "B")}) {
+    const auto end = kinds + static_cast<ptrdiff_t>(cloud->size());
+    std::string summary = grouped(cloud->size()) + " points";
+    for (const auto& [kind, what] : difference.names)
+      if (const auto count = std::count(kinds, end, kind); count > 0)
+        summary += ", " + grouped(static_cast<uint64_t>(count)) + " " + what;
+    say(name, summary);
+    kinds = end;
   }
-  say("points", summary);
   page.add({"A and B", everyNth(both, call.every)});
   checkSize(call, page, 1);
   const bool byBeam = comparesBeams(a, b);

@@ -102,9 +102,10 @@ bool comparesBeams(const ViewCloud& a, const ViewCloud& b) {
 ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance) {
   const bool byBeam = comparesBeams(a, b);
   ViewColumn cloud{"cloud", true, {}, {{0, "A"}, {1, "B"}}};
-  ViewColumn difference{"difference", true, {}, {{kSame, "same"}, {kOnlyA, "only in A"}, {kOnlyB, "only in B"}}};
+  ViewColumn difference{
+      "difference", true, {}, {{kSame, "same in A and B"}, {kOnlyA, "only in A"}, {kOnlyB, "only in B"}}};
   ViewColumn apart{"distance", false, {}, {}};
-  if (byBeam) difference.names[kApart] = "in both, apart";
+  if (byBeam) difference.names[kApart] = "apart in A and B";
   const auto add = [&](const ViewCloud& from, const ViewCloud& to, int number, Match alone) {
     for (double d : byBeam ? toSameBeam(from, to) : toNearest(from, to)) {
       cloud.values.push_back(number);
