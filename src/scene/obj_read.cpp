@@ -265,8 +265,7 @@ Mesh meshOf(const Object& object, const Mesh& whole) {
 }  // namespace
 
 Scene readObj(Bytes bytes, const Source& source) {
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::string_view text = textOf(bytes);
   checkText(text, source);
   std::string joined;
   if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos) {

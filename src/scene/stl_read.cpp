@@ -65,13 +65,6 @@ Scene readBinaryStl(Bytes bytes, size_t triangles) {
   return mesh.finish();
 }
 
-/// The text of a file, without a mark of UTF-8.
-std::string_view markless(Bytes bytes) {
-  std::string_view text = textOf(bytes);
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
-}
-
 /// Whether a word is this keyword, which some programs write in capitals.
 bool is(std::string_view word, std::string_view keyword) {
   return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
@@ -79,7 +72,7 @@ bool is(std::string_view word, std::string_view keyword) {
 }
 
 Scene readTextStl(Bytes bytes, const Source& source) {
-  std::string_view rest = markless(bytes);
+  std::string_view rest = textOf(bytes);
   StlMesh mesh(bytes.size() / 200);
   size_t triangles = 0, corners = 0;
   bool ended = false;
@@ -122,7 +115,7 @@ Scene readStl(Bytes bytes, const Source& source) {
     triangles = count;
     if (bytes.size() == kStlHeader + triangles * kStlTriangle) return readBinaryStl(bytes, triangles);
   }
-  std::string_view text = markless(bytes);
+  std::string_view text = textOf(bytes);
   const bool isText = text.substr(0, kStlHeader).find('\0') == text.npos;
   if (isText && is(nextWord(text), "solid")) return readTextStl(bytes, source);
   if (bytes.size() < kStlHeader) source.fail("it is not STL: it is too short and does not begin with 'solid'");

@@ -298,6 +298,13 @@ TEST_CASE("invalid PLY is an error") {
              ContainsSubstring("have no y"));
 }
 
+TEST_CASE("text PLY is read with a mark of UTF-8") {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  CHECK(loadText("a.ply", "\xEF\xBB\xBF" + text).meshes.at(0).positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+}
+
 TEST_CASE("STL corners with the same bits become one vertex, in text and in binary") {
   const std::string text =
       "solid facet of vertex\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1.5e0 "
