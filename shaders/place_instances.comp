@@ -42,7 +42,8 @@ Instance composed(TransformSource source, Placement placement, Pairs meshOrigin,
 
   // If it flattens the mesh along an axis of the mesh, any number may be the pivot's coordinate along this axis.
   bool flattens = false;
-  mat3 whole = placement.columns;
+  vec3 whole[3];
+  for (int k = 0; k < 3; ++k) whole[k] = placement.columns[k];
   for (int k = 0; k < 3; ++k)
     if (whole[k] == vec3(0.0)) {
       whole[k] = normalize(cross(whole[(k + 1) % 3], whole[(k + 2) % 3]));
