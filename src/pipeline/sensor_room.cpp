@@ -12,8 +12,6 @@ namespace {
 
 using gpu::Array;
 
-// Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
-constexpr uint64_t kMostEntries = limits::kEntries.most;
 // Rows of workgroups that every device can dispatch at once.
 constexpr uint64_t kMostGroupRows = 65535;
 
@@ -71,7 +69,7 @@ uint32_t SensorArrays::findMostViews(uint64_t room) const {
   const uint32_t groupRows = tables.listed ? 1 : std::max(tables.frame.rows, 1u);
   const std::initializer_list<uint64_t> most = {
       gnosphere::mostViews(machine_.traits(), beams()), machine_.traits().info.maxBufferBytes / mostOfView,
-      kMostEntries * sizeof(uint32_t) / mostOfView, room / ofView, kMostGroupRows / groupRows};
+      limits::kEntries.most * sizeof(uint32_t) / mostOfView, room / ofView, kMostGroupRows / groupRows};
   return static_cast<uint32_t>(std::max<uint64_t>(std::min(most), 1));
 }
 

@@ -14,6 +14,7 @@ namespace {
 
 using gpu::Array;
 
+// Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
 constexpr uint64_t kMostEntries = limits::kEntries.most;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
 
