@@ -45,10 +45,11 @@ Placed place(const Transform& instance, const Vec3& origin, const Pose& pose) {
     const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
     return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
   };
-  glm::dmat3 whole = toWorld;
+  glm::dmat3 unflattened = toWorld;
   for (int k = 0; k < 3; ++k)
-    if (whole[k] == glm::dvec3(0)) whole[k] = glm::normalize(glm::cross(whole[(k + 1) % 3], whole[(k + 2) % 3]));
-  if (!flattens(whole)) pivot = -(glm::inverse(whole) * translation);
+    if (unflattened[k] == glm::dvec3(0))
+      unflattened[k] = glm::normalize(glm::cross(unflattened[(k + 1) % 3], unflattened[(k + 2) % 3]));
+  if (!flattens(unflattened)) pivot = -(glm::inverse(unflattened) * translation);
   glm::vec3 pivot32(pivot);
   if (!glm::all(glm::lessThanEqual(glm::abs(pivot32), glm::vec3(gpu::kCoordinateLimit)))) pivot32 = glm::vec3(0);
   const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
