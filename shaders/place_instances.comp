@@ -41,27 +41,25 @@ Instance composed(TransformSource source, Placement placement, Pairs meshOrigin,
   Pairs shift = plus(plus(Pairs(source.shift, source.shiftLow), pairs(placement.shift)), combined(columns, meshOrigin));
 
   // If it flattens the mesh along an axis of the mesh, any number may be the pivot's coordinate along this axis.
-  bool flattens = false;
-  vec3 whole[3];
-  for (int k = 0; k < 3; ++k) whole[k] = placement.columns[k];
+  int axis = -1;
   for (int k = 0; k < 3; ++k)
-    if (whole[k] == vec3(0.0)) {
-      whole[k] = normalize(cross(whole[(k + 1) % 3], whole[(k + 2) % 3]));
-      flattens = true;
-    }
-  PairsMatrix filled = matrixOf(pairs(whole[0]), pairs(whole[1]), pairs(whole[2]));
+    if (placement.columns[k] == vec3(0.0)) axis = k;
+  PairsMatrix filled = columns;
+  if (axis >= 0) filled.of[axis] = crossOf(columns.of[(axis + 1) % 3], columns.of[(axis + 2) % 3]);
   // The inverse of the linear part, times the determinant.
   PairsMatrix inverse = transposed(matrixOf(crossOf(filled.of[1], filled.of[2]), crossOf(filled.of[2], filled.of[0]),
                                             crossOf(filled.of[0], filled.of[1])));
   Pairs volume = each(combined(inverse, filled.of[0]), 0);
   vec3 pivot = -over(combined(inverse, shift), volume).high;
+  pivot = vec3(axis == 0 ? 0.0 : pivot.x, axis == 1 ? 0.0 : pivot.y, axis == 2 ? 0.0 : pivot.z);
   // Any other transform that flattens the mesh has no inverse.
-  bool usable = abs(volume.high.x) > max(1e-30, kFlatVolume * length(whole[0]) * length(whole[1]) * length(whole[2]));
+  float box = length(filled.of[0].high) * length(filled.of[1].high) * length(filled.of[2].high);
+  bool usable = abs(volume.high.x) > max(1e-30, kFlatVolume * box);
   if (!usable || !inLimits(pivot)) pivot = vec3(0.0);
   Pairs offset = combined(transposed(toSensor), plus(combined(columns, pairs(pivot)), shift));
 
   return Instance(vec4(turned.of[0].high, pivot.x), vec4(turned.of[1].high, pivot.y), vec4(turned.of[2].high, pivot.z),
-                  offset.high, number | uint(usable && !flattens && volume.high.x < 0.0) << 31);
+                  offset.high, number | uint(usable && axis < 0 && volume.high.x < 0.0) << 31);
 }
 
 void place(TransformedInstance entry) {

@@ -32,11 +32,17 @@ bool flattens(const glm::dmat3& map) {
 }
 
 // The inverse of a map. If it flattens the mesh along an axis of the mesh, as a scale of 0 does, any number may be the
-// coordinate along this axis; if it flattens the mesh otherwise, there is no inverse, and the result is zero.
+// coordinate along this axis, and it is 0; if it flattens the mesh otherwise, there is no inverse, and the result is
+// zero.
 glm::dmat3 inverseOf(glm::dmat3 map) {
+  int flat = -1;
   for (int axis = 0; axis < 3; ++axis)
-    if (map[axis] == glm::dvec3(0)) map[axis] = glm::normalize(glm::cross(map[(axis + 1) % 3], map[(axis + 2) % 3]));
-  return flattens(map) ? glm::dmat3(0) : glm::inverse(map);
+    if (map[axis] == glm::dvec3(0)) flat = axis;
+  if (flat >= 0) map[flat] = glm::cross(map[(flat + 1) % 3], map[(flat + 2) % 3]);
+  if (flattens(map)) return glm::dmat3(0);
+  glm::dmat3 inverse = glm::inverse(map);
+  if (flat >= 0) inverse[0][flat] = inverse[1][flat] = inverse[2][flat] = 0;
+  return inverse;
 }
 
 void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dmat3& toWorld,

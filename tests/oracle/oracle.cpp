@@ -45,11 +45,13 @@ Placed place(const Transform& instance, const Vec3& origin, const Pose& pose) {
     const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
     return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
   };
-  glm::dmat3 unflattened = toWorld;
+  int flat = -1;
   for (int k = 0; k < 3; ++k)
-    if (unflattened[k] == glm::dvec3(0))
-      unflattened[k] = glm::normalize(glm::cross(unflattened[(k + 1) % 3], unflattened[(k + 2) % 3]));
+    if (toWorld[k] == glm::dvec3(0)) flat = k;
+  glm::dmat3 unflattened = toWorld;
+  if (flat >= 0) unflattened[flat] = glm::cross(toWorld[(flat + 1) % 3], toWorld[(flat + 2) % 3]);
   if (!flattens(unflattened)) pivot = -(glm::inverse(unflattened) * translation);
+  if (flat >= 0) pivot[flat] = 0;
   glm::vec3 pivot32(pivot);
   if (!glm::all(glm::lessThanEqual(glm::abs(pivot32), glm::vec3(gpu::kCoordinateLimit)))) pivot32 = glm::vec3(0);
   const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
