@@ -65,7 +65,7 @@ Trajectory::Rates Trajectory::ratesAt(double time) const {
   }
   const Quaternion turn = inverse(first.pose).orientation * end.pose.orientation;
   const Vec3 axis = (turn.w < 0 ? -1.0 : 1.0) * Vec3{turn.x, turn.y, turn.z};
-  const double sine = lengthOf(axis), angle = 2 * std::atan2(sine, std::abs(turn.w));
+  const double sine = lengthOf(axis), angle = angleBetween(first.pose.orientation, end.pose.orientation);
   if (sine > 0) rates.turnRate = (angle / (sine * (end.time - first.time))) * axis;
   return rates;
 }

@@ -31,9 +31,9 @@ bool flattens(const glm::dmat3& map) {
   return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
 }
 
-// The inverse of a map. If it flattens the mesh along an axis of the mesh, as a scale of 0 does, any number may be the
-// coordinate along this axis, and it is 0; if it flattens the mesh otherwise, there is no inverse, and the result is
-// zero.
+// Returns the inverse of a map. If the map flattens the mesh along an axis of the mesh, as a scale of 0 does, any
+// number may be the coordinate along this axis, and the inverse gives 0. A map that flattens the mesh otherwise has no
+// inverse, and the result is the zero matrix.
 glm::dmat3 inverseOf(glm::dmat3 map) {
   int flat = -1;
   for (int axis = 0; axis < 3; ++axis)
@@ -49,8 +49,8 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
              const glm::dmat3& fromWorld, const glm::dvec3& position, uint32_t number, gpu::Instance& out) {
   // World positions are subtracted first, in double: the difference is small wherever in the world the scene lies.
   const glm::dvec3 translation = position - sensor;
-  // The pivot is the sensor's position in the mesh frame, or of that position in the plane of a flattened mesh. Without
-  // an inverse it is zero.
+  // The pivot is the sensor's position in the mesh frame; in a flattened mesh its coordinate along the flat axis is 0.
+  // Without an inverse the pivot is zero.
   const glm::vec3 rounded(-(fromWorld * translation));
   const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
   const glm::vec3 pivot = usable ? rounded : glm::vec3(0);
