@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 import gnosphere
-from gnosphere import Effects, Field, SensorRequest, patterns, primitives
+from gnosphere import Effects, SensorRequest, patterns, primitives
 
 worlds = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
 steps = int(sys.argv[2]) if len(sys.argv) > 2 else 3
@@ -59,9 +59,9 @@ for step in range(steps):
     robots[:, 0] += 0.05
     simulator.set_transforms(boxes, places.reshape(-1, 7))
     moved = time.perf_counter()
-    simulator.scan_batch_into(robots, feet, sensor=0, worlds=number, fields=[Field.x])  # the points
+    simulator.scan_batch_into(robots, feet, sensor=0, worlds=number, fields="x")  # the points
     felt = time.perf_counter()
-    simulator.scan_batch_into(robots, cloud, sensor=1, worlds=number, fields=[Field.range])
+    simulator.scan_batch_into(robots, cloud, sensor=1, worlds=number, fields="range")
     seen = time.perf_counter()
     ground = feet.points[..., 2] + robots[:, None, 2]  # (worlds, 187): heights of the ground under each robot
     rate = [batch.views * batch.beams / seconds / 1e6 for batch, seconds in ((feet, felt - moved), (cloud, seen - felt))]

@@ -11,7 +11,7 @@ import zlib
 import numpy as np
 
 import gnosphere
-from gnosphere import Effects, Field, SensorRequest
+from gnosphere import Effects, SensorRequest
 
 particles, steps = 500, 8
 random = np.random.default_rng(4)
@@ -34,7 +34,7 @@ def poses(states: np.ndarray) -> np.ndarray:
 
 
 def ranges(states: np.ndarray) -> np.ndarray:
-    batch = simulator.scan_batch(poses(states), fields=[Field.range])
+    batch = simulator.scan_batch(poses(states), fields="range")
     return np.where(np.isnan(batch.ranges), sensor.range_max, batch.ranges)
 
 

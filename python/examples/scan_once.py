@@ -8,7 +8,7 @@ import numpy as np
 import gnosphere
 
 scene = gnosphere.load_scene(sys.argv[1])
-request = gnosphere.SensorRequest(gnosphere.builtin_sensor("HDL-64E"), fields=[gnosphere.Field.intensity])
+request = gnosphere.SensorRequest(gnosphere.builtin_sensor("HDL-64E"), fields="intensity")
 simulator = gnosphere.Simulator(scene, request)
 scan = simulator.scan(gnosphere.Pose((0, 0, 1.8)))
 

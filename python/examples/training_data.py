@@ -9,14 +9,14 @@ import sys
 import numpy as np
 
 import gnosphere
-from gnosphere import Field, Label
+from gnosphere import Label
 
 scene = gnosphere.load_scene(sys.argv[1])
 for instance in scene.instances:
     instance.class_id = 1 if "car" in instance.name.lower() else 0
 
 request = gnosphere.SensorRequest(
-    gnosphere.builtin_sensor("HDL-64E"), fields=[Field.intensity, Field.label, Field.class_id], variable_weather=True
+    gnosphere.builtin_sensor("HDL-64E"), fields="intensity,label,class", variable_weather=True
 )
 simulator = gnosphere.Simulator(scene, request)
 visibilities = [400.0, 200.0, 100.0, 50.0]
@@ -28,12 +28,12 @@ shots = [
 
 def receive(shot: int, scan: gnosphere.Scan) -> None:
     returned = ~np.isnan(scan.ranges)
-    labels = scan.column(Field.label)[returned]
+    labels = scan["label"][returned]
     np.savez_compressed(
         f"fog-{shot}.npz",
         points=scan.points[returned],
-        intensity=scan.column(Field.intensity)[returned],
-        class_id=scan.column(Field.class_id)[returned],
+        intensity=scan["intensity"][returned],
+        class_id=scan["class"][returned],
         fog=labels == Label.scatter.value,
     )
     gnosphere.write_picture(scan, f"fog-{shot}.png")

@@ -20,7 +20,7 @@ from . import _gnosphere as gno
 from . import primitives
 
 Array = npt.NDArray[Any]
-Fields = Union[str, Iterable[gno.Field]]
+Fields = Union[str, Sequence[Union[gno.Field, str]]]
 Value = TypeVar("Value")
 
 POINT_FIELD_TYPES = {"uint8": 2, "uint16": 4, "uint32": 6, "float32": 7, "float64": 8}
@@ -114,8 +114,8 @@ class Lidar:
         ignore: Iterable[int] = (),
         options: Optional[gno.SimulatorOptions] = None,
     ) -> None:
-        """`sensor` is a Sensor or the name of a built-in one; `fields` are Fields or their names, such as
-        "intensity,ring"; `ignore` are instances that the sensor does not see, such as the robot that carries it."""
+        """`sensor` is a Sensor or the name of a built-in one; `fields` are names such as "intensity,ring", or
+        a sequence of Field or names; `ignore` are instances that the sensor does not see, such as the robot that carries it."""
         request = _request(sensor, effects, fields, ignore)
         self.sensors = [request.sensor]
         self.simulator = gno.Simulator(shapes.scene(), request, options or gno.SimulatorOptions())
@@ -163,8 +163,7 @@ def _request(
     sensor: Union[str, gno.Sensor], effects: Optional[gno.Effects], fields: Fields, ignore: Iterable[int]
 ) -> gno.SensorRequest:
     chosen = gno.builtin_sensor(sensor) if isinstance(sensor, str) else sensor
-    listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(map(gno.Field, fields))
-    return gno.SensorRequest(chosen, effects or gno.Effects(), listed, ignored_instances=[int(i) for i in ignore])
+    return gno.SensorRequest(chosen, effects or gno.Effects(), fields, ignored_instances=[int(i) for i in ignore])
 
 
 def pose_of(position: npt.ArrayLike, orientation: npt.ArrayLike = (0, 0, 0, 1)) -> gno.Pose:
@@ -241,7 +240,7 @@ def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:
     """The returns of a scan as one structured array, a value of the type per field, with the names that the columns of
     write_cloud() have. Fields beyond x, y, z, range, triangle and instance must have been asked for when the sensor was
     made."""
-    chosen = gno.parse_fields(fields) if isinstance(fields, str) else tuple(fields)
+    chosen = gno.parse_fields(fields)
     layout = gno.layout_of(chosen)
     layout.compact = True
     formats = []

@@ -20,7 +20,7 @@ import pytest
 from numpy.typing import NDArray
 
 from . import pictures
-from ._gnosphere import NO_TRIANGLE, CloudOptions, Scan, parse_fields, read_cloud, write_cloud
+from ._gnosphere import NO_TRIANGLE, CloudOptions, Scan, read_cloud, write_cloud
 
 # What may be different about an entry of two clouds, the gravest last, with the colour that it has on the page.
 KINDS = {
@@ -116,7 +116,7 @@ class GoldenCloud:
         limits = {**(tolerances or {}), "range": tolerance}
         always = _ALWAYS if scan.returns == 1 else (*_ALWAYS, *_WHOSE)
         kept = dict.fromkeys([*always, *filter(None, fields.split(",")), *limits])  # each of them once
-        options = CloudOptions(parse_fields(",".join(kept)))
+        options = CloudOptions(tuple(kept))
         file = f"{name}.npy" if scan.returns == 1 else f"{name}.pcd"
         golden = self.folder / file
         if self.update:

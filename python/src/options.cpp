@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "field_list.hpp"
 #include "rows.hpp"
 
 namespace gnosphere::python {
@@ -15,9 +16,9 @@ void bindRequest(nb::module_& m) {
   request
       .def(
           "__init__",
-          [](SensorRequest* self, Sensor sensor, Effects effects, std::vector<Field> fields, bool variableWeather,
+          [](SensorRequest* self, Sensor sensor, Effects effects, FieldList fields, bool variableWeather,
              std::vector<uint32_t> ignoredInstances) {
-            new (self) SensorRequest(std::move(sensor), std::move(effects), std::move(fields));
+            new (self) SensorRequest(std::move(sensor), std::move(effects), std::move(fields.fields));
             self->variableWeather = variableWeather;
             self->ignoredInstances = std::move(ignoredInstances);
           },
@@ -28,11 +29,10 @@ void bindRequest(nb::module_& m) {
               "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
       .def_rw("variable_weather", &SensorRequest::variableWeather,
               pythonText(requestOption("variable_weather").parameter.doc).c_str());
-  readWriteTuple(
-      request, "fields", &SensorRequest::fields,
-      "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
-      "Scan.column(). With SimulatorOptions.results_on_device, the fields that batches hold beyond ranges. A "
-      "tuple, assigned whole.");
+  readWriteFields(request, &SensorRequest::fields,
+                  "The fields that scans hold beyond points, ranges, triangles and instances; read them by name, as in "
+                  "scan[\"intensity\"]. With SimulatorOptions.results_on_device, the fields that batches hold beyond "
+                  "ranges. A tuple, assigned whole: names in a text, or a sequence of Field or names.");
   readWriteTuple(request, "ignored_instances", &SensorRequest::ignoredInstances,
                  (pythonText(requestOption("ignored_instances").parameter.doc) + " A tuple, assigned whole.").c_str());
 }

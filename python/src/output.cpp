@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
 #include "base/text.hpp"
+#include "field_list.hpp"
 #include "output/cloud_format.hpp"
 #include "scan.hpp"
 #include "scan/fields.hpp"
@@ -59,14 +60,15 @@ void bindLayout(nb::module_& m) {
   readWriteTuple(layout, "values", &RecordLayout::values, "A tuple of copies, assigned whole.");
   m.def(
       "_column_names",
-      [](const std::vector<Field>& fields) {
+      [](const FieldList& list) {
         std::vector<std::string> names;
-        for (const ColumnInfo& column : columnsOf(fields)) names.emplace_back(column.name);
+        for (const ColumnInfo& column : columnsOf(list.fields)) names.emplace_back(column.name);
         return tupleOf(names);
       },
       "fields"_a, "Returns the names of the columns that a cloud file with these fields has.");
-  m.def("layout_of", &layoutOf, "fields"_a,
-        "Returns a layout with the fields one after the other without gaps, each component in the field's own type.");
+  m.def(
+      "layout_of", [](const FieldList& list) { return layoutOf(list.fields); }, "fields"_a,
+      "Returns a layout with the fields one after the other without gaps, each component in the field's own type.");
   m.def(
       "pack",
       [](const SharedScan& scan, const RecordLayout& of, const nb::object& out) {
@@ -132,8 +134,10 @@ void bindComparison(nb::module_& m) {
 
 void bindOutput(nb::module_& m) {
   m.def(
-      "parse_fields", [](const std::string& names) { return tupleOf(parseFields(names)); }, "names"_a,
-      "Parses a list such as 'x,y,z,range'. Raises Error(invalid_argument) that lists the known names.");
+      "parse_fields", [](const FieldList& list) { return tupleOf(list.fields); }, "fields"_a,
+      "The fields of a text such as 'x,y,z,range', or of a sequence of Field or names; every `fields` of this package "
+      "takes both. An empty text has none. Raises Error(invalid_argument) that lists the known names for another name, "
+      "and TypeError for anything else.");
   m.def(
       "default_fields", [] { return tupleOf(defaultFields()); }, "x y z range ring beam triangle instance");
   bindLayout(m);
@@ -142,8 +146,8 @@ void bindOutput(nb::module_& m) {
   options
       .def(
           "__init__",
-          [](CloudOptions* self, std::vector<Field> fields, bool compact, bool ascii) {
-            new (self) CloudOptions{std::move(fields), compact, ascii};
+          [](CloudOptions* self, FieldList fields, bool compact, bool ascii) {
+            new (self) CloudOptions{std::move(fields.fields), compact, ascii};
           },
           "fields"_a = nb::make_tuple(), "compact"_a = false, "ascii"_a = false)
       .def_rw(
@@ -151,8 +155,8 @@ void bindOutput(nb::module_& m) {
           "If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If "
           "beams have several returns, the file is always compact: one row per return, and no grid.")
       .def_rw("ascii", &CloudOptions::ascii, "Writes PCD and PLY as text; CSV always is text.");
-  readWriteTuple(options, "fields", &CloudOptions::fields,
-                 "If empty: default_fields(), plus return_number and return_count if beams have several returns.");
+  readWriteFields(options, &CloudOptions::fields,
+                  "If empty: default_fields(), plus return_number and return_count if beams have several returns.");
   m.def(
       "write_cloud",
       [](const SharedScan& scan, const std::filesystem::path& file, const CloudOptions& of) {

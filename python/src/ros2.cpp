@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/ros2.hpp, as the module gnosphere.ros2.
+#include <nanobind/stl/variant.h>
+
 #include <gnosphere/ros2.hpp>
 
 #include "arrays.hpp"
+#include "field_list.hpp"
 #include "scan.hpp"
 
 namespace gnosphere::python {
@@ -125,15 +128,10 @@ void bindPublisher(nb::module_& m) {
           "type"_a, "topic"_a, "qos"_a = Qos(), "domain"_a = nb::none(), "localhost_only"_a = nb::none(),
           "`topic` is a name of ROS, such as \"points\" or \"/front/points\"; the domain is that of ROS_DOMAIN_ID "
           "unless given. Raises Error(device) that says what is missing if GnoSphere was built without Cyclone DDS.")
-      .def(
-          "publish", [](Publisher& self, PointCloud2 message) { self.publish(std::move(message)); }, "message"_a)
-      .def(
-          "publish", [](Publisher& self, LaserScan message) { self.publish(std::move(message)); }, "message"_a)
-      .def(
-          "publish", [](Publisher& self, Clock message) { self.publish(message); }, "message"_a)
-      .def(
-          "publish", [](Publisher& self, std::vector<StampedTransform> message) { self.publish(std::move(message)); },
-          "message"_a, "Raises Error(invalid_argument) for a message of another type than the topic's.")
+      .def("publish", &Publisher::publish, "message"_a,
+           "Hands over a copy of a message, to be sent. A sequence of StampedTransform is a message of transforms. "
+           "Raises Error(invalid_argument) for a message of another type than the topic's, and for one whose sizes "
+           "contradict each other.")
       .def("flush", &Publisher::flush, "seconds"_a, WithoutGil(),
            "Waits until all messages have been given to the network. Returns False if that takes longer.")
       .def("counts", &Publisher::counts, "What has become of the messages.");
@@ -170,8 +168,8 @@ void bindRos2(nb::module_& parent) {
   m.def("unavailable", &unavailable, "Why nothing can be published; an empty text if messages can be.");
   m.def(
       "cloud_of",
-      [](const SharedScan& scan, const std::vector<Field>& fields, const std::string& frame, int64_t stamp) {
-        return cloudOf(*scan.value, fields, frame, stamp);
+      [](const SharedScan& scan, const FieldList& list, const std::string& frame, int64_t stamp) {
+        return cloudOf(*scan.value, list.fields, frame, stamp);
       },
       "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The returns of a scan as a cloud with these fields and without gaps; `stamp` is in nanoseconds. Raises "
@@ -183,8 +181,7 @@ void bindRos2(nb::module_& parent) {
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The first returns of one channel of a grid of beams that turns, from the first column to the last; `stamp` is "
-      "in "
-      "nanoseconds. Raises Error(invalid_argument) for a channel that there is not, and for a list of beams.");
+      "in nanoseconds. Raises Error(invalid_argument) for a channel that there is not, and for a list of beams.");
 }
 
 }  // namespace gnosphere::python

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "batch.hpp"
+#include "field_list.hpp"
 #include "whole.hpp"
 
 namespace gnosphere::python {
@@ -123,19 +124,19 @@ class SeesSignals {
 };
 
 SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
-                      const std::vector<Field>& fields) {
+                      const FieldList& list) {
   SharedBatch result;
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields, SeesSignals()); });
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, list.fields, SeesSignals()); });
   });
   return result;
 }
 
 void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size_t sensor, const NumbersLike& worlds,
-                   uint64_t frame, const std::vector<Field>& fields) {
+                   uint64_t frame, const FieldList& list) {
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
     Taken taken(result);
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields, SeesSignals()); });
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, list.fields, SeesSignals()); });
   });
 }
 
@@ -385,14 +386,12 @@ void bindSimulator(nb::module_& m) {
   nb::class_<Self> simulator(
       m, "Simulator", nb::type_slots(CollectedSimulator::slots),
       "A scene and sensors on a device. Materials, meshes, instances and sensors can be added and removed between "
-      "scans. "
-      "Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; the index "
-      "of "
-      "a removed object is given to the next one added.\n\nA call that raises Error(invalid_argument) or "
+      "scans. Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; "
+      "the index of a removed object is given to the next one added.\n\nA call that raises Error(invalid_argument) or "
       "Error(out_of_memory) leaves the simulator as it was; a change that names an index that does not exist or was "
       "removed, or a value that is not valid, is such a call. One thread at a time may use a simulator; a second one "
-      "gets "
-      "an Error. Several simulators may be used by several threads at once: no call holds the GIL while it works.");
+      "gets an Error. Several simulators may be used by several threads at once: no call holds the GIL while it "
+      "works.");
   simulator
       .def(
           "__init__",

@@ -100,6 +100,33 @@ def test_wrong_indices_of_a_scene(square):
         gnosphere.validate(gnosphere.Scene([gnosphere.Material()], [square_beyond], [gnosphere.Instance(0)]))
 
 
+def test_fields_are_names_or_a_sequence():
+    Field = gnosphere.Field
+    sensor = gnosphere.builtin_sensor("VLP-16")
+    alike = ["ring,class", " Ring, CLASS ", ["ring", "class"], (Field.ring, "class"), np.array(["ring", "class"])]
+    for fields in [*alike, [Field.ring, Field.class_id]]:
+        assert gnosphere.SensorRequest(sensor, fields=fields).fields == (Field.ring, Field.class_id)
+        assert gnosphere.parse_fields(fields) == (Field.ring, Field.class_id)
+    assert gnosphere.parse_fields("") == gnosphere.parse_fields([]) == gnosphere.SensorRequest(sensor).fields == ()
+
+    request = gnosphere.SensorRequest(sensor, fields="ring")
+    options = gnosphere.CloudOptions(fields=["x", Field.y])
+    assert options.fields == (Field.x, Field.y)
+    for target in (request, options):
+        target.fields = "intensity"
+        assert target.fields == (Field.intensity,)
+        with refused(ErrorCode.invalid_argument, "'rnge'; known are x, y, z, range"):
+            target.fields = ["rnge"]
+        assert target.fields == (Field.intensity,)
+    for wrong, culprit in [(3, "fields is a int"), ({"x"}, "fields is a set"), (b"x", "fields is a bytes")]:
+        with pytest.raises(TypeError, match=culprit):
+            gnosphere.SensorRequest(sensor, fields=wrong)
+    with pytest.raises(TypeError, match="fields holds a float; it must hold Field or names"):
+        gnosphere.layout_of(["x", 1.5])
+    layout = gnosphere.layout_of("x,ring")
+    assert [value.offset for value in layout.values] == [0, 4]
+
+
 def test_names_that_are_unknown(tmp_path):
     with refused(ErrorCode.invalid_argument, "HDL-64E"):
         gnosphere.builtin_sensor("HDL-65")

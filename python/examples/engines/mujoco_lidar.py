@@ -46,7 +46,7 @@ for frame in range(8):  # 0.8 s; a turn of the head is 0.1 s, ten steps
         mujoco.mj_step(model, data)
         lidar.record(data)
     scan = lidar.scan(data)
-    classes = scan.column(gnosphere.Field.class_id)[~np.isnan(scan.ranges)]
+    classes = scan["class"][~np.isnan(scan.ranges)]
     counts = np.bincount(classes, minlength=5)
     print(f"{data.time:.1f} s: {counts[1]} points on the ground, {counts[2]} on hills, {counts[3]} on the wall, "
           f"{counts[4]} on things")  # fmt: skip

@@ -83,8 +83,8 @@ class Worlds(adapter.Lidar):
         for made in self._worlds:
             self._geoms[made.first :][: len(made.geoms)] = made.geoms
         self._poses = np.empty((len(self.models), 7))
-        listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(map(gno.Field, fields))
-        self._fields = [gno.Field.instance, *(field for field in listed if field != gno.Field.instance)]
+        others = (field for field in gno.parse_fields(fields) if field != gno.Field.instance)
+        self._fields = [gno.Field.instance, *others]
 
     def add_sensor(
         self,
