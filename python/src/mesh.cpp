@@ -67,11 +67,10 @@ void bindDeformation(nb::module_& m) {
           },
           "joints"_a = nb::make_tuple(), "morph_weights"_a = nb::make_tuple(),
           "joints: shape (joints, 3, 4), float64, or a sequence of Transform. By joint: maps a vertex of the mesh "
-          "frame "
-          "to where the joint takes it, in the mesh frame. In the terms of glTF: inverse(node of the mesh) * node of "
-          "the joint * inverse bind matrix. Mesh.joint_count entries.\n"
-          "morph_weights: shape (targets,), float32: the share of each morph target. As many as Mesh.morph_targets.\n"
-          "Raises Error(invalid_argument) for arrays of another shape or type.")
+          "frame to where the joint takes it, in the mesh frame. In the terms of glTF: inverse(node of the mesh) * "
+          "node of the joint * inverse bind matrix. Mesh.joint_count entries.\nmorph_weights: shape (targets,), "
+          "float32: the share of each morph target. As many as Mesh.morph_targets.\nRaises Error(invalid_argument) for "
+          "arrays of another shape or type.")
       .def_prop_ro(
           "joints", [](const Deformation& self) { return transformsView(self.joints, nb::find(self)); }, kOwned,
           "Shape (joints, 3, 4), float64: a read-only view, which keeps the deformation alive.")

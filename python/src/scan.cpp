@@ -261,13 +261,11 @@ void bindScan(nb::module_& m) {
   nb::class_<SharedScan> scan(
       m, "Scan",
       "The result of a scan. Every array and column has `returns` entries per beam: entry beam * returns + k is the "
-      "beam's "
-      "k-th return in order of range (k from 0), where beam = channel * columns + column. In an entry without a return "
-      "`points` and `ranges` are NaN, and `triangles` and `instances` are NO_TRIANGLE.\n\nThe arrays are NumPy views "
-      "of "
-      "the library's memory, which each view keeps alive: also after the Scan is deleted, and after scan_into() or "
-      "scan_all() has gone on, which take new memory while a view is held. So the values of a view change only if you "
-      "write to them.");
+      "beam's k-th return in order of range (k from 0), where beam = channel * columns + column. In an entry without a "
+      "return `points` and `ranges` are NaN, and `triangles` and `instances` are NO_TRIANGLE.\n\nThe arrays are NumPy "
+      "views of the library's memory, which each view keeps alive: also after the Scan is deleted, and after "
+      "scan_into() or scan_all() has gone on, which take new memory while a view is held. So the values of a view "
+      "change only if you write to them.");
   scan.def(nb::init<>(), "An empty scan, for Simulator.scan_into().");
   readMember(scan, "sensor", &Scan::sensor, "The sensor's name.");
   readMember(scan, "columns", &Scan::columns, "Columns of the organised cloud.");

@@ -107,9 +107,8 @@ void bindSensorItself(nb::module_& m) {
       "channels[j].elevation_deg and the azimuth azimuth_start_deg + azimuth_span_deg * i / columns + "
       "channels[j].azimuth_offset_deg (degrees, counter-clockwise seen from above, 0 = x axis). Beam index = channel * "
       "columns + column: the organised cloud has one row per channel.\n\nIf `patterns` is not empty, the beams are "
-      "those "
-      "of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same number of "
-      "beams; columns and channels must be 0 and empty.");
+      "those of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same "
+      "number of beams; columns and channels must be 0 and empty.");
   const Sensor none;
   sensor
       .def(

@@ -56,8 +56,7 @@ const PrismHead kPrismHeads[] = {
      "scanners_tls.xml: two prisms of 29.7 degrees and of a refractive index of 1.5095 at 7294 and -4664 turns per "
      "minute",
      "Model of two prisms, whose angle HELIOS++ estimates from the field of view. Divergence as Mid-40. 40 scans, "
-     "after "
-     "which the pattern starts anew.",
+     "after which the pattern starts anew.",
      0.05,
      260,
      90,
