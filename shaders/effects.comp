@@ -90,7 +90,8 @@ vec3 surfaceVelocityAt(uvec2 owner, vec3 point) {
   InstanceMotion moving = instanceMotions.at[owner.y];
   vec3 rigid;
   if (DEFORMED == kDeformsNothing || moving.bound.z == 0.0) {
-    vec3 now = fromColumn(beamMotion, point + beamOrigin);
+    precise vec3 met = point + beamOrigin;  // `point` is a product, and no device may fuse it with this sum
+    vec3 now = fromColumn(beamMotion, met);
     if (findVelocity(moving, instances.at[owner.y], beamMotion.velocity.w, now, rigid))
       return rotated(beamMotion.row0, beamMotion.row1, beamMotion.row2, rigid);
   }
