@@ -228,6 +228,7 @@ void findHits(uint index, Beam beam, bool panes) {
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
   uint k = panes ? afterWord : listFirst, until = panes ? panesEnd : listEnd;
   if (!panes) panesEnd = afterWord;
+  if (LAYERS > 1 && SPREAD_RAYS > 0) meetAgain();  // all lanes see the panes that one of them has kept
   raysHit = uvec2(0);
   hitAgain = 0;
   float end = endOf(index), farthest = min(farthestHit(), end);

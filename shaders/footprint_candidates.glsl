@@ -58,15 +58,15 @@ float nearestAt(uint k) {
 // The panes that light may meet: candidates from `afterWord` on, before this one.
 uint panesEnd;
 
-// Moves a pane to `panesEnd`, before which the search has left only such panes and read everything. Lanes that share a
-// beam all store the same values, so that each finds them later, and wait until all lanes have read the old ones.
+// Moves a pane to `panesEnd`, before which the search has left only such panes and read everything. Of lanes that share a
+// beam one stores the pane, after all have read what it replaces.
 void keepPane(uint k) {
+  uvec2 pane = BINNING == kBinningLists ? uvec2(projectedAt(k), 0) : uvec2(linkedAt(k), floatBitsToUint(nearestAt(k)));
   if (SPREAD_RAYS > 0) meetAgain();
-  if (BINNING == kBinningLists) {
-    candidates.at[panesEnd] = projectedAt(k);
-  } else {
-    uvec2 pane = uvec2(linkedAt(k), floatBitsToUint(nearestAt(k)));
-    if (isOwn(panesEnd)) {
+  if (speaksForBeam()) {
+    if (BINNING == kBinningLists) {
+      candidates.at[panesEnd] = pane.x;
+    } else if (isOwn(panesEnd)) {
       ownLinks.at[panesEnd & ~kOwnPlace] = pane;
     } else {
       candidates.at[3 * panesEnd] = pane.x;

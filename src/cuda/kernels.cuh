@@ -183,7 +183,8 @@ struct effects_strays {
 #include "glsl/effects_strays.comp"
 };
 
-// CUDA leaves all sub-rays of a beam to one thread, so it has no SPREAD_RAYS; tools/gpus asks for it.
+// CUDA leaves all sub-rays of a beam to one thread, so it has no SPREAD_RAYS. tools/gpus asks for it, and the tests by
+// GNO_SPREAD_RAYS, the number of sub-rays of footprints whose lanes have two places each.
 template <uint RAYS, uint SPREAD_RAYS = 0>
 struct effects_footprint {
   const Job& job;
@@ -238,9 +239,9 @@ void launchMeeting(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
 
 // Launches the kernel for kRays sub-rays. Each pass is a kernel of its own, because the first and the others have
 // little in common, and together they have too few registers. With strays the others have too few of them even alone.
-template <uint kRays>
+template <uint kRays, uint kSpread = 0>
 void launchFootprint(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
-  using Stage = effects_footprint<kRays>;
+  using Stage = effects_footprint<kRays, kSpread>;
   switch (job.options.PASS) {
     case kPassFootprintOthers:
       (job.options.EFFECTS & kStrays) != 0
@@ -278,6 +279,9 @@ void launch(Kernel kernel, const Job& job, uint32_t workgroupsX, uint32_t workgr
     case Kernel::resolve: return launchMeeting<resolve>(job, workgroupsX, workgroupsY);
     case Kernel::effects_strays: return launch<effects_strays>(job, workgroupsX, workgroupsY);
     case Kernel::effects_footprint:
+#ifdef GNO_SPREAD_RAYS
+      if (job.options.SPREAD_RAYS > 0) return launchFootprint<2, GNO_SPREAD_RAYS>(job, workgroupsX, workgroupsY);
+#endif
       switch (job.options.RAYS) {
         case 1: return launchFootprint<1>(job, workgroupsX, workgroupsY);
         case 7: return launchFootprint<7>(job, workgroupsX, workgroupsY);

@@ -46,6 +46,7 @@ class CudaMachine final : public Machine {
     if (options.tuning.maxBufferBytes > 0) traits_.info.maxBufferBytes = options.tuning.maxBufferBytes;
     traits_.int64Atomics = traits_.float64 = true;
     traits_.workgroups = device_.workgroups;
+    traits_.spreadsRays = device_.spreadsRays;
   }
 
   const Traits& traits() const override { return traits_; }

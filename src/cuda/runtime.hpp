@@ -20,6 +20,7 @@ struct Device {
   /// Number of workgroups that fills the device; most kernels loop over their items, so any number of workgroups will
   /// do.
   uint32_t workgroups = 0;
+  bool spreadsRays = false;  ///< Traits::spreadsRays
   Launch launch = nullptr;
 };
 

@@ -18,6 +18,9 @@ Device chooseDevice(const DeviceChoice&) {
   Device device = hostDevice("lanes on the host");
   device.workgroups = 3;
   device.launch = launchNamed;
+  // The smallest subgroups, so that two places per lane are enough for 7 sub-rays in subgroups of any size.
+  device.info.subgroupSize = 4;
+  device.spreadsRays = true;
   return device;
 }
 
