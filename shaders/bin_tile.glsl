@@ -43,14 +43,8 @@ bool mayMeetAxis(Turned turned, float margin) {
 }
 
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
-// lane computes its own range of columns.
-void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
-  uint rowCount = boxRowCount(tile.box);
-  from = 0;
-  to = rowCount;
-  // A small tile does not repay this work, and the paper's bounds must stay as they are.
-  bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
-  if (!pays || BOUNDS == kBoundsPaper) return;
+// lane has columns of its own, and some return early.
+void narrowRows(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, inout uint from, inout uint to) {
   uint first = columnOf(tile, kFrom);
   uint last = columnOf(tile, kTo + uint(ceil(BESIDE)));
   Triangle triangle = tile.triangle;
@@ -79,6 +73,17 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   rowsBetween(keyMin - widening, keyMax + widening, from, to);
   from = max(from, tile.box.rowFirst) - tile.box.rowFirst;
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
+}
+
+// Returns rows from..to - 1 of a box, which hold all whose beams in columns kFrom..kTo may hit the triangle. The lanes run
+// together again behind the `if`; behind a function from which some return early Vulkan does not promise that.
+void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
+  uint rowCount = boxRowCount(tile.box);
+  from = 0;
+  to = rowCount;
+  // A small tile does not repay this work, and the paper's bounds must stay as they are.
+  bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
+  if (pays && BOUNDS != kBoundsPaper) narrowRows(tile, prepared, kFrom, kTo, angle, from, to);
 }
 
 #include "bin_lists.glsl"

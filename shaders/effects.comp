@@ -194,13 +194,14 @@ void storeHit() {
 // this.
 void addCount(uint cause, uint count) {
   uint sum = subgroupAdd(count);
-  if (!subgroupElect() || sum == 0) return;
-  if (VIEWS)
-    atomicAdd(viewCauses.at[view * kCauses + cause], sum);
-  else if (SIGNALS)
-    atomicAdd(counters.causes[cause], sum);
-  else
-    atomicAdd(counters.hits, sum);
+  if (subgroupElect() && sum > 0) {
+    if (VIEWS)
+      atomicAdd(viewCauses.at[view * kCauses + cause], sum);
+    else if (SIGNALS)
+      atomicAdd(counters.causes[cause], sum);
+    else
+      atomicAdd(counters.hits, sum);
+  }
 }
 
 void addCounts() {
@@ -227,15 +228,8 @@ void loadHit(bool own) {
   if ((FIELDS & kFieldBarycentrics) != 0) hitBarycentrics = barycentricsOf(surface.corners, lightDirection * hitRange);
 }
 
-// Computes the returns of a beam. An invocation that has no beam of its own takes part with that of another.
-void answer(BeamRow row, bool own) {
-  beamIndex = numberIn(row, wordIndex, columnIndex);
-  Beam axis = beamIn(row, columnIndex);
-  loadPlaceOfBeam(rowIndex, columnIndex, axis.azimuth);
-  beamDirection = lightDirection = axis.direction;
-  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[beamEntry(wordIndex)]);
-  if (!MANY_ECHOES) loadHit(own);
-  if (!own || (NUMBERED && beamIndex == kNone)) return;
+// Computes the returns of a beam whose directions are known, and its hit if it needs one.
+void answerBeam() {
   if (NUMBERED && SIGNALS) {
     vec2 window = rangesOf(wordIndex);
     planned.rangeMin = window.x;
@@ -250,6 +244,19 @@ void answer(BeamRow row, bool own) {
     computeReturns();
   else
     storeHit();
+}
+
+// Computes the returns of a beam. An invocation that has no beam of its own takes part with that of another. No invocation
+// returns early, because Vulkan promises only behind an `if` or a loop that all of a subgroup run together again, and they
+// share the surfaces of their next beams.
+void answer(BeamRow row, bool own) {
+  beamIndex = numberIn(row, wordIndex, columnIndex);
+  Beam axis = beamIn(row, columnIndex);
+  loadPlaceOfBeam(rowIndex, columnIndex, axis.azimuth);
+  beamDirection = lightDirection = axis.direction;
+  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[beamEntry(wordIndex)]);
+  if (!MANY_ECHOES) loadHit(own);
+  if (own && !(NUMBERED && beamIndex == kNone)) answerBeam();
 }
 
 void main() {

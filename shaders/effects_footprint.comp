@@ -427,8 +427,9 @@ void follow(uint index, uint beam, Beam axis) {
 
 // Returns the tangents, the energy and the length of the sub-ray at a place. A place without one has no energy.
 vec4 subRayAt(uint place) {
-  if (SPREAD_RAYS > 0 && numberOfRay(place) >= SPREAD_RAYS) return vec4(0.0, 0.0, 0.0, 1.0);
-  return subRays.at[numberOfRay(place)];
+  vec4 subRay = vec4(0.0, 0.0, 0.0, 1.0);
+  if (SPREAD_RAYS == 0 || numberOfRay(place) < SPREAD_RAYS) subRay = subRays.at[numberOfRay(place)];
+  return subRay;
 }
 
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the

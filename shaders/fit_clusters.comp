@@ -69,9 +69,10 @@ void countDropped(uint cluster) {
     dropped += uvec2(!finite, finite && (a == b || b == c || c == a));
   }
   dropped = subgroupAdd(dropped);
-  if (!subgroupElect() || dropped == uvec2(0)) return;
-  atomicAdd(droppedTriangles.at[2 * sourceNumber], dropped.x);
-  atomicAdd(droppedTriangles.at[2 * sourceNumber + 1], dropped.y);
+  if (subgroupElect() && dropped != uvec2(0)) {
+    atomicAdd(droppedTriangles.at[2 * sourceNumber], dropped.x);
+    atomicAdd(droppedTriangles.at[2 * sourceNumber + 1], dropped.y);
+  }
 }
 
 void fitCluster(uint cluster, inout vec3 groupLow, inout vec3 groupHigh) {
@@ -82,9 +83,10 @@ void fitCluster(uint cluster, inout vec3 groupLow, inout vec3 groupHigh) {
   high = subgroupMax(high);
   groupLow = min(groupLow, low);
   groupHigh = max(groupHigh, high);
-  if (!subgroupElect()) return;
-  clusters.at[cluster].low = low;
-  clusters.at[cluster].high = high;
+  if (subgroupElect()) {
+    clusters.at[cluster].low = low;
+    clusters.at[cluster].high = high;
+  }
 }
 
 void main() {
@@ -102,7 +104,7 @@ void main() {
     }
     barrier();
     if (gl_LocalInvocationID.x == 0) {
-      for (uint k = 1; k < gl_NumSubgroups; ++k) {
+      for (uint k = 0; k < gl_NumSubgroups; ++k) {  // this invocation may belong to any subgroup
         low = min(low, lows[k]);
         high = max(high, highs[k]);
       }

@@ -88,8 +88,8 @@ vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) 
 // shifts and turns. asin(x) is at most 1.05 x up to half a radian; beyond that the result is 4, which stands for every
 // direction.
 float seemingAngle(float shift, float turn, float distance) {
-  if (!(shift > 0.0)) return turn < 0.5 ? turn : 4.0;
-  float angle = turn + (shift < 0.5 * distance ? 1.05 * shift / distance : 4.0);
+  float angle = turn;
+  if (shift > 0.0) angle += shift < 0.5 * distance ? 1.05 * shift / distance : 4.0;
   return angle < 0.5 ? angle : 4.0;
 }
 

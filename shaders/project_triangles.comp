@@ -388,12 +388,12 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
           triedSurface = optics.at[survivor.material];
           triedTexture = projected.inTexture;
         }
-        shares = sharesBeams();
+        shares = SHARES_BEAMS;
         if (!shares) tryBox(triangle, projected.velocities, prepared, silhouette, box);
         fate = kNoTriangle;
       }
     }
-    if (sharesBeams()) tryBoxes(shares, projected, box);
+    if (SHARES_BEAMS) tryBoxes(shares, projected, box);
     if (subgroupAny(fate == kKeep)) {
       storeKept(fate == kKeep, projected, box, survivor.material);
       stored = true;

@@ -78,7 +78,8 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
 // True if the lanes of a subgroup share the beams of their triangles. The boxes of a list hold numbers of beams that
 // differ much, and without sharing all lanes wait for the one with the most. A single scan gains nothing, because it tries
 // only small boxes here.
-bool sharesBeams() { return LISTED && VIEWS && !MOTION && SHIFTS_TURNED && (EFFECTS & kCutOuts) == 0 && gl_SubgroupSize <= 32; }
+#define SHARES_BEAMS \
+  (LISTED && VIEWS && !MOTION && SHIFTS_TURNED && (EFFECTS & kCutOuts) == 0 && gl_SubgroupSize <= 32)
 
 // Tries the beams of the boxes of all lanes that have a triangle, as tryBox() does for one box. In each round every lane
 // looks up one run of cells, and the lanes share the beams of all these runs. All lanes of the subgroup must call this.
@@ -108,8 +109,9 @@ void tryBoxes(bool there, Projected own, Box box) {
       Beam beam = listedBeam(index);
       float range;
       Turned turned = turnedFrom(triangle, index, index, beam.azimuth);
-      bool met = meet(triangle, prepare(triangle), turned, beam, index, kNone, range) &&
-                 floatBitsToUint(range) <= known && first + lane < total;
+      // The condition before the call of meet(), which some lanes leave early, also makes them run together again.
+      bool met = first + lane < total && meet(triangle, prepare(triangle), turned, beam, index, kNone, range) &&
+                 floatBitsToUint(range) <= known;
       if (met) offerNearest(index, range, triangle.id);
       metLanes |= met ? 1u << owner : 0;
     }

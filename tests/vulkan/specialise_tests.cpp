@@ -23,6 +23,7 @@
 #include "town/town.hpp"
 #include "vulkan/execution_modes.hpp"
 #include "vulkan/kernel.hpp"
+#include "vulkan/reconvergence.hpp"
 #include "vulkan/spirv.hpp"
 
 using namespace gnosphere;
@@ -136,6 +137,8 @@ class NotingMachine final : public Machine {
   NotingMachine(const vulkan::Capabilities& capabilities, std::set<Variant>& variants) : variants_(variants) {
     traits_ = {{}, capabilities.cpu, capabilities.int64Atomics, capabilities.float64};
     traits_.info.maxBufferBytes = uint64_t{4} << 30;
+    traits_.info.subgroupSize = capabilities.subgroups.size;
+    traits_.spreadsRays = true;
   }
   const Traits& traits() const override { return traits_; }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind) override {
@@ -187,6 +190,7 @@ std::map<Words, Variant> usedModules(const vulkan::Capabilities& capabilities) {
   plan(bare, "VLP-16", {"clean", "intensity=on", "fog.visibility=150", "rain.rate=25", "range-noise.sigma=0.02"});
   plan(town, "VLP-16", {"clean", "intensity=on", "returns.count=3", "transmission=on"});
   plan(town, "OS1-64", {"auto"});
+  plan(town, "Puck", {"clean", "sensor-motion=on"});
   footprint(bare, "returns=off", "19");
   if (everyCombination()) {
     for (const std::string accuracy : {"paper", "draft", "standard", "exact"})
@@ -243,6 +247,51 @@ TEST_CASE("the kernels of the plans that people use are specialised, and valid t
       tools.validate(module);
     }
   }
+}
+
+TEST_CASE("lanes run together wherever a kernel of the plans that people use has operations of subgroups",
+          "[combinations]") {
+  // What these functions return early for is the same in all lanes of a subgroup. No operation follows a square root of
+  // a number below 1.
+  const std::set<std::string> together = {"boundAndStore", "cornersOf",  "deformedPosition", "deformerOf",
+                                          "endOfEcho",     "findHit",    "handOn",           "list",
+                                          "loadHit",       "main",       "morphedPosition",  "nextCluster",
+                                          "rangesOf",      "squareRoot", "toSensor",         "tryBoxes",
+                                          "tryProjected",  "trySlabs",   "vertexOfMesh",     "verticesOf"};
+  vulkan::Capabilities card;
+  card.int64Atomics = card.float64 = true;
+  card.subgroups = {32};
+  std::map<Words, Variant> modules = usedModules(card);
+  const Variant fitting = {Kernel::fit_clusters, {}, false};
+  modules[vulkan::codeOf(card, fitting).words] = fitting;
+  for (const auto& [module, variant] : modules) {
+    INFO(nameOf(variant.kernel) << ", pass " << variant.options.PASS);
+    CHECK(Reconvergence(module, together).faults() == std::set<std::string>());
+  }
+}
+
+TEST_CASE("lanes that return early from a function come apart, and meet behind the `if` around its call") {
+  const auto faults = [](const std::string& call) {
+    const Words module = Tools().compile(R"(#version 460
+      #extension GL_KHR_shader_subgroup_arithmetic : require
+      layout(local_size_x = 64) in;
+      layout(binding = 0) buffer Output { uint y[]; };
+      void change(uint i) {
+        if (y[i] == 0) return;
+        y[i] = 2;
+      }
+      void main() {
+        for (uint i = gl_LocalInvocationID.x; i < 640; i += 64) {
+          uint sum = subgroupAdd(y[i]);
+          )" + call + R"(
+          y[i] += sum;
+        }
+      })");
+    return Reconvergence(module, {}).faults();
+  };
+  CHECK(faults("change(i);") == std::set<std::string>{"main behind change"});
+  CHECK(faults("if (sum > 0) change(i);") == std::set<std::string>());
+  CHECK(faults("if (sum > 0) change(i); else return;") == std::set<std::string>{"main behind main"});
 }
 
 TEST_CASE("a specialised module means what spirv-opt makes of the same constants") {
