@@ -52,6 +52,7 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   const gno_simulator device = simulatorWith(options);
   gno_batch_stream_options many = gno_batch_stream_options_init();
   many.views = 3;
+  many.to_host = 1;
   gno_batch_stream stream = nullptr;
   CHECK(refused(gno_batch_stream_create(host, &many, &stream), "results_on_device"));
   REQUIRE(gno_batch_stream_create(device, &many, &stream) == GNO_OK);

@@ -46,7 +46,7 @@ struct AdoptedInC {
     info.memoryTypeIndex = type;
     const auto& vk = self.app.vk();
     if (vk.vkAllocateMemory(self.device.device, &info, nullptr, &to->memory) != VK_SUCCESS) return;
-    vk.vkMapMemory(self.device.device, to->memory, 0, VK_WHOLE_SIZE, 0, &to->mapped);
+    if (self.app.isHostVisible(type)) vk.vkMapMemory(self.device.device, to->memory, 0, VK_WHOLE_SIZE, 0, &to->mapped);
     to->allocation = &self;
     ++self.alive;
     ++self.made;
