@@ -121,11 +121,14 @@ struct SensorFileOptions {
   /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
   std::string head;
   /// One of several that a file describes: a lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner
-  /// (HELIOS++) or of a lidar (CARLA), an operational state (firing times of Hesai). If empty, that of the file, or its
-  /// first.
+  /// (HELIOS++), with ":RATE" for its pulses a second if wanted, or of a lidar (CARLA), an operational state (firing
+  /// times of Hesai). If empty, that of the file, or its first.
   std::string mode;
-  double scanRate = 0;              ///< scans per second; if 0, what the file or the head states, or else 10
-  uint32_t columns = 0;             ///< columns of a turn; if 0, what the file or the head states, or else 1800
+  /// Scans per second; if 0, what the file or the head states, or else 10. Of a mirror that sweeps lines (HELIOS++) a
+  /// scan is one period if this is 0.
+  double scanRate = 0;
+  /// Columns of a turn, or pulses in a mirror's period; if 0, what the file or the head states, or else 1800.
+  uint32_t columns = 0;
   uint32_t beamsPerScan = 0;        ///< cuts a list of beams into patterns of that many; if 0, a scan fires all of them
   std::filesystem::path fireTimes;  ///< Hesai's file of firing times that goes with an angle correction file
 };

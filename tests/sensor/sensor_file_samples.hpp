@@ -154,6 +154,13 @@ inline std::vector<Sample> samples() {
            "<document><scanner id='a' optics='rotating' pulseFreqs_Hz='100' headRotatePerSecMax_deg='3600'>"
            "<channels><channel><beamOrigin x='0' y='0' z='0.1'><rot axis='x' angle_deg='5'/></beamOrigin>"
            "</channel></channels></scanner></document>"},
+          {"helios-lines.xml",
+           "<document><scanner id='a' optics='rotating' pulseFreqs_Hz='100' scanAngleMax_deg='45' scanFreqMax_Hz='10'"
+           " scanAngleEffectiveMax_deg='30' maxNOR='4'><beamOrigin z='0.1'><rot axis='x' angle_deg='5'/></beamOrigin>"
+           "</scanner></document>"},
+          {"helios-tripod.xml",
+           "<document><scanner id='a' optics='oscillating' pulseFreqs_Hz='100' scanAngleMax_deg='45' scanFreqMin_Hz='1'"
+           " scanFreqMax_Hz='10' headRotatePerSecMax_deg='60'/></document>"},
           {"lidar.usda",
            "#usda 1.0\ndef OmniLidar \"a\"\n{\n uint omni:sensor:Core:scanRateBaseHz = 10\n"
            " uint omni:sensor:Core:patternFiringRateHz = 100\n"

@@ -129,8 +129,13 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(lists(file.assumed, "the first of the pulse rates 18750,300"));
   CHECK(lists(file.ignored, "wavelength_nm"));
   CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
-  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "als"}),
-             ContainsSubstring("'als' has oscillating optics and one line"));
+  const Sensor faster = readSensorFile(text, "scanners.xml", {.mode = "vlp16:300"}).sensor;
+  CHECK(faster.columns == 15);
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "vlp16:fast"}),
+             ContainsSubstring("the pulse rate of --mode vlp16:fast is 'fast', expected is a number"));
+  CHECK_THAT(
+      problemOf(text, "scanners.xml", {.columns = 9}),
+      ContainsSubstring("'vlp16' has as many columns as pulses in a turn; --columns is for those with a mirror"));
   CHECK_THAT(problemOf("<document><assets/></document>", "scene.xml"),
              ContainsSubstring("is XML of <document>, not of a lidar"));
 
@@ -152,11 +157,125 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(rangeWindowOf(own.sensor, 937).least == 7);
   CHECK(rangeWindowOf(own.sensor, 937).most == 100);
   CHECK(lists(own.ignored, "beamDivergence_rad of the channel '1'"));
-  CHECK_THAT(
-      problemOf(changed(R"(headRotatePerSecMax_deg="7200")", R"(scanFreqMax_Hz="600")"), "s.xml", {.scanRate = 9}),
-      ContainsSubstring("'vlp16' has a mirror that turns and a head that does not"));
+  // Without a number of returns HELIOS++ has no limit on them.
+  const SensorFile all = readSensorFile(changed(R"(maxNOR="2")", ""), "s.xml");
+  CHECK(all.sensor.maxReturns == 5);
+  CHECK(lists(all.assumed, "at most 5 returns a beam, not any number of them"));
   CHECK_THAT(problemOf(changed("<channels>", R"(<headRotateAxis x="0" y="1" z="0"/><channels>)"), "s.xml"),
              ContainsSubstring("does not turn about z"));
+}
+
+namespace {
+
+/// A file of HELIOS++ with one scanner.
+std::string heliosScanner(const std::string& attributes, const std::string& children = "") {
+  return "<document><scanner id='s' pulseFreqs_Hz='1000' rangeMax_m='900' " + attributes + ">" + children +
+         "</scanner></document>";
+}
+
+}  // namespace
+
+// The formulas are those of HELIOS++'s PolygonMirrorBeamDeflector, OscillatingMirrorBeamDeflector and
+// ConicBeamDeflector: the mirror turns the beam about x, after which y points up for positive angles.
+TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of as many as a scan has") {
+  const std::string polygon =
+      "optics='rotating' scanAngleMax_deg='45' scanAngleEffectiveMax_deg='30' "
+      "scanFreqMin_Hz='10' scanFreqMax_Hz='50' beamDivergence_rad='0.0005'";
+  const SensorFile file = readSensorFile(heliosScanner(polygon), "scanners.xml");
+  const Sensor& sensor = file.sensor;
+  REQUIRE(sensor.patterns.size() == 1);
+  // 20 pulses are 4.5 degrees apart, and those from -27 to 27 degrees leave the scanner.
+  CHECK((sensor.width() == 13 && sensor.height() == 1));
+  for (size_t beam = 0; beam < 13; ++beam) {
+    CHECK_THAT(elevationDeg(sensor, beam), WithinAbs(-27 + 4.5 * static_cast<double>(beam), 1e-9));
+    CHECK_THAT(azimuthDeg(sensor, beam), WithinAbs(0, 1e-9));
+    CHECK_THAT(timeOf(sensor, beam), WithinAbs(0.001 * static_cast<double>(4 + beam), 1e-12));
+  }
+  CHECK(sensor.divergenceHorizontal == 0.0005);
+  CHECK(sensor.maxReturns == 5);
+  CHECK(lists(file.assumed, "the mirror's largest frequency, 50 Hz"));
+  CHECK(lists(file.assumed, "scans of 0.02 s, 1 of the mirror's periods; 50 scans a second leave no gap"));
+
+  const Sensor second = readSensorFile(heliosScanner(polygon), "scanners.xml", {.scanRate = 2, .columns = 40}).sensor;
+  CHECK((second.width() == 27 && second.height() == 12));  // 25 periods a second, 12 of them in half a second
+  CHECK_THAT(timeOf(second, 27), WithinAbs(0.04 + 0.007, 1e-12));
+  CHECK_THAT(elevationDeg(second, 27), WithinAbs(-29.25, 1e-9));
+
+  const Sensor there = readSensorFile(heliosScanner("optics='oscillating' scanAngleMax_deg='20' scanFreqMax_Hz='125'"),
+                                      "scanners.xml")
+                           .sensor;  // 8 pulses there and back
+  const double angles[] = {-20, -10, 0, 10, 20, 10, 0, -10};
+  REQUIRE(there.beamCount() == 8);
+  for (size_t beam = 0; beam < 8; ++beam) CHECK_THAT(elevationDeg(there, beam), WithinAbs(angles[beam], 1e-9));
+
+  const Sensor cone = readSensorFile(heliosScanner("optics='conic' scanAngleMax_deg='20' scanFreqMax_Hz='250'"),
+                                     "scanners.xml")
+                          .sensor;  // 4 pulses in a turn about the direction forward
+  REQUIRE(cone.beamCount() == 4);
+  const double sides[4][2] = {{0, 20}, {-20, 0}, {0, -20}, {20, 0}};  // azimuth, elevation
+  for (size_t beam = 0; beam < 4; ++beam) {
+    CHECK_THAT(azimuthDeg(cone, beam), WithinAbs(sides[beam][0], 1e-9));
+    CHECK_THAT(elevationDeg(cone, beam), WithinAbs(sides[beam][1], 1e-9));
+  }
+
+  // The origin of a VUX-1UAV turns the plane of the mirror across the way, and 0 upwards.
+  const Sensor across = readSensorFile(heliosScanner("optics='rotating' scanAngleMax_deg='180' scanFreqMax_Hz='250'",
+                                                     "<beamOrigin x='0' y='0.085' z='0.06'><rot axis='x' "
+                                                     "angle_deg='90'/><rot axis='z' angle_deg='90'/></beamOrigin>"),
+                                       "scanners.xml")
+                            .sensor;
+  REQUIRE(across.beamCount() == 4);  // at -180, -90, 0 and 90 degrees
+  CHECK_THAT(elevationDeg(across, 0), WithinAbs(-90, 1e-6));
+  CHECK_THAT(azimuthDeg(across, 1), WithinAbs(90, 1e-9));
+  CHECK_THAT(elevationDeg(across, 1), WithinAbs(0, 1e-9));
+  CHECK_THAT(elevationDeg(across, 2), WithinAbs(90, 1e-6));
+  checkOrigin(originOf(across, 2), {0.085, 0, 0.06});
+
+  CHECK_THAT(problemOf(heliosScanner("optics='risley'"), "s.xml"),
+             ContainsSubstring("'s' has risley optics; read are rotating, oscillating and conic ones"));
+  CHECK_THAT(problemOf(heliosScanner("optics='conic' scanFreqMax_Hz='250'"), "s.xml"),
+             ContainsSubstring("'scanAngleMax_deg' is missing"));
+  CHECK_THAT(problemOf(heliosScanner("optics='conic' scanAngleMax_deg='20'"), "s.xml"),
+             ContainsSubstring("'scanFreqMax_Hz' is missing"));
+  CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.columns = 10}),
+             ContainsSubstring("--columns 10 make 100 periods of the mirror in a second; those of the scanner 's' are "
+                               "10 to 50"));
+  CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.scanRate = 60}),
+             ContainsSubstring("--rate 60: a scan has at least one period of the mirror, 0.02 s"));
+  CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.mode = "s:4e7", .scanRate = 1}),
+             ContainsSubstring("beams in a scan; at most 10 million are read"));
+}
+
+TEST_CASE("HELIOS++: a head on a tripod turns while its mirror sweeps lines") {
+  const std::string text = heliosScanner(
+      "optics='rotating' scanAngleMax_deg='120' scanAngleEffectiveMax_deg='50' scanFreqMax_Hz='10' "
+      "headRotatePerSecMax_deg='60'",
+      "<beamOrigin x='0' y='0' z='0.2'/><headRotateAxis x='0' y='0' z='1'/>");
+  const SensorFile file = readSensorFile(text, "scanners.xml");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.columns == 60);            // 10 lines a second, 6 seconds a turn
+  REQUIRE(sensor.channels.size() == 41);  // 100 pulses are 2.4 degrees apart, from -48 to 48 degrees
+  CHECK_THAT(sensor.rotationPeriod, WithinAbs(6, 1e-12));
+  for (const size_t row : {0, 20, 40}) {
+    const size_t beam = 60 * row + 2;
+    const double time = 0.2 + 0.001 * static_cast<double>(30 + row);
+    CHECK_THAT(elevationDeg(sensor, beam), WithinAbs(-48 + 2.4 * static_cast<double>(row), 1e-9));
+    CHECK_THAT(timeOf(sensor, beam), WithinAbs(time, 1e-9));
+    CHECK_THAT(azimuthDeg(sensor, beam), WithinAbs(60 * time, 1e-9));
+  }
+  checkOrigin(originOf(sensor, 0), {0, 0, 0.2});
+  CHECK(lists(file.assumed, "the head's largest speed"));
+
+  // A turn of 40 s is longer than a sensor's.
+  const SensorFile slow = readSensorFile(text, "scanners.xml", {.scanRate = 0.025, .columns = 360});
+  CHECK(slow.sensor.columns == 360);
+  CHECK(slow.sensor.rotationPeriod == 0);
+  CHECK_THAT(azimuthDeg(slow.sensor, 1) - azimuthDeg(slow.sensor, 0), WithinAbs(1, 1e-9));
+  CHECK(lists(slow.assumed, "that all beams fire at once: a turn takes 40 s, and that of a sensor at most 10 s"));
+  CHECK_THAT(problemOf(text, "scanners.xml", {.columns = 1000}),
+             ContainsSubstring("those of the scanner 's' are 0 to 10"));
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "s:2000000"}),
+             ContainsSubstring("pulses in a line, which are channels; at most 65535 are read"));
 }
 
 TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {

@@ -221,12 +221,11 @@ Action addSensors(CLI::App& app) {
   app.add_option("--image", options->image, "Draw the beams of the first scan to this PNG file");
   app.add_option("--head", options->file.head,
                  "The built-in sensor that states what a calibration or pattern does not");
-  app.add_option(
-      "--mode", options->file.mode,
-      "A lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner (HELIOS++) or lidar (CARLA), an "
-      "operational state (firing times of Hesai)");
+  app.add_option("--mode", options->file.mode,
+                 "A lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner (HELIOS++, with :RATE for "
+                 "its pulses a second if wanted) or lidar (CARLA), an operational state (firing times of Hesai)");
   app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them")
-      ->check(CLI::Range(0.1, 1e6));
+      ->check(CLI::Range(0.0001, 1e6));
   app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them")
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")

@@ -162,7 +162,7 @@ const std::vector<Family>& families() {
        bytesOnly([](std::string_view bytes) { return bytes.starts_with("\xee\xff"); }), plain(readHesaiDat)},
       {"VeloView calibration", ".xml ", kCalibration, false, bytesOnly(isVeloView), plain(readVelodyneXml)},
       {"SDF lidar", ".sdf .world .xml .urdf ", mode, false, bytesOnly(isSdf), plain(readSdf)},
-      {"HELIOS++ scanner", ".xml ", mode | scanRate, false, bytesOnly(isHelios), plain(readHelios)},
+      {"HELIOS++ scanner", ".xml ", mode | scanRate | columns, false, bytesOnly(isHelios), plain(readHelios)},
       {"Isaac Sim USD", ".usda .usd .usdc ", 0, false,
        bytesOnly([](std::string_view bytes) { return bytes.starts_with("#usda") || bytes.starts_with("PXR-USDC"); }),
        plain(readIsaacUsd)},
@@ -234,8 +234,8 @@ void checkOptions(const SensorSource& source, const Family& family) {
     if (bit != 0 && (family.options & bit) == 0)
       throw Error(ErrorCode::invalidArgument,
                   source.name + ": " + name + " does not apply to a file of the family '" + family.name + "'");
-  if (options.scanRate != 0 && !(options.scanRate >= 0.1 && options.scanRate <= 1e6))
-    throw Error(ErrorCode::invalidArgument, "the scan rate must be 0.1 to 1,000,000 Hz");
+  if (options.scanRate != 0 && !(options.scanRate >= 0.0001 && options.scanRate <= 1e6))
+    throw Error(ErrorCode::invalidArgument, "the scan rate must be 0.0001 to 1,000,000 Hz");
   if (options.columns > kMostColumns)
     throw Error(ErrorCode::invalidArgument, source.name + ": a turn of " + std::to_string(options.columns) +
                                                 " columns is more than a million, the most that are read");

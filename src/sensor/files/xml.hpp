@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Steps that the readers of XML share.
+#pragma once
+
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+
+/// Parses a file, or refuses it with the line of the mistake.
+pugi::xml_document parseXml(const SensorSource& source);
+/// The one of several nodes whose attribute has this value, or if it is empty, the first, which is noted as assumed.
+pugi::xml_node chooseXml(SensorSource& source, const std::vector<pugi::xml_node>& nodes, const char* attribute,
+                         const std::string& value);
+
+}  // namespace gnosphere
