@@ -9,6 +9,7 @@
 #include "base/json_text.hpp"
 #include "base/os.hpp"
 #include "base/path.hpp"
+#include "base/text.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
 #include "drive/formats/format.hpp"
@@ -23,9 +24,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kLastTime = 9.2e9;      // s: the year 2261
-constexpr size_t kMostCrsBytes = 65534;  // of a record of LAS, with a zero behind them
-constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance,true_range";
+constexpr double kLastTime = 9.2e9;          // s: the year 2261
+constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
+constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
 
 /// All mistakes in one line.
 [[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
@@ -269,6 +270,34 @@ void DriveReader::checkBag(const Output& output, const std::string& path) {
                                  shown(drive_.epoch + drive_.start) + " s: give an epoch");
 }
 
+/// Reads and checks what an output states of a survey.
+void DriveReader::survey(const json& object, Output& output, const std::string& path) {
+  for (const Field field : output.fields)
+    if (const std::string why = mistakeOfLasField(field); !why.empty()) refuse(path + ".fields", why);
+  for (const Class& category : drive_.classes)
+    if (category.id > 255)
+      refuse(path + ".format",
+             "LAS has classes 0 to 255; " + inQuotes(category.name) + " has the id " + std::to_string(category.id));
+  if (drive_.epoch + drive_.start < kFirstGpsTime)
+    drive_.warnings.push_back(path + ".format: LAS has GPS times, and the drive begins before 1980; give an epoch");
+  output.crs = object.value("crs", "");
+  const std::string_view text = trimmed(output.crs, " \t\r\n");
+  const size_t word = text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_");
+  const bool isWkt = word != text.npos && word > 0 && (text[word] == '[' || text[word] == '(') &&
+                     (text.back() == ']' || text.back() == ')');
+  if (output.crs.size() > kMostCrsBytes || output.crs.find('\0') != std::string::npos)
+    refuse(path + ".crs", "must be well-known text of at most " + std::to_string(kMostCrsBytes) + " bytes");
+  else if (!isWkt && object.contains("crs"))
+    refuse(path + ".crs", "must be well-known text (WKT), as pyproj.CRS(25832).to_wkt(\"WKT1_GDAL\") gives it, is " +
+                              inQuotes(output.crs.substr(0, 80)));
+  output.flightLine = object.value("flight_line", uint16_t{0});
+  if (output.flightLine + drive_.sensors.size() > 65536)
+    refuse(path + ".flight_line", "is " + std::to_string(output.flightLine) + ", and each of " +
+                                      std::to_string(drive_.sensors.size()) +
+                                      " sensors has a number of its own; LAS has numbers up to 65535");
+  output.oneFile = object.value("one_file", false);
+}
+
 void DriveReader::outputs() {
   for (size_t i = 0; i < root_["outputs"].size(); ++i) {
     const json& object = root_["outputs"][i];
@@ -280,17 +309,16 @@ void DriveReader::outputs() {
     checkFolder(output.folder, path + ".folder");
     output.sensors = sensorsOf(object, format.oneSensor, path + ".sensors");
     if (object.contains("fields") && !format.fields)
-      refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields; }));
-    if (format.fields)
-      attempt(path + ".fields", [&] { output.fields = parseFields(object.value("fields", kDefaultFields)); });
+      refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields != nullptr; }));
+    if (const std::string fields = object.value("fields", format.fields ? format.fields : ""); !fields.empty())
+      attempt(path + ".fields", [&] { output.fields = parseFields(fields); });
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
-    if (object.contains("crs") && !format.crs)
-      refuse(path + ".crs", "is only for " + formatNames([](const FormatInfo& f) { return f.crs; }));
-    output.crs = object.value("crs", "");
-    if (output.crs.size() > kMostCrsBytes || output.crs.find('\0') != std::string::npos)
-      refuse(path + ".crs", "must be well-known text of at most " + std::to_string(kMostCrsBytes) + " bytes");
+    for (const char* name : {"crs", "flight_line", "one_file"})
+      if (object.contains(name) && !format.survey)
+        refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
+    if (format.survey) survey(object, output, path);
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     drive_.outputs.push_back(std::move(output));
   }

@@ -349,6 +349,97 @@ TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose c
   CHECK_THROWS_WITH(folder.read(json), Catch::Matchers::ContainsSubstring("outputs[0].crs: is only for las"));
 }
 
+TEST_CASE("LAS: one file of a whole drive has the points of the files of its scans, and fields as extra dimensions") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "las"}, {"folder", "scans"}, {"fields", "range,ring,incidence"}},
+                     {{"format", "las"},
+                      {"folder", "line"},
+                      {"fields", "range,ring,incidence"},
+                      {"one_file", true},
+                      {"flight_line", 12}},
+                     {{"format", "npy"}, {"fields", "range,ring,incidence"}}};
+  REQUIRE(folder.run(json).finished);
+  CHECK_FALSE(fs::exists(folder / "out/line/parts"));
+  const std::string whole = folder.get("out/line/top.las");
+  constexpr size_t kStart = 375 + 54 + 4 * 192, kLength = 34 + 4 + 2 + 4;
+  CHECK(at<uint16_t>(whole, 4) == 12);                            // file source
+  CHECK(at<uint16_t>(folder.get("out/line/side.las"), 4) == 13);  // that of the second sensor
+  CHECK(at<uint32_t>(whole, 96) == kStart);
+  CHECK(at<uint16_t>(whole, 105) == kLength);
+  const char* names[] = {"object", "range", "ring", "incidence"};
+  const uint8_t types[] = {5, 9, 3, 9};
+  for (size_t i = 0; i < 4; ++i) {
+    CHECK(at<uint8_t>(whole, 375 + 54 + 192 * i + 2) == types[i]);
+    CHECK(std::string(&whole[375 + 54 + 192 * i + 4]) == names[i]);
+  }
+  CHECK(std::string(&whole[375 + 54 + 192 + 160]) == "m along the beam");
+  uint64_t count = 0;
+  double maxX = -1e9;
+  for (int scan = 0; scan < 10; ++scan) {
+    const std::string number = "/top/00000" + std::to_string(scan);
+    const std::string las = folder.get("out/scans" + number + ".las"), rows = folder.get("out/npy" + number + ".npy");
+    CHECK(at<uint16_t>(las, 4) == 0);
+    CHECK(las.substr(155, 24) == whole.substr(155, 24));  // one offset, so that files can be put together
+    const uint64_t points = at<uint64_t>(las, 247);
+    REQUIRE(las.size() == kStart + points * kLength);
+    REQUIRE(rows.size() > points * 10);
+    for (uint64_t i = 0; i < points; ++i, ++count) {
+      std::string point = las.substr(kStart + i * kLength, kLength);
+      CHECK(at<uint16_t>(point, 20) == 1);
+      CHECK(point.substr(34) == rows.substr(rows.size() - (points - i) * 10, 10));
+      point[20] = 12;  // the point source is the flight line
+      CHECK(point == whole.substr(kStart + count * kLength, kLength));
+      maxX = std::max(maxX, at<int32_t>(point, 0) * 0.001 + at<double>(las, 155));
+    }
+  }
+  CHECK(whole.size() == kStart + count * kLength);
+  CHECK(at<uint64_t>(whole, 247) == count);
+  CHECK(at<uint64_t>(whole, 255) == count);
+  CHECK_THAT(at<double>(whole, 179), WithinAbs(maxX, 1e-9));
+}
+
+TEST_CASE("LAS: what an output of a survey must not say") {
+  const DriveFolder folder;
+  const auto problem = [&](const Json& output) {
+    Json json = smallDrive();
+    json["outputs"] = {output};
+    try {
+      folder.read(json);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  using Catch::Matchers::ContainsSubstring;
+  for (const char* crs : {"EPSG:25832", "+proj=utm +zone=32", "{\"type\": \"ProjectedCRS\"}", "PROJCS[\"cut off\","})
+    CHECK_THAT(problem({{"format", "las"}, {"crs", crs}}),
+               ContainsSubstring("outputs[0].crs: must be well-known text (WKT), as pyproj.CRS(25832).to_wkt("));
+  CHECK(problem({{"format", "las"}, {"crs", " PROJCRS[\"a\"]\n"}}) == "none");
+  CHECK_THAT(problem({{"format", "las"}, {"fields", "width,intensity"}}),
+             ContainsSubstring("outputs[0].fields: the points of LAS have 'intensity' without it"));
+  CHECK_THAT(problem({{"format", "las"}, {"fields", "normal"}}),
+             ContainsSubstring("outputs[0].fields: 'normal' has several components, and LAS takes one"));
+  CHECK_THAT(problem({{"format", "las"}, {"fields", "tie"}}), ContainsSubstring("'tie' is of beams without returns"));
+  CHECK_THAT(problem({{"format", "las"}, {"flight_line", 65535}}),
+             ContainsSubstring("outputs[0].flight_line: is 65535, and each of 2 sensors has a number of its own"));
+  Json early = smallDrive();
+  early["outputs"] = {{{"format", "las"}}};
+  const std::vector<std::string> warnings = folder.read(early).warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], ContainsSubstring("outputs[0].format: LAS has GPS times, and the drive begins before 1980"));
+  early["epoch"] = 315964800;
+  CHECK(folder.read(early).warnings.empty());
+  Json many = smallDrive();
+  many["classes"]["car"]["id"] = 300;
+  many["outputs"] = {{{"format", "las"}}};
+  CHECK_THROWS_WITH(folder.read(many),
+                    ContainsSubstring("outputs[0].format: LAS has classes 0 to 255; 'car' has the id 300"));
+  CHECK_THAT(problem({{"format", "pcd"}, {"one_file", true}}),
+             ContainsSubstring("outputs[0].one_file: is only for las"));
+  CHECK_THAT(problem({{"format", "pcd"}, {"flight_line", 1}}), ContainsSubstring("flight_line: is only for las"));
+}
+
 // https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.
 TEST_CASE("MCAP: records that follow each other, an index that leads to the chunks, clouds as ROS 2 has them") {
   const DriveFolder& folder = made();

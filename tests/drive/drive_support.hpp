@@ -123,6 +123,7 @@ inline const std::vector<std::string> kEveryFormat = {"kitti", "semantickitti", 
 inline Json everyOutput() {
   Json outputs = Json::array();
   for (const std::string& format : kEveryFormat) outputs.push_back({{"format", format}});
+  outputs.push_back({{"format", "las"}, {"folder", "line"}, {"one_file", true}});
   return outputs;
 }
 

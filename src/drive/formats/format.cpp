@@ -15,14 +15,16 @@ namespace gnosphere::drive {
 
 namespace {
 
+constexpr const char* kCloudFields = "x,y,z,intensity,ring,time,class,instance,true_range";
+
 constexpr FormatInfo kFormats[] = {
     {.name = "kitti", .make = makeKitti, .shown = true, .oneSensor = true},
     {.name = "semantickitti", .make = makeKitti, .shown = true, .oneSensor = true},
     {.name = "kitti-raw", .make = makeKittiRaw, .shown = true, .oneSensor = true},
     {.name = "nuscenes", .make = makeNuScenes, .shown = true, .keyframes = true},
-    {.name = "pcd", .make = makeClouds, .shown = true, .fields = true},
-    {.name = "npy", .make = makeClouds, .shown = true, .fields = true},
-    {.name = "las", .make = makeLas, .shown = false, .crs = true},
+    {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields},
+    {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
+    {.name = "las", .make = makeLas, .shown = false, .fields = "", .survey = true},
     {.name = "mcap", .make = makeMcap, .shown = false},
     {.name = "osi", .make = makeOsi, .shown = false},
     {.name = "boxes", .make = makeBoxes, .shown = false},

@@ -66,11 +66,12 @@ using MakeFormat = std::unique_ptr<Format>(const Drive&, const World&, const Out
 struct FormatInfo {
   const char* name;  ///< in drive files
   MakeFormat* make;
-  bool shown;              ///< gnosphere view shows its clouds
-  bool fields = false;     ///< the drive file may choose the fields of a row
+  bool shown;  ///< gnosphere view shows its clouds
+  /// The fields of a row, unless the drive file chooses others; null if it may not.
+  const char* fields = nullptr;
   bool keyframes = false;  ///< the drive file may choose which frames are key frames
   bool oneSensor = false;  ///< it has one lidar
-  bool crs = false;        ///< the drive file may state the coordinate reference system
+  bool survey = false;     ///< the drive file may state a flight line and a coordinate reference system
 };
 
 std::span<const FormatInfo> formats();
@@ -81,6 +82,9 @@ std::string formatNames(bool (*chosen)(const FormatInfo& format));
 
 // One function per format, each in a source file of its own.
 MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeLas, makeMcap, makeOsi;
+
+/// Returns why LAS cannot have this field as an extra dimension, or an empty text.
+std::string mistakeOfLasField(Field field);
 
 // Functions that several formats need.
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.las: ASPRS LAS 1.4 (R15), point data record format 6 with the object as an extra u32, in the world. The
-// scan angle is that of the beam about the direction in which the vehicle heads: 0 downwards, positive to the right.
+// SENSOR/000000.las, or SENSOR.las of a whole drive: ASPRS LAS 1.4 (R15), point data record format 6 with the object as
+// an extra u32, and fields as further ones, in the world. The scan angle is that of the beam about the direction in
+// which the vehicle heads: 0 downwards, positive to the right.
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
+#include "base/file.hpp"
 #include "base/units.hpp"
 #include "drive/bytes.hpp"
 #include "drive/formats/format.hpp"
@@ -13,9 +16,11 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr double kScale = 0.001;  ///< metres per unit of a coordinate
-constexpr uint16_t kHeaderBytes = 375, kExtraRecordBytes = 192;
-constexpr double kScanAngleUnit = 0.006;  ///< degrees
-constexpr uint16_t kLasPointBytes = 30 + sizeof(uint32_t);
+constexpr uint16_t kHeaderBytes = 375;
+/// Metres from the offset of all coordinates within which those of a sensor fit into 32 bits, and its points, too.
+constexpr double kReach = 1e6;
+constexpr double kScanAngleUnit = 0.006;               ///< degrees
+constexpr uint16_t kOwnBytes = 30 + sizeof(uint32_t);  ///< of a point without fields
 /// Adjusted standard GPS time: seconds since 1980-01-06 less 10^9, 18 leap seconds ahead of UTC (since 2017).
 constexpr double kGpsOfUnix = -315964800.0 + 18 - 1e9;
 
@@ -34,27 +39,75 @@ struct Row {
   double gpsTime;
 };
 
-struct Points {
-  std::string records;
+/// Counts and bounds of points, as a header has them.
+struct Summary {
   Vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
   uint64_t count = 0;
   uint64_t byReturn[15] = {};
 };
 
+/// The unit of a field, and what it is, for readers of a file.
+struct Meaning {
+  Field field;
+  const char* text;
+};
+constexpr Meaning kMeanings[] = {
+    {Field::range, "m along the beam"},
+    {Field::ring, "channel of the beam"},
+    {Field::beam, "index of the beam in its scan"},
+    {Field::triangle, "index within the mesh"},
+    {Field::tolerance, "m of single precision"},
+    {Field::trueRange, "m without noise"},
+    {Field::width, "m, echo: FWHM times c / 2"},
+    {Field::incidence, "rad from the normal"},
+    {Field::material, "index of the material"},
+    {Field::radialSpeed, "m/s away from the sensor"},
+    {Field::azimuth, "rad, counter-clockwise from x"},
+    {Field::elevation, "rad above the horizon"},
+};
+
 class Las : public Format {
  public:
-  using Format::Format;
+  Las(const Drive& drive, const World& world, const Output& output)
+      : Format(drive, world, output), layout_(layoutOf(output.fields)) {
+    layout_.compact = true;
+    const Vec3 start = drive.ego.at(drive.start).position;
+    offset_ = {std::round(start.x), std::round(start.y), std::round(start.z)};
+  }
 
-  std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::classId}; }
+  std::vector<Field> fields() const override {
+    std::vector<Field> all = {Field::intensity, Field::time, Field::classId};
+    all.insert(all.end(), output_.fields.begin(), output_.fields.end());
+    return all;
+  }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    std::vector<std::string> parts(drive_.sensors.size());
     eachScan(frame, [&](const RecordedScan& recorded) {
+      const size_t sensor = recorded.planned.sensor;
+      if (output_.oneFile) {
+        parts[sensor] += pointsOf(recorded, offset_);
+        return;
+      }
+      // All files have one offset, unless the coordinates of a vehicle that is too far from it would not fit.
       const Vec3& p = recorded.pose.position;
-      const Vec3 offset = {std::round(p.x), std::round(p.y), std::round(p.z)};
-      const Points points = pointsOf(recorded, offset);
-      files.push_back(
-          {sensorFile(recorded.planned, "las"), headerOf(points, offset) + extraBytes() + crs() + points.records, ""});
+      const Vec3 offset = isNear(p) ? offset_ : Vec3{std::round(p.x), std::round(p.y), std::round(p.z)};
+      const std::string points = pointsOf(recorded, offset);
+      files.push_back({sensorFile(recorded.planned, "las"),
+                       headerOf(summaryOf(points, offset), offset, sensor) + extraBytes() + crs() + points, ""});
     });
+    for (size_t sensor : output_.sensors)
+      if (!parts[sensor].empty())
+        files.push_back({partPath(sensor, frame.frame), std::move(parts[sensor]), wholePath(sensor)});
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
+    if (!output_.oneFile) return;
+    for (size_t sensor : output_.sensors) {
+      std::error_code absent;
+      if (!std::filesystem::exists(files / wholePath(sensor), absent)) writeWhole(sensor, frames, files);
+      files.add(wholePath(sensor));
+    }
   }
 
  private:
@@ -76,7 +129,42 @@ class Las : public Format {
     return {drive_.sensorPose(recorded.planned.sensor, at), std::sin(yaw), -std::cos(yaw)};
   }
 
-  Points pointsOf(const RecordedScan& recorded, const Vec3& offset) const {
+  bool isNear(const Vec3& p) const {
+    const Vec3 d = p - offset_;
+    return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < kReach;
+  }
+
+  std::string partPath(size_t sensor, uint64_t frame) const {
+    return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
+  }
+  std::string wholePath(size_t sensor) const { return path(drive_.sensors[sensor].name + ".las"); }
+
+  /// Makes the file of a sensor of the parts of all frames, which are points.
+  void writeWhole(size_t sensor, const std::vector<FrameSummary>& frames, const FinalFiles& files) const {
+    std::vector<std::filesystem::path> parts;
+    for (uint64_t frame = 0; frame < frames.size(); ++frame) {
+      const auto hasPoints = [&](const ScanSummary& s) { return s.planned.sensor == sensor && s.points > 0; };
+      if (std::ranges::any_of(frames[frame].scans, hasPoints)) parts.push_back(files / partPath(sensor, frame));
+    }
+    Summary summary;
+    for (const auto& part : parts) add(summary, readWholeFile(part), offset_);
+    AtomicFile whole(files / wholePath(sensor), partOf(files / wholePath(sensor)));
+    whole.write(headerOf(summary, offset_, sensor) + extraBytes() + crs());
+    for (const auto& part : parts) whole.write(readWholeFile(part));
+    whole.commit();
+  }
+
+  size_t pointBytes() const { return kOwnBytes + layout_.stride; }
+  uint16_t sourceOf(size_t sensor) const {
+    return static_cast<uint16_t>((output_.flightLine == 0 ? 1 : output_.flightLine) + sensor);
+  }
+
+  /// Returns the points of a scan as a file has them.
+  std::string pointsOf(const RecordedScan& recorded, const Vec3& offset) const {
+    if (!isNear(recorded.pose.position) && output_.oneFile)
+      throw Error(ErrorCode::format,
+                  "outputs: with 'one_file' LAS has coordinates up to 1000 km from the start of the "
+                  "drive, and the vehicle goes beyond; leave it out");
     const Scan& scan = recorded.scan;
     const bool strong = scan.has(Field::intensity), timed = scan.has(Field::time);
     const auto intensities = strong ? scan.column<float>(Field::intensity) : ColumnView<float>();
@@ -86,8 +174,10 @@ class Las : public Format {
     std::unordered_map<float, Moment> moments;  // by time; all beams of a column share one
     // Times that the trajectory states from its own start keep their digits if the large numbers are added first.
     const double gpsOfDrive = drive_.epoch + kGpsOfUnix;
-    Points points;
-    points.records.reserve(scan.ranges.size() * kLasPointBytes);
+    const std::string rows = output_.fields.empty() ? "" : packedRows(scan, layout_);
+    size_t rowStart = 0;
+    std::string points;
+    points.reserve(scan.ranges.size() * pointBytes());
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
       if (!scan.returned(entry)) continue;
       const float time = timed ? times[entry] : 0;
@@ -110,38 +200,52 @@ class Las : public Format {
                        scan.instances[entry],
                        moment->second.scanAngle(at),
                        gpsOfDrive + (recorded.planned.time + time)};
-      add(points, row, offset, recorded.planned.sensor);
+      appendPoint(points, row, sourceOf(recorded.planned.sensor));
+      points.append(rows, rowStart, layout_.stride);
+      rowStart += layout_.stride;
     }
     return points;
   }
 
-  static void add(Points& points, const Row& row, const Vec3& offset, size_t sensor) {
-    std::string& out = points.records;
-    const Point& point = row.point;
-    append(out, point.x);
-    append(out, point.y);
-    append(out, point.z);
+  static void appendPoint(std::string& out, const Row& row, uint16_t source) {
+    append(out, row.point.x);
+    append(out, row.point.y);
+    append(out, row.point.z);
     append(out, row.strength);
     append(out, static_cast<uint8_t>(row.number | row.count << 4));
     append(out, uint8_t{0});  // flags, scanner channel, direction, edge
     append(out, static_cast<uint8_t>(row.classId));
     append(out, uint8_t{0});  // user data
     append(out, row.angle);
-    append(out, static_cast<uint16_t>(sensor + 1));  // point source
+    append(out, source);
     append(out, row.gpsTime);
     append(out, row.object);
-    const Vec3 at = kScale * Vec3{double(point.x), double(point.y), double(point.z)} + offset;
-    points.min = lowest(points.min, at);
-    points.max = highest(points.max, at);
-    ++points.count;
-    ++points.byReturn[row.number - 1];
   }
 
-  std::string headerOf(const Points& points, const Vec3& offset) const {
+  /// Adds points, as a file has them, to a summary.
+  void add(Summary& summary, const std::string& points, const Vec3& offset) const {
+    constexpr size_t kReturn = 14, kNumber = 15;
+    for (size_t p = 0; p + pointBytes() <= points.size(); p += pointBytes()) {
+      int32_t xyz[3];
+      std::memcpy(xyz, &points[p], sizeof(xyz));
+      const Vec3 at = kScale * Vec3{double(xyz[0]), double(xyz[1]), double(xyz[2])} + offset;
+      summary.min = lowest(summary.min, at);
+      summary.max = highest(summary.max, at);
+      ++summary.count;
+      ++summary.byReturn[(points[p + kReturn] & kNumber) - 1];
+    }
+  }
+  Summary summaryOf(const std::string& points, const Vec3& offset) const {
+    Summary summary;
+    add(summary, points, offset);
+    return summary;
+  }
+
+  std::string headerOf(const Summary& points, const Vec3& offset, size_t sensor) const {
     constexpr uint16_t kAdjustedGpsTime = 1, kWkt = 1 << 4;
     const Vec3 min = points.count ? points.min : Vec3{}, max = points.count ? points.max : Vec3{};
     std::string out = "LASF";
-    append(out, uint16_t{0});  // file source
+    append(out, output_.flightLine == 0 ? uint16_t{0} : sourceOf(sensor));
     append(out, uint16_t{kAdjustedGpsTime | kWkt});
     out.append(16, '\0');  // project
     append(out, uint8_t{1});
@@ -154,7 +258,7 @@ class Las : public Format {
     append(out, static_cast<uint32_t>(kHeaderBytes + extraBytes().size() + crs().size()));
     append(out, output_.crs.empty() ? 1u : 2u);  // variable length records
     append(out, uint8_t{6});
-    append(out, kLasPointBytes);
+    append(out, static_cast<uint16_t>(pointBytes()));
     out.append(6 * sizeof(uint32_t), '\0');  // counts of old versions
     for (int axis = 0; axis < 3; ++axis) append(out, kScale);
     for (double value : {offset.x, offset.y, offset.z, max.x, min.x, max.y, min.y, max.z, min.z}) append(out, value);
@@ -182,20 +286,44 @@ class Las : public Format {
     return recordHeader("LASF_Projection", 2112, output_.crs.size() + 1, "OGC WKT") + output_.crs + '\0';
   }
 
-  static std::string extraBytes() {
-    constexpr uint8_t kUnsignedLong = 5;  // a u32
-    std::string out = recordHeader("LASF_Spec", 4, kExtraRecordBytes, "Extra bytes");
-    out.append(2, '\0');
-    append(out, kUnsignedLong);
+  /// Returns the record of the extra dimensions: the object, and a dimension per field.
+  std::string extraBytes() const {
+    std::string dimensions = dimension(ValueType::u32, "object", "instance of the scene or actor");
+    for (const Field field : output_.fields) {
+      const auto* meaning = std::ranges::find(kMeanings, field, &Meaning::field);
+      const FieldInfo info = fieldInfo(field);
+      dimensions += dimension(info.type, info.name, meaning == std::end(kMeanings) ? "" : meaning->text);
+    }
+    return recordHeader("LASF_Spec", 4, dimensions.size(), "Extra bytes") + dimensions;
+  }
+
+  static std::string dimension(ValueType type, const char* name, const char* description) {
+    constexpr uint8_t kTypes[] = {9, 10, 1, 3, 5};  // of LAS: float, double, unsigned char, short and long
+    std::string out(2, '\0');
+    append(out, kTypes[static_cast<size_t>(type)]);
     append(out, uint8_t{0});
-    appendFixed(out, "object", 32);
+    appendFixed(out, name, 32);
     out.append(4 + 5 * 24, '\0');
-    appendFixed(out, "instance of the scene or actor", 32);
+    appendFixed(out, description, 32);
     return out;
   }
+
+  RecordLayout layout_;  // of the fields
+  Vec3 offset_;          // of the coordinates: where the drive starts, in whole metres
 };
 
 }  // namespace
+
+std::string mistakeOfLasField(Field field) {
+  constexpr Field kOwn[] = {Field::x,          Field::y,       Field::z,        Field::intensity,
+                            Field::time,       Field::classId, Field::instance, Field::returnNumber,
+                            Field::returnCount};
+  const std::string name = fieldInfo(field).name;
+  if (std::ranges::find(kOwn, field) != std::end(kOwn)) return "the points of LAS have '" + name + "' without it";
+  if (field == Field::tie) return "'tie' is of beams without returns, too, and LAS has none of them";
+  if (fieldInfo(field).components > 1) return "'" + name + "' has several components, and LAS takes one";
+  return "";
+}
 
 std::unique_ptr<Format> makeLas(const Drive& drive, const World& world, const Output& output) {
   const auto check = [](const std::string& who, uint16_t id) {
