@@ -28,6 +28,14 @@ constexpr double kLastTime = 9.2e9;          // s: the year 2261
 constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
 constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
 
+/// Returns how many seconds after the start of a scan the last beam of a list fires; 0 for a grid.
+double lastTimeOf(const Sensor& sensor) {
+  double last = 0;
+  for (const BeamList& list : sensor.patterns)
+    for (const double time : list.times) last = std::max(last, time);
+  return last;
+}
+
 /// All mistakes in one line.
 [[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
   constexpr size_t kShown = 8;
@@ -188,6 +196,10 @@ void DriveReader::sensors() {
     if (rigged.rate * period > 1 + 1e-9)
       refuse(path + ".rate",
              "is " + shown(object["rate"]) + " scans a second, but the sensor takes " + shown(period) + " s for one");
+    if (const double last = lastTimeOf(rigged.sensor); rigged.rate * last > 1 + 1e-9)
+      refuse(path + ".rate", "is " + gnosphere::numberText(rigged.rate) +
+                                 " scans a second, but the last beam of a scan fires " + gnosphere::numberText(last) +
+                                 " s after its start");
     drive_.sensors.push_back(std::move(rigged));
   }
 }

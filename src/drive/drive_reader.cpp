@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Takes what a built-in name stands for, or else a file.
-template <typename T>
-T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const std::string&),
-              T (*load)(const fs::path&)) {
+template <typename T, typename Load>
+T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const std::string&), const Load& load) {
   try {
     return named(name);
   } catch (const Error& unknown) {
@@ -157,8 +156,13 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
 
 Sensor DriveReader::sensor(const json& value, const std::string& path) {
   Sensor sensor;
+  const auto load = [&](const fs::path& file) {
+    SensorFile read = readSensorFile(file);
+    for (const std::string& text : read.assumed) drive_.warnings.push_back(path + ": assumed: " + text);
+    return std::move(read.sensor);
+  };
   attempt(path, [&] {
-    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, loadSensor)
+    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, load)
                                : sensorFromJson(jsonText(value), "the sensor");
     validate(sensor);
   });

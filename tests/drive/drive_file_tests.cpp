@@ -310,6 +310,31 @@ TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates
   CHECK(next[1] == 21);  // 0.05 s and every seventh of a second, before 3.05 s
 }
 
+TEST_CASE("a list of beams is not fired again before its last beam, and what a sensor file leaves open is told") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  Json& sensor = json["sensors"][0];
+  sensor["sensor"] = {{"name", "list"},
+                      {"range", {{"max", 60}}},
+                      {"patterns", {{{"directions", {{1, 0, 0}, {0, 1, 0}}}, {"times", {0, 0.5}}}}}};
+  for (const Json& rate : {Json(), Json(2.1)}) {
+    if (!rate.is_null()) sensor["rate"] = rate;
+    CHECK_THROWS_WITH(folder.read(json),
+                      ContainsSubstring("sensors[0].rate: is " + (rate.is_null() ? "10" : rate.dump()) +
+                                        " scans a second, but the last beam of a scan fires 0.5 s"));
+  }
+  sensor["rate"] = 2;
+  CHECK(folder.read(json).warnings.empty());
+
+  put(folder / "als.xml",
+      "<document><scanner id='als' optics='conic' pulseFreqs_Hz='100' scanAngleMax_deg='20' scanFreqMax_Hz='10' "
+      "rangeMax_m='900' maxNOR='1'/></document>");
+  sensor["sensor"] = "als.xml";
+  const std::vector<std::string> warnings = folder.read(json).warnings;
+  REQUIRE(warnings.size() == 2);
+  CHECK_THAT(warnings[0], ContainsSubstring("sensors[0].sensor: assumed: the mirror's largest frequency, 10 Hz"));
+}
+
 TEST_CASE("no scan starts at the end of a drive or later, although its last frame lasts longer") {
   const DriveFolder folder;
   Json json = smallDrive();
