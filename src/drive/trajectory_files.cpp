@@ -197,6 +197,11 @@ Stamps readTrajectory(const std::filesystem::path& file, const std::string& form
                 file.string() +
                     ": Argoverse 2's feather files are read by Python; pandas.read_feather gives the "
                     "columns, to be written as lines t x y z qx qy qz qw (docs/drives.md)");
+  const std::string ending = lower(file.extension().string());
+  if (ending == ".sbet" || (ending == ".out" && lower(file.filename().string()).starts_with("sbet")))
+    throw Error(ErrorCode::format, file.string() +
+                                       ": SBET is read by Python, which knows projections; docs/surveys.md has the "
+                                       "few lines that write it as t x y z qx qy qz qw");
   if (format == "tum") return readTum(file);
   Stamps stamps = format == "kitti"      ? readKitti(file, options.times)
                   : format == "euroc"    ? readEuroc(file)

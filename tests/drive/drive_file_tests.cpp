@@ -256,6 +256,9 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
 
   CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
   CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
+  for (const char* sbet : {"a.SBET", "sbet_mission 1.out"})
+    CHECK_THROWS_WITH(read(sbet, std::string(136, '\0'), "tum"), ContainsSubstring("SBET is read by Python"));
+  CHECK(read("sbet.tum", "0 1 2 3 0 0 0 1\n", "tum").size() == 1);
   for (const char* sheared : {"2 0 0 0 0 0.5 0 0 0 0 1 0\n", "1 0.9 0 0 0 1 0 0 0 0 1 0\n"})
     CHECK_THROWS_WITH(read("p.txt", sheared, "kitti", times), ContainsSubstring("is no rotation and translation"));
   CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
