@@ -231,10 +231,8 @@ void bindSensorFiles(nb::module_& m) {
               "also the columns, the rotation and the firing times, of a list the beams per scan.")
       .def_rw("mode", &SensorFileOptions::mode,
               "One of several that a file describes: a lidar mode (Ouster), the id of a scanner (HELIOS++), with "
-              "':RATE' for "
-              "its pulses a second if wanted, a sensor's id (CARLA), an operational state (firing times of Hesai). If "
-              "empty, "
-              "that of the file, or its first.")
+              "':RATE' for its pulses a second if wanted, a sensor's id (CARLA), an operational state (firing times of "
+              "Hesai). If empty, that of the file, or its first.")
       .def_rw("scan_rate", &SensorFileOptions::scanRate,
               "Scans per second; if 0, what the file or the head states, or else 10.")
       .def_rw("columns", &SensorFileOptions::columns,
