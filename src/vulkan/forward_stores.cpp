@@ -165,7 +165,7 @@ class Forwarding {
   void forbid(uint32_t id) { variables_[id].forbidden = true; }
 
   bool isStoredBefore(const Variable& variable, size_t block, size_t position) const {
-    if (variable.stores != 1) return false;
+    if (!variable.local || variable.stores != 1) return false;  // others may be stored in blocks of other functions
     return variable.block == block ? variable.position < position : dominators_.dominates(variable.block, block);
   }
 
