@@ -251,8 +251,8 @@ TEST_CASE("the kernels of the plans that people use are specialised, and valid t
 
 TEST_CASE("lanes run together wherever a kernel of the plans that people use has operations of subgroups",
           "[combinations]") {
-  // What these functions return early for is the same in all lanes of a subgroup. No operation follows a square root of
-  // a number below 1.
+  // These functions return early for reasons that are the same in all lanes of a subgroup. No operation follows a
+  // square root of a number below 1.
   const std::set<std::string> together = {"boundAndStore", "cornersOf",  "deformedPosition", "deformerOf",
                                           "endOfEcho",     "findHit",    "handOn",           "list",
                                           "loadHit",       "main",       "morphedPosition",  "nextCluster",
