@@ -108,7 +108,7 @@ TEST_CASE("batches in flight have the results of batches on the host, whatever c
                                  {Field::y, Field::triangle, Field::instance, Field::classId, Field::ring}};
   const TestOptions options = vulkanOptions();
   Simulator host(worlds(), request, options), device(worlds(), request, onDevice(options));
-  BatchStream stream(device, {40, 3});
+  BatchStream stream(device, {40, 3, true});
   const ResultPlaces places = stream.places();
   CHECK(places.rowsPerView == 480);
   CHECK(places.bytesPerView % 16 == 0);
@@ -160,7 +160,7 @@ TEST_CASE("a stream takes turns among sensors, each with its own layout") {
   Simulator device(worlds(), {small, large}, onDevice(options));
   large.layout = {};
   Simulator host(worlds(), {small, large}, options);
-  BatchStream stream(device, {5, 1});
+  BatchStream stream(device, {5, 1, true});
   for (int turn = 0; turn < 3; ++turn) {
     std::vector<Shot> shots = shotsFor(static_cast<uint64_t>(turn), 5);
     requireSame(host.scanBatch(shots), stream.wait(stream.submit(shots)), stream.places(0), stream.layout(0));
@@ -288,7 +288,7 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
   }
   {
     const uint64_t before = device.memory().work;
-    BatchStream stream(device, {4});
+    BatchStream stream(device, {4, 2, true});
     CHECK(device.memory().work >= before + 2 * stream.places().bytes);
     CHECK_THROWS_WITH(BatchStream(device, {4}), ContainsSubstring("has a BatchStream already"));
     CHECK_THROWS_WITH(stream.submit(shotsFor(0, 5)), ContainsSubstring("has 5 shots; the stream is made for 4"));
@@ -318,7 +318,7 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
     requireSame(expected, stream.wait(number), places, layout);
     CHECK_THROWS_WITH(stream.places(), ContainsSubstring("no sensor 0"));
   }
-  BatchStream another(device, {4});  // has room for the larger sensor
+  BatchStream another(device, {4, 2, true});  // has room for the larger sensor
   std::vector<Shot> shots = shotsFor(1, 4);
   for (Shot& shot : shots) shot.sensor = 1;
   CHECK(another.wait(another.submit(shots)).records.size() == 4 * another.places(1).bytesPerView);
@@ -347,7 +347,7 @@ struct Crowded {
   }
 
   Simulator host, device;
-  BatchStream stream{device, {6, 1}};
+  BatchStream stream{device, {6, 1, true}};
 };
 
 constexpr double kFarAway = 60;  // from there, few triangles are in range
