@@ -28,6 +28,13 @@ class FinalFiles {
   /// Writes a whole file and its folders. The file appears when it is complete. Throws Error(file) with the
   /// system's reason.
   void write(const std::string& path, const std::string& bytes);
+  /// Calls make(), which writes a file, unless the file is there, and notes it.
+  template <class Make>
+  void addMade(const std::string& path, const Make& make) {
+    std::error_code absent;
+    if (!std::filesystem::exists(*this / path, absent)) make();
+    add(path);
+  }
   /// Notes a file that is there. Throws Error(file) if it cannot be read.
   void add(const std::string& path);
   const std::vector<FinalFile>& noted() const { return noted_; }

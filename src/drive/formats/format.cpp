@@ -56,6 +56,10 @@ std::string Format::sensorFile(const PlannedScan& scan, const std::string& endin
   return path(drive_.sensors[scan.sensor].name + numberText("/%06llu.", scan.number) + ending);
 }
 
+std::string Format::partPath(size_t sensor, uint64_t frame) const {
+  return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
+}
+
 std::string numberText(const char* format, uint64_t number) {
   char text[64];
   std::snprintf(text, sizeof(text), format, static_cast<unsigned long long>(number));

@@ -44,6 +44,8 @@ class Format {
   std::string path(const std::string& name) const { return output_.folder + "/" + name; }
   /// SENSOR/000000.ENDING, the file of a scan.
   std::string sensorFile(const PlannedScan& scan, const std::string& ending) const;
+  /// The part of a frame that goes into a sensor's file of the whole drive.
+  std::string partPath(size_t sensor, uint64_t frame) const;
   /// Calls use(scan) for every scan of a FrameRecord or FrameSummary that this output has.
   template <class Frame, class Use>
   void eachScan(const Frame& frame, const Use& use) const {

@@ -103,11 +103,7 @@ class Las : public Format {
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     if (!output_.oneFile) return;
-    for (size_t sensor : output_.sensors) {
-      std::error_code absent;
-      if (!std::filesystem::exists(files / wholePath(sensor), absent)) writeWhole(sensor, frames, files);
-      files.add(wholePath(sensor));
-    }
+    for (size_t sensor : output_.sensors) files.addMade(wholePath(sensor), [&] { writeWhole(sensor, frames, files); });
   }
 
  private:
@@ -134,9 +130,6 @@ class Las : public Format {
     return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < kReach;
   }
 
-  std::string partPath(size_t sensor, uint64_t frame) const {
-    return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
-  }
   std::string wholePath(size_t sensor) const { return path(drive_.sensors[sensor].name + ".las"); }
 
   /// Makes the file of a sensor of the parts of all frames, which are points.
@@ -329,7 +322,6 @@ std::unique_ptr<Format> makeLas(const Drive& drive, const World& world, const Ou
   const auto check = [](const std::string& who, uint16_t id) {
     if (id > 255) throw Error(ErrorCode::format, "LAS has classes 0 to 255; " + who + " the id " + std::to_string(id));
   };
-  for (const Class& category : drive.classes) check("'" + category.name + "' has", category.id);
   for (const Instance& instance : world.scene().instances)
     check("the file of instance '" + instance.name + "' states", instance.classId);
   for (const Material& material : world.scene().materials)

@@ -109,9 +109,7 @@ class Mcap : public Format {
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     const std::string bag = path("drive.mcap");
-    std::error_code absent;
-    if (!std::filesystem::exists(files / bag, absent)) writeBag(frames.size(), files);
-    files.add(bag);
+    files.addMade(bag, [&] { writeBag(frames.size(), files); });
   }
 
  private:

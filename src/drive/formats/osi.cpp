@@ -112,11 +112,7 @@ class Osi : public Format {
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
-    for (size_t sensor : output_.sensors) {
-      std::error_code absent;
-      if (!std::filesystem::exists(files / tracePath(sensor), absent)) writeTrace(sensor, frames, files);
-      files.add(tracePath(sensor));
-    }
+    for (size_t sensor : output_.sensors) files.addMade(tracePath(sensor), [&] { writeTrace(sensor, frames, files); });
   }
 
  private:
@@ -129,10 +125,6 @@ class Osi : public Format {
         trace.write(readWholeFile(files / partPath(sensor, frame)));
     }
     trace.commit();
-  }
-
-  std::string partPath(size_t sensor, uint64_t frame) const {
-    return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
   }
 
   std::string tracePath(size_t sensor) const {
