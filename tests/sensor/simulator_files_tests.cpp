@@ -157,7 +157,7 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(rangeWindowOf(own.sensor, 937).least == 7);
   CHECK(rangeWindowOf(own.sensor, 937).most == 100);
   CHECK(lists(own.ignored, "beamDivergence_rad of the channel '1'"));
-  // Without a number of returns HELIOS++ has no limit on them.
+  // HELIOS++ does not limit the returns of a pulse if the file states no number.
   const SensorFile all = readSensorFile(changed(R"(maxNOR="2")", ""), "s.xml");
   CHECK(all.sensor.maxReturns == 5);
   CHECK(lists(all.assumed, "at most 5 returns a beam, not any number of them"));

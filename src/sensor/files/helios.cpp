@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -14,14 +15,10 @@
 namespace gnosphere {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kMostPulses = 1e6, kMostListed = 1e7;
-constexpr double kLongestTurn = 10;   ///< seconds that the turn of a grid may take
 constexpr double kMirrorRange = 1e4;  ///< metres; HELIOS++ has no limit where none is stated
-constexpr uint32_t kMostReturns = 5;
-constexpr size_t kMostChannels = 65535;
 
-/// The number in an attribute, the first of several that commas separate.
+/// Returns the number in an attribute, the first one if commas separate several.
 double attributeOf(const SensorSource& source, const pugi::xml_node& node, const char* name, double otherwise) {
   const pugi::xml_attribute found = node.attribute(name);
   return found ? numberOf(source, cellsOf(found.value())[0], std::string("'") + name + "'") : otherwise;
@@ -97,7 +94,8 @@ double pulseRateOf(const SensorSource& source, const std::vector<pugi::xml_node>
   return rate;
 }
 
-/// The scanner that the options ask for, or the first of several channels, or else the first.
+/// Returns the scanner that the options ask for; without a mode the first one with several channels, or the first of
+/// all.
 Scanner chooseScanner(SensorSource& source, const pugi::xml_document& document) {
   std::vector<pugi::xml_node> all, several;
   for (const pugi::xpath_node& found : document.select_nodes("//scanner")) {
@@ -210,7 +208,8 @@ std::vector<Pulse> pulsesOf(SensorSource& source, const Scanner& scanner, double
     if (optics == "oscillating") angle = most * (1 - std::abs(2 - 4 * part));
     if (optics == "rotating" && std::abs(angle) > effective + 1e-12) continue;
     Vec3 d = {0, std::cos(angle), std::sin(angle)};
-    if (optics == "conic") d = {d.z * std::sin(kTwoPi * part), d.y, d.z * std::cos(kTwoPi * part)};
+    if (optics == "conic")
+      d = {d.z * std::sin(2 * std::numbers::pi * part), d.y, d.z * std::cos(2 * std::numbers::pi * part)};
     pulses.push_back({k / scanner.pulseRate, d});
   }
   if (pulses.empty()) source.refuse("no pulse of " + scanner.name + " is within 'scanAngleEffectiveMax_deg'");
@@ -242,15 +241,15 @@ void readTurningMirror(SensorSource& source, const Scanner& scanner) {
   if (!(columns >= 1 && columns <= kMostPulses))
     source.refuse("'scanFreqMax_Hz' gives " + shownNumber(columns) + " columns in a turn");
   const std::vector<pugi::xml_node> beams = scanner.beams();
-  if (pulses.size() * beams.size() > kMostChannels)
+  if (pulses.size() * beams.size() > limits::kChannels.most)
     source.refuse("has " + std::to_string(pulses.size() * beams.size()) + " pulses in a line, which are channels; " +
                   "at most 65535 are read, so take a smaller pulse rate or more --columns");
   Sensor& sensor = source.file.sensor;
   setHeadTurn(sensor, columns, mirrorRate, turns);
-  const bool timed = sensor.rotationPeriod <= kLongestTurn;
+  const bool timed = limits::kSeconds.holds(sensor.rotationPeriod);
   if (!timed) {
     source.assume("that all beams fire at once: a turn takes " + shownNumber(sensor.rotationPeriod) +
-                  " s, and that of a sensor at most " + shownNumber(kLongestTurn) + " s");
+                  " s, and that of a sensor at most " + std::to_string(limits::kSeconds.most) + " s");
     sensor.rotationPeriod = 0;
   }
   for (const pugi::xml_node& beam : beams) {
@@ -308,7 +307,8 @@ void readCommon(SensorSource& source, const Scanner& scanner) {
   sensor.name = node.attribute("id").value();
   sensor.divergenceHorizontal = sensor.divergenceVertical = attributeOf(source, node, "beamDivergence_rad", 0);
   const double returns = attributeOf(source, node, "maxNOR", 0);
-  sensor.maxReturns = returns >= 1 && returns <= kMostReturns ? static_cast<uint32_t>(returns) : kMostReturns;
+  sensor.maxReturns = static_cast<uint32_t>(
+      returns >= 1 && limits::kReturns.holds(returns) ? returns : static_cast<double>(limits::kReturns.most));
   if (returns != sensor.maxReturns)
     source.assume("at most 5 returns a beam, not " + (returns >= 1 ? shownNumber(returns) : "any number of them"));
   sensor.rangeMin = attributeOf(source, node, "rangeMin_m", 0);
@@ -340,7 +340,7 @@ void readHelios(SensorSource& source) {
     readTurningMirror(source, scanner);
   else
     readLines(source, scanner);
-  if (source.file.sensor.channels.size() > kMostChannels) source.refuse("there are more than 65535 channels");
+  if (source.file.sensor.channels.size() > limits::kChannels.most) source.refuse("there are more than 65535 channels");
   ignoreOthers(source, scanner.node, read, "");
 }
 

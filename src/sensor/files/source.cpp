@@ -7,6 +7,7 @@
 
 #include "base/decimal_point.hpp"
 #include "base/json_text.hpp"
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -59,11 +60,10 @@ namespace {
 /// Drops the times of a table that counts its beams in the column of times, as the published one of the Mid-360 does.
 /// Times within a scan of `size` beams begin at its first one.
 void dropTimes(SensorSource& source, BeamList& list, size_t size) {
-  constexpr double kLongest = 10;  // s
   const auto isOfOneScan = [&](size_t first) {
     const auto begin = list.times.begin() + static_cast<std::ptrdiff_t>(first);
     const auto [least, most] = std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(size));
-    return size < list.size() ? *most - *least <= kLongest : *least >= 0 && *most <= kLongest;
+    return size < list.size() ? limits::kSeconds.holds(*most - *least) : *least >= 0 && limits::kSeconds.holds(*most);
   };
   bool right = true;
   for (size_t first = 0; first + size <= list.times.size(); first += size) right = right && isOfOneScan(first);

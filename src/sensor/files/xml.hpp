@@ -12,7 +12,8 @@ namespace gnosphere {
 
 /// Parses a file, or refuses it with the line of the mistake.
 pugi::xml_document parseXml(const SensorSource& source);
-/// The one of several nodes whose attribute has this value, or if it is empty, the first, which is noted as assumed.
+/// Returns the node whose attribute has this value; if the value is empty, the first node, and several are noted as
+/// assumed.
 pugi::xml_node chooseXml(SensorSource& source, const std::vector<pugi::xml_node>& nodes, const char* attribute,
                          const std::string& value);
 
