@@ -115,7 +115,8 @@ class Lidar:
         options: Optional[gno.SimulatorOptions] = None,
     ) -> None:
         """`sensor` is a Sensor or the name of a built-in one; `fields` are names such as "intensity,ring", or
-        a sequence of Field or names; `ignore` are instances that the sensor does not see, such as the robot that carries it."""
+        a sequence of Field or names; `ignore` are instances that the sensor does not see, such as the robot that
+        carries it."""
         request = _request(sensor, effects, fields, ignore)
         self.sensors = [request.sensor]
         self.simulator = gno.Simulator(shapes.scene(), request, options or gno.SimulatorOptions())

@@ -18,11 +18,12 @@ struct FieldList {
 /// Reads an argument; an empty text has no field. Throws Error(invalidArgument) for a name that no field has, and a
 /// TypeError for anything else.
 FieldList fieldListOf(nb::handle argument);
+
 }  // namespace gnosphere::python
 
 namespace nanobind::detail {
 
-/// What an argument lacks is thrown where the function that is called takes it, because from_python() cannot throw.
+/// Errors of an argument are thrown when the called function takes it, because from_python() cannot throw.
 template <>
 struct type_caster<gnosphere::python::FieldList> {
   using Value = gnosphere::python::FieldList;

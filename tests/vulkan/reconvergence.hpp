@@ -29,8 +29,8 @@ class Reconvergence {
     for (auto& [id, function] : functions_) read(function);
   }
 
-  /// Each as "OUTER behind INNER": a function with such an operation or call, and the function that has parted the
-  /// lanes.
+  /// Returns each fault as "OUTER behind INNER": OUTER has an operation of a subgroup, or a call that leads to one,
+  /// where INNER has parted the lanes.
   const std::set<std::string>& faults() const { return faults_; }
 
  private:

@@ -14,7 +14,11 @@
 #include <string_view>
 #include <vector>
 
+#include "vulkan/spirv.hpp"
+
 namespace {
+
+using namespace gnosphere::vulkan;
 
 enum MemoryType : uint32_t { kLocal, kCached, kCoherent, kTypes };
 constexpr VkDeviceSize kAtom = 256;
@@ -46,7 +50,7 @@ State& state() {
   return only;
 }
 
-// The loader's table of functions, which an instance and its physical devices share.
+// Returns the loader's table of functions, which an instance and its physical devices share.
 template <typename Handle>
 void* keyOf(Handle handle) {
   return *reinterpret_cast<void**>(handle);
@@ -240,20 +244,20 @@ VKAPI_ATTR VkResult VKAPI_CALL invalidate(VkDevice, uint32_t count, const VkMapp
   return carry(count, ranges, false);
 }
 
-// Makes barriers of subgroups instructions without effect.
+// Leaves out the barriers of subgroups.
 VKAPI_ATTR VkResult VKAPI_CALL createModule(VkDevice device, const VkShaderModuleCreateInfo* info,
                                             const VkAllocationCallbacks* callbacks, VkShaderModule* to) {
-  constexpr uint32_t kConstant = 43, kControlBarrier = 224, kNop = 0, kSubgroup = 3;  // of SPIR-V
-  std::vector<uint32_t> words(info->pCode, info->pCode + info->codeSize / 4);
+  const std::span module(info->pCode, info->codeSize / sizeof(uint32_t));
+  Words words(module.begin(), module.begin() + kHeaderWords);
   std::set<uint32_t> subgroups;  // the constants that are this scope
-  for (size_t at = 5; at < words.size();) {
-    const uint32_t op = words[at] & 0xffff, length = words[at] >> 16;
-    if (op == kConstant && length == 4 && words[at + 3] == kSubgroup) subgroups.insert(words[at + 2]);
-    if (op == kControlBarrier && subgroups.contains(words[at + 1]))
-      for (uint32_t k = 0; k < length; ++k) words[at + k] = 1u << 16 | kNop;
-    at += length;
+  for (const Instruction instruction : instructionsOf(module.subspan(kHeaderWords))) {
+    const spv::Op op = opOf(instruction);
+    if (op == spv::OpConstant && instruction.size() == 4 && instruction[3] == uint32_t{spv::ScopeSubgroup})
+      subgroups.insert(instruction[2]);
+    if (op != spv::OpControlBarrier || !subgroups.contains(instruction[1])) append(words, instruction);
   }
   VkShaderModuleCreateInfo changed = *info;
+  changed.codeSize = words.size() * sizeof(uint32_t);
   changed.pCode = words.data();
   return of<PFN_vkCreateShaderModule>(device, "vkCreateShaderModule")(device, &changed, callbacks, to);
 }
