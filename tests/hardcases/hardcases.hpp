@@ -15,7 +15,7 @@
 
 namespace gnosphere::test {
 
-/// Number of worlds to test: all with `ctest -L slow`, a third otherwise.
+/// Number of worlds to test: all with the slow tests, a third otherwise.
 inline int rounds(int worlds) {
   return everyCombination() ? worlds : worlds / 3;
 }

@@ -27,9 +27,10 @@ endfunction()
 run(${PROGRAM} town --triangles 20000 -o town.glb)
 
 if(SOURCE)
-  # This build has no optimisation, because only the packaging is tested and such a build is fastest.
+  # This build has no optimisation and one file per folder, because only the packaging is tested and such a build is
+  # fastest.
   set(BUILD ${WORK}/holder/build)
-  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
+  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_UNITY_BUILD=ON -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
   if(CORE)
     # Headers that the library alone must not need are replaced by files that fail to compile.
     set(consumer core.cpp)
