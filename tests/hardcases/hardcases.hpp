@@ -15,7 +15,7 @@
 
 namespace gnosphere::test {
 
-/// Number of worlds to test: all with the slow tests, a third otherwise.
+/// Returns how many of these worlds a test tries: all if it tries every combination of its settings, else a third.
 inline int rounds(int worlds) {
   return everyCombination() ? worlds : worlds / 3;
 }
