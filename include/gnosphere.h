@@ -15,8 +15,9 @@
  * lacks have their default values. A struct that is larger than the library's is an error.
  *
  * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_get_column
- * and others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same
- * thread calls the same function again. Texts are UTF-8 and end with a zero.
+ * and others) live until the handle is destroyed or changed. Texts and lists of no handle, and those that a call makes
+ * anew (of gno_sensor_to_json, gno_effects_to_json, gno_scene_get_left_out, and the list gno_mesh::morph_targets), are
+ * valid until the same thread calls the same function again, for whatever handle. Texts are UTF-8 and end with a zero.
  *
  * Threads: every function may be called by any thread; calls with the same handle wait for each other.
  *
@@ -541,7 +542,8 @@ GNO_API gno_status gno_layout_bytes_for(const gno_layout* layout, uint64_t rows,
 
 /* ----------------------------------------------------------------------------------------------- devices */
 
-/* A device of this machine, and whether it can be used. */
+/* A device of this machine, and whether it can be used. Programs step through arrays of it, so it never grows: what is
+ * added gets functions of its own. */
 typedef struct gno_device_info {
   size_t struct_size;
   const char* name;

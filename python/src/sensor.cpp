@@ -215,6 +215,11 @@ void bindCatalogue(nb::module_& m) {
       "if wanted; case does not matter. Raises Error(invalid_argument) with the names or modes that are known.");
 }
 
+/// Returns the path of a file, empty for no file: Python's Path of an empty text is that of the folder '.'.
+std::filesystem::path fileOrNone(std::filesystem::path file) {
+  return file == "." ? std::filesystem::path() : file;
+}
+
 void bindSensorFiles(nb::module_& m) {
   nb::class_<SensorFileOptions>(m, "SensorFileOptions", "What a sensor file leaves open.")
       .def(
@@ -222,10 +227,10 @@ void bindSensorFiles(nb::module_& m) {
           [](SensorFileOptions* self, std::string head, std::string mode, double scanRate, uint32_t columns,
              uint32_t beamsPerScan, std::filesystem::path fireTimes) {
             new (self) SensorFileOptions{std::move(head), std::move(mode), scanRate,
-                                         columns,         beamsPerScan,    std::move(fireTimes)};
+                                         columns,         beamsPerScan,    fileOrNone(std::move(fireTimes))};
           },
           "head"_a = "", "mode"_a = "", "scan_rate"_a = 0.0, "columns"_a = 0, "beams_per_scan"_a = 0,
-          "fire_times"_a = std::filesystem::path())
+          "fire_times"_a = "")
       .def_rw("head", &SensorFileOptions::head,
               "Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels "
               "also the columns, the rotation and the firing times, of a list the beams per scan.")
@@ -239,8 +244,10 @@ void bindSensorFiles(nb::module_& m) {
               "Columns of a turn; if 0, what the file or the head states, or else 1800.")
       .def_rw("beams_per_scan", &SensorFileOptions::beamsPerScan,
               "Cuts a list of beams into patterns of that many; if 0, a scan fires all of them.")
-      .def_rw("fire_times", &SensorFileOptions::fireTimes,
-              "Hesai's file of firing times that goes with an angle correction file.");
+      .def_prop_rw(
+          "fire_times", [](const SensorFileOptions& self) { return self.fireTimes; },
+          [](SensorFileOptions& self, std::filesystem::path file) { self.fireTimes = fileOrNone(std::move(file)); },
+          "Hesai's file of firing times that goes with an angle correction file; none if it is '' or Path('.').");
   auto file = nb::class_<SensorFile>(m, "SensorFile", "A sensor file, and how it was understood.");
   file.def_ro("sensor", &SensorFile::sensor, "The sensor that the file describes.")
       .def_ro("family", &SensorFile::family, "Such as 'Ouster metadata'.");

@@ -150,6 +150,21 @@ def test_names_that_are_unknown(tmp_path):
         gnosphere.Effects().fgo = 1
 
 
+def test_the_options_of_a_sensor_file():
+    scanner = b'<document><scanner id="a" optics="rotating" pulseFreqs_Hz="1000,2000" scanAngleMax_deg="45"/></document>'
+    for options in (
+        gnosphere.SensorFileOptions(mode="a:2000", columns=20, scan_rate=10),
+        gnosphere.SensorFileOptions("", "a:2000", 10, 20, 0, ""),
+    ):
+        file = gnosphere.read_sensor_file(scanner, "a.xml", options)
+        assert file.sensor.beam_count() == 200
+    options.fire_times = Path()
+    assert gnosphere.read_sensor_file(scanner, "a.xml", options).sensor.beam_count() == 200
+    options.fire_times = Path("times.csv")
+    with refused(ErrorCode.invalid_argument, "--fire-times does not apply"):
+        gnosphere.read_sensor_file(scanner, "a.xml", options)
+
+
 def test_files_that_cannot_be_read(tmp_path, simulator, pose):
     with refused(ErrorCode.file, "nothing.glb"):
         gnosphere.load_scene(tmp_path / "nothing.glb")

@@ -80,24 +80,30 @@ inline std::filesystem::path partOf(const std::filesystem::path& file) {
 /// An output file that appears only when it is complete: until then it is written in its folder as .NAME.part, or under
 /// a name of its own while another process writes that one. commit() renames it, and the destructor removes what was
 /// not committed; what a killed process has left is written over by the next one. If the file is a link, the file to
-/// which it leads is written so. Pipes and devices are written directly. Every member throws Error(file) with the
-/// system's reason.
+/// which it leads is written so. A file that is replaced hands its permissions on; one that may not be written is not
+/// replaced. Pipes and devices are written directly. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), place_(writePlaceOf(file_)) {
     part_ = place_.file;
     checkNoFolder();
-    if (place_.inPlace)
-      open("wb");
-    else if (!openShared())
+    std::error_code absent;
+    if (place_.inPlace) {
+      stream_ = os::openFile(part_, "wb");
+      if (!stream_) refuse(errno);
+    } else if (std::filesystem::exists(place_.file, absent) && !os::isWritable(place_.file)) {
+      refuse(errno);
+    } else if (!openShared()) {
       openUnique();
+    }
   }
   /// Writes to `part`, which commit() renames, and follows no link: data sets that are exchanged may have links that
   /// lead out of their folder.
   AtomicFile(std::filesystem::path file, std::filesystem::path part)
       : file_(std::move(file)), place_{file_}, part_(std::move(part)) {
     checkNoFolder();
-    open("wb");
+    stream_ = os::openPart(part_, true);
+    if (!stream_) refuse(errno);
   }
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -116,6 +122,7 @@ class AtomicFile {
   /// too.
   void commit() {
     if (std::fflush(stream_) != 0) refuse(errno);
+    if (!place_.inPlace) os::copyPermissions(place_.file, stream_);
     if (!os::synchronise(stream_)) refuse(errno);
     if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
     if (!place_.inPlace && !os::renameFile(part_, place_.file)) refuse(errno);
@@ -135,17 +142,15 @@ class AtomicFile {
     std::error_code ignored;
     std::filesystem::remove(part_, ignored);
   }
-  void open(const char* mode) {
-    stream_ = os::openFile(part_, mode);
-    if (!stream_) refuse(errno);
-  }
-  // Opens .NAME.part, unless another process has it, or the name would be too long, or the file system has no locks.
+  // Opens .NAME.part, unless another process or user has it, or something else has the name, or the name would be too
+  // long, or the file system has no locks.
   // The lock is kept until the file has been renamed, so that nobody writes over it before. The name is made first,
   // because nothing removes the file if there is no memory for its name afterwards.
   bool openShared() {
     part_ = place_.file.parent_path() / ((std::filesystem::path(".") += place_.file.filename()) += ".part");
-    stream_ = os::openFile(part_, "ab");
-    if (!stream_ && errno != ENAMETOOLONG && errno != EISDIR) refuse(errno);
+    stream_ = os::openPart(part_, false);
+    const auto isOneOf = [](int reason, auto... others) { return ((reason == others) || ...); };
+    if (!stream_ && !isOneOf(errno, ENAMETOOLONG, EISDIR, ELOOP, ENXIO, EACCES, EPERM)) refuse(errno);
     if (!stream_) return false;
     lock_ = os::descriptorOf(stream_);
     const os::Lock lock = lock_ >= 0 ? os::lockFile(lock_, false) : os::Lock::absent;

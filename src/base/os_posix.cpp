@@ -19,6 +19,28 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) {
   return std::fopen(file.c_str(), mode);
 }
 
+// O_NONBLOCK keeps a pipe without a reader from waiting for one.
+std::FILE* openPart(const std::filesystem::path& file, bool isEmpty) {
+  const int opened = ::open(
+      file.c_str(), O_CREAT | O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | (isEmpty ? O_TRUNC : O_APPEND), 0666);
+  if (opened < 0) return nullptr;
+  struct stat what;
+  const bool isFile = ::fstat(opened, &what) == 0 && S_ISREG(what.st_mode);
+  if (!isFile) errno = ENXIO;
+  std::FILE* stream = isFile ? ::fdopen(opened, isEmpty ? "wb" : "ab") : nullptr;
+  if (!stream) {
+    const int reason = errno;
+    ::close(opened);
+    errno = reason;
+  }
+  return stream;
+}
+
+void copyPermissions(const std::filesystem::path& file, std::FILE* to) {
+  struct stat what;
+  if (::stat(file.c_str(), &what) == 0) (void)!::fchmod(::fileno(to), what.st_mode & 0777);
+}
+
 bool isWritable(const std::filesystem::path& file) {
   return ::access(file.c_str(), W_OK) == 0;
 }
@@ -48,7 +70,7 @@ Lock lockFile(Descriptor file, bool wait) {
 
 bool isNamed(Descriptor opened, const std::filesystem::path& file) {
   struct stat one, named;
-  return ::fstat(opened, &one) == 0 && ::stat(file.c_str(), &named) == 0 && one.st_ino == named.st_ino &&
+  return ::fstat(opened, &one) == 0 && ::lstat(file.c_str(), &named) == 0 && one.st_ino == named.st_ino &&
          one.st_dev == named.st_dev;
 }
 

@@ -78,6 +78,12 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) {
   return opened < 0 ? nullptr : _fdopen(opened, reads ? "rb" : appends ? "ab" : "wb");
 }
 
+std::FILE* openPart(const std::filesystem::path& file, bool isEmpty) {
+  return openFile(file, isEmpty ? "wb" : "ab");
+}
+
+void copyPermissions(const std::filesystem::path&, std::FILE*) {}
+
 bool isWritable(const std::filesystem::path& file) {
   return _waccess(file.c_str(), 2) == 0;
 }

@@ -6,6 +6,9 @@
 
 namespace gnosphere::c {
 
+// Programs that were compiled with an older header step through an array of them.
+static_assert(sizeof(void*) != 8 || sizeof(gno_device_info) == 80, "gno_device_info never grows");
+
 void describe(const DeviceInfo& device, gno_device_info& info) {
   info.name = device.name.c_str();
   info.type = device.type.c_str();

@@ -184,7 +184,8 @@ gno_status gno_options_set(gno_options* options, const char* assignment) {
     const Out filled(options, GNO_TYPE(gno_options));
     the(assignment, "assignment");
     const std::string text = assignment;
-    if (options->struct_size < sizeof *options) refuse("these gno_options cannot keep what gno_options_set() sets");
+    if (options->struct_size < offsetof(gno_options, assignments) + sizeof options->assignments)
+      refuse("these gno_options cannot keep what gno_options_set() sets");
     if (text.find('\n') != text.npos) refuse("an assignment is one line");
     SimulatorOptions checked;
     assign(checked, text);

@@ -11,6 +11,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/text.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
@@ -355,6 +356,8 @@ void Document::add(const Clip& clip) {
 
 void writeGlb(const Scene& scene, const fs::path& file) {
   static_assert(std::endian::native == std::endian::little, "GLB is little-endian, and arrays are written as they are");
+  if (lower(file.extension().string()) != ".glb")
+    throw Error(ErrorCode::invalidArgument, "'" + file.string() + "': scenes are written as .glb; give it that ending");
   validate(scene);
   const Document document(scene);
   const std::string text = document.text();

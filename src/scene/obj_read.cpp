@@ -110,14 +110,15 @@ std::string withPlainWords(std::string_view text) {
   return result;
 }
 
-/// The materials of the libraries beside the OBJ file. A missing one is common; its materials then have only a name,
-/// and the scene tells of it.
+/// The materials of the libraries beside the OBJ file. A missing library is common, and so is a material that no
+/// library defines: such materials have only a name, and the scene tells of them.
 class Libraries {
  public:
   explicit Libraries(const Source& source) : source_(source) {}
 
   /// Reads what a `mtllib` line names: one library, whose name may have spaces, or else several.
   void add(const std::string& names) {
+    isAny_ = true;
     if (addOne(names)) return;
     std::string_view rest = names;
     for (std::string_view name = nextWord(rest); !name.empty(); name = nextWord(rest))
@@ -128,13 +129,22 @@ class Libraries {
   /// Returns the material of a name; one that no library defines gets default properties.
   uint32_t find(const std::string& name) {
     const auto [found, isNew] = index_.emplace(name, static_cast<uint32_t>(materials_.size()));
-    if (isNew) materials_.emplace_back().name = name;
+    if (isNew) {
+      materials_.emplace_back().name = name;
+      if (undefined_++ == 0) firstUndefined_ = name;
+    }
     return found->second;
   }
 
   std::vector<Material> take() { return std::move(materials_); }
-  /// A line for each library that is not there.
-  std::vector<std::string> missing() { return std::move(missing_); }
+  /// Returns a line for each library that is missing; if none is, a line for the materials that no library defines.
+  std::vector<std::string> missing() {
+    if (isAny_ && missing_.empty() && undefined_ > 0)
+      missing_.push_back("the properties of material " + inQuotes(firstUndefined_) +
+                         (undefined_ > 1 ? " and " + std::to_string(undefined_ - 1) + " more" : "") +
+                         ", which no library defines");
+    return std::move(missing_);
+  }
 
  private:
   /// Returns false if the library cannot be read.
@@ -165,6 +175,9 @@ class Libraries {
   std::vector<Material> materials_;
   std::vector<std::string> missing_;
   std::map<std::string, uint32_t> index_;
+  bool isAny_ = false;    ///< whether the file names a library
+  size_t undefined_ = 0;  ///< materials that were looked for and that no library defines
+  std::string firstUndefined_;
 };
 
 /// The faces as tinyobjloader's callbacks report them. Its other interface triangulates polygons itself, with 8-bit

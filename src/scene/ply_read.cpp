@@ -34,7 +34,10 @@ constexpr std::array<size_t, 8> kPlySizes = {1, 1, 2, 2, 4, 4, 4, 8};
 
 class PlyReader {
  public:
-  PlyReader(Bytes bytes, const Source& source) : rest_(textOf(bytes)), source_(source) {}
+  PlyReader(Bytes bytes, const Source& source) : rest_(textOf(bytes)), source_(source) {
+    const size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    if (rest_.substr(end, 1) == "\r" && rest_.substr(end, 2) != "\r\n") lineEnd_ = '\r';
+  }
 
   Scene read() {
     readHeader();
@@ -53,7 +56,7 @@ class PlyReader {
 
  private:
   std::string_view nextLine() {
-    const size_t end = rest_.find('\n');
+    const size_t end = rest_.find(lineEnd_);
     if (end == rest_.npos) source_.fail("the PLY file is cut off in its header");
     std::string_view line = rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
@@ -120,7 +123,7 @@ class PlyReader {
   /// Skips to the next line of a text file: an item may have more values than the header states (VCGLIB's wedge
   /// colours).
   void endItem() {
-    if (isText_) rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size()));
+    if (isText_) rest_.remove_prefix(std::min(rest_.find(lineEnd_), rest_.size()));
   }
 
   double value(PlyType type, const char* what) {
@@ -250,6 +253,7 @@ class PlyReader {
   std::string_view rest_;
   const Source& source_;
   std::vector<PlyElement> elements_;
+  char lineEnd_ = '\n';  ///< a carriage return in files whose first line ends with one alone
   bool isText_ = true, swapped_ = false;
   std::vector<double> coordinates_;
   std::vector<uint32_t> faceCorners_, corners_;

@@ -288,10 +288,8 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
 Sensor sensorFromJson(std::string_view text, const std::string& source) {
   Sensor sensor;
   try {
-    sensor = sensorFromRoot({source}, parseJson(text));
+    sensor = sensorFromRoot({source}, parseStrict(text, source));
     validate(sensor);
-  } catch (const json::exception& problem) {
-    throw Error(ErrorCode::format, source + ": is not JSON: " + readable(problem));
   } catch (const Error& problem) {
     if (problem.code() != ErrorCode::invalidArgument) throw;
     throw Error(ErrorCode::format, source + ": " + problem.what());

@@ -5,6 +5,9 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <memory>
+#ifndef _WIN32
+#include <sys/stat.h>
+#endif
 
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
@@ -193,6 +196,37 @@ TEST_CASE("writers of one file do not disturb each other, and the last one that 
   named.commit();
   CHECK(fs::exists(folder / longest));
 }
+
+#ifndef _WIN32
+TEST_CASE("a link or a pipe that has the name of an unfinished file is left alone") {
+  const Folder folder;
+  put(folder / "victim", "precious");
+  fs::create_symlink("victim", folder / ".linked.part");
+  REQUIRE(mkfifo((folder / ".piped.part").c_str(), 0600) == 0);
+  for (const char* name : {"linked", "piped"}) {
+    AtomicFile file(folder / name);
+    file.write("new");
+    file.commit();
+    CHECK(fs::is_regular_file(fs::symlink_status(folder / name)));
+    CHECK(bytesOf(folder / name) == "new");
+  }
+  CHECK(bytesOf(folder / "victim") == "precious");
+  CHECK(fs::is_symlink(folder / ".linked.part"));
+  CHECK_THROWS_WITH(AtomicFile(folder / "other", folder / ".linked.part"), ContainsSubstring("cannot be written"));
+  CHECK(bytesOf(folder / "victim") == "precious");
+}
+
+TEST_CASE("a file that is replaced hands its permissions on") {
+  const Folder folder;
+  put(folder / "secret", "old");
+  fs::permissions(folder / "secret", fs::perms::owner_read | fs::perms::owner_write);
+  AtomicFile file(folder / "secret");
+  file.write("new");
+  file.commit();
+  CHECK(bytesOf(folder / "secret") == "new");
+  CHECK(fs::status(folder / "secret").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+#endif
 
 TEST_CASE("a cloud that cannot be written leaves no file behind") {
   const Folder folder;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Readers of OBJ, PLY and STL.
 #include <algorithm>
+#include <bit>
 #include <catch2/catch_approx.hpp>
 #include <cctype>
 #include <cmath>
@@ -136,7 +137,12 @@ TEST_CASE(
   CHECK(scene.materials[1].baseColor == std::array<float, 4>{0.1f, 0.2f, 0.3f, 0.4f});
   CHECK(scene.materials[2].name == "gr\xC3\xBCn");
   CHECK(scene.materials[2].baseColor[1] == 1);
-  CHECK(scene.leftOut.empty());
+  CHECK(scene.leftOut == std::vector<std::string>{"the properties of material 'none', which no library defines"});
+  const Scene several =
+      loadScene(put(folder / "c.obj", "mtllib a.mtl\n" + std::string(kSquareObj) +
+                                          "usemtl x\nf 1 2 3\nusemtl y\nf 1 2 3\nusemtl z\nf 1 2 3\n"));
+  CHECK(several.leftOut ==
+        std::vector<std::string>{"the properties of material 'x' and 2 more, which no library defines"});
   const Scene some =
       loadScene(put(folder / "b.obj", "mtllib a.mtl gone.mtl\n" + std::string(kSquareObj) + "f 1 2 3\n"));
   CHECK(some.leftOut == std::vector<std::string>{"the materials of 'gone.mtl', which cannot be read"});
@@ -298,11 +304,28 @@ TEST_CASE("invalid PLY is an error") {
              ContainsSubstring("have no y"));
 }
 
-TEST_CASE("text PLY is read with a mark of UTF-8") {
-  const std::string text =
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-  CHECK(loadText("a.ply", "\xEF\xBB\xBF" + text).meshes.at(0).positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+TEST_CASE("PLY is read with a mark of UTF-8, and with lines that end with carriage returns") {
+  const std::string properties =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const std::string text = "ply\nformat ascii 1.0\n" + properties + "0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2 9\n";
+  const Floats positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  CHECK(loadText("a.ply", "\xEF\xBB\xBF" + text).meshes.at(0).positions == positions);
+  const auto withLineEnds = [](const std::string& from, const std::string& lineEnd) {
+    std::string to;
+    for (const char c : from) to += c == '\n' ? lineEnd : std::string(1, c);
+    return to;
+  };
+  CHECK(loadText("a.ply", withLineEnds(text, "\r")).meshes.at(0).positions == positions);
+  CHECK(loadText("a.ply", withLineEnds(text, "\r\n")).meshes.at(0).positions == positions);
+
+  // The data of a binary file may start with the byte of a line feed, which is no end of a line there.
+  std::string binary = withLineEnds("ply\nformat binary_little_endian 1.0\n" + properties, "\r");
+  const Floats corners = {std::bit_cast<float>(0x3F00000Au), 0, 0, 1, 0, 0, 0, 1, 0};
+  binary.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(float));
+  binary += '\3';
+  for (const char corner : {0, 1, 2}) binary.append({corner, 0, 0, 0});
+  CHECK(loadText("a.ply", binary).meshes.at(0).positions == corners);
 }
 
 TEST_CASE("STL corners with the same bits become one vertex, in text and in binary") {

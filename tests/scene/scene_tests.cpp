@@ -124,6 +124,8 @@ TEST_CASE("the holes of cut-out materials are kept by writing and reading") {
   CHECK(read.meshes[0].vertexCount() == 4 + 3);
   writeGlb(read, folder / "b.glb");
   CHECK(loadScene(folder / "b.glb").meshes[0].vertexCount() == 4 + 3);
+  CHECK_THAT(problemOf([&] { writeGlb(scene, folder / "b.obj"); }), ContainsSubstring("scenes are written as .glb"));
+  CHECK(!std::filesystem::exists(folder / "b.obj"));
   scene.alphaImages[0] = {16385, 1, std::vector<uint8_t>(16385)};
   CHECK_THAT(problemOf([&] { writeGlb(scene, folder / "wide.glb"); }),
              ContainsSubstring("an alpha image has 16385 x 1 pixels; the limit of files is 16384 per side"));

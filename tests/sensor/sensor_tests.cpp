@@ -311,6 +311,8 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
   CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1])")), ContainsSubstring("not JSON"));
   CHECK_THAT(problemOf(""), ContainsSubstring("test.json") && ContainsSubstring("not JSON"));
   CHECK_THAT(problemOf("[]"), ContainsSubstring("a JSON object"));
+  CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "columns": 4, "range": {"max": 5}, "elevation_deg": [1]})"),
+             ContainsSubstring("'columns' is there twice; keep one"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": 6, "max": 5}, "elevation_deg": [1]})"),
              ContainsSubstring("beyond range max"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": -1, "max": 5}, "elevation_deg": [1]})"),

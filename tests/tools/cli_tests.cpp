@@ -16,9 +16,12 @@ using namespace gnosphere::test;
 
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
-  checkRefused("look", 2, "look");
+  checkRefused("look", 2, "there is no command 'look'; the nearest are ");
+  checkRefused("scna floor.obj", 2, "there is no command 'scna'; the nearest are scan, ");
   checkRefused("scan", 2, "SCENE");
-  checkRefused("scan floor.obj --frob", 2, "--frob");
+  checkRefused("scan floor.obj --frob", 2, "there is no option '--frob'; the nearest are ");
+  checkRefused("scan floor.obj --outptu a.pcd", 2, "there is no option '--outptu'; the nearest are --output, ");
+  checkRefused("scan floor.obj roof.obj", 2, "there is no place for 'roof.obj'");
   checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
   checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
   checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
@@ -36,7 +39,8 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --image a.jpg", 2, ".png");
   checkRefused("scan floor.obj --pose 1,2", 2, "X,Y,Z");
   checkRefused("scan floor.obj --pose 1,2,nan", 2, "finite");
-  checkRefused("scan floor.obj --pose 1,2,3,0,0,0,0", 2, "no length");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,0,0", 2, "has a quaternion whose length is 0 and not 1");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,40,9", 2, "has a quaternion whose length is 41 and not 1");
   checkRefused("scan floor.obj --pose 1,2,3,", 2, "X,Y,Z");
   checkRefused("scan floor.obj --accuracy rough", 2, "paper");
   checkRefused("scan floor.obj --scale 0", 2, "--scale");
@@ -129,8 +133,8 @@ TEST_CASE("a scan tells whether its head is an ideal one of the paper or a real 
   CHECK_THAT(told("own.json"), ContainsSubstring("\nsensor     OS1-32:mine at 0, 0, 1.8: "));
 }
 
-TEST_CASE("a pose may begin with a minus, and its quaternion need not be normalised") {
-  const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
+TEST_CASE("a pose may begin with a minus, and its quaternion have few digits") {
+  const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,1.001,0 --stats -" + kQuick).at("pose");
   CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
   CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
 }

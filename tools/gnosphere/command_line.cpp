@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_line.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -8,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/nearest_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "gnosphere/error.hpp"
@@ -34,6 +36,23 @@ int checkedOutput(int status, int failed) {
   complain("the standard output is not complete: it cannot be written" +
            (flushed ? std::string() : std::string(": ") + std::strerror(reason)));
   return failed;
+}
+
+/// Says which word of a call is none of the command's, or that there is no such command.
+std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chosen) {
+  const std::vector<std::string> words = chosen.empty() ? app.remaining() : chosen[0]->remaining();
+  const auto dashed = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  const auto found = std::find_if(words.begin(), words.end(), dashed);
+  const std::string word = found != words.end() ? *found : words.at(0);
+  std::vector<std::string> names;
+  if (dashed(word)) {
+    for (const CLI::Option* option : (chosen.empty() ? &app : chosen[0])->get_options())
+      if (!option->get_lnames().empty()) names.push_back("--" + option->get_lnames()[0]);
+    return "there is no option '" + word + "'; " + nearestText(word, std::move(names));
+  }
+  if (!chosen.empty()) return "there is no place for '" + word + "'";
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  return "there is no command '" + word + "'; " + nearestText(word, std::move(names));
 }
 
 int runChosen(const std::vector<Command>& commands) {
@@ -88,8 +107,9 @@ int runCommandLine(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return checkedOutput(app.exit(error), 1);  // --help and --version
     const auto chosen = app.get_subcommands();
-    complain(std::string(error.what()) + " (see gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") +
-             "--help)");
+    const bool isUnknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    complain((isUnknown ? unknownWord(app, chosen) : error.what()) + " (see gnosphere " +
+             (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");
     return 2;
   }
   return runChosen(commands);

@@ -37,10 +37,9 @@ Pose parsePose(const std::string& text) {
   pose.position = {numbers[0], numbers[1], numbers[2]};
   if (numbers.size() == 3) return pose;
   const Quaternion q = {numbers[3], numbers[4], numbers[5], numbers[6]};
-  const double length = normOf(q);
-  if (!(length > 1e-6) || !std::isfinite(length)) {
-    throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
-  }
+  if (!isUnit(q))
+    throw Error(ErrorCode::invalidArgument, "--pose: '" + text + "' has a quaternion whose length is " +
+                                                numberText(normOf(q)) + " and not 1; 0,0,0,1 is no turn");
   pose.orientation = normalized(q);
   return pose;
 }
