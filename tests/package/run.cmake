@@ -85,17 +85,20 @@ separate_arguments(flags UNIX_COMMAND "${flags}")
 run(${CXX} -std=c++20 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/${consumer} ${flags} -o ${WORK}/consumer)
 check_consumer(${WORK}/consumer)
 
-# Test RGL's interface by the name that its programs link.
+# Test RGL's interface, in C++ and in C, by the name that its programs link.
+find_program(CC NAMES cc gcc clang REQUIRED)
 set(rgl ${prefix}/${LIBDIR}/gnosphere/rgl)
 if(EXISTS ${rgl})
   run(${CXX} -std=c++17 -I${prefix}/include/gnosphere/compat ${CMAKE_CURRENT_LIST_DIR}/rgl.cpp -L${rgl} -lRobotecGPULidar
     -o ${WORK}/rgl_consumer)
   run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${rgl} GNOSPHERE_RGL_DEVICE=reference ${WORK}/rgl_consumer)
+  run(${CC} -std=c11 -Wall -Wextra -Werror -I${prefix}/include/gnosphere/compat ${CMAKE_CURRENT_LIST_DIR}/rgl.c -L${rgl}
+    -lRobotecGPULidar -o ${WORK}/rgl_c_consumer)
+  run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${rgl} ${WORK}/rgl_c_consumer)
 endif()
 
 # Test the C interface from C, and the symbols that a shared library exports.
 if(SHARED AND NOT SOURCE)
-  find_program(CC NAMES cc gcc clang REQUIRED)
   run(${CC} -std=c99 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/../../examples/c/scan.c ${flags} -lm -o ${WORK}/c_consumer)
   run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${prefix}/${LIBDIR} ${WORK}/c_consumer town.glb c.pcd)
   run(${CC} -std=c99 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/../../examples/c/record.c ${flags} -lvulkan

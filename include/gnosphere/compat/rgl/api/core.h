@@ -25,6 +25,15 @@
 #define RGL_API RGL_VISIBLE
 #endif
 
+// The types of the enumerations. C has none before C23; there they are as large as int.
+#ifdef __cplusplus
+#define RGL_INT32 : int32_t
+#define RGL_UINT8 : uint8_t
+#else
+#define RGL_INT32
+#define RGL_UINT8
+#endif
+
 // The version that a program is built for. A program may define another one before it includes this file.
 #ifndef RGL_VERSION_MAJOR
 #define RGL_VERSION_MAJOR 0
@@ -70,7 +79,7 @@ typedef struct Texture* rgl_texture_t;
 typedef struct Node* rgl_node_t;
 typedef struct Scene* rgl_scene_t;  ///< there is one scene, and its handle is null
 
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_RADAR_CLASS_CAR = 0,
   RGL_RADAR_CLASS_TRUCK = 1,
   RGL_RADAR_CLASS_MOTORCYCLE = 2,
@@ -82,7 +91,7 @@ typedef enum : int32_t {
   RGL_RADAR_CLASS_COUNT = 8
 } rgl_radar_object_class_t;
 
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_EXTENSION_PCL = 0,
   RGL_EXTENSION_ROS2 = 1,
   RGL_EXTENSION_UDP = 2,
@@ -90,7 +99,7 @@ typedef enum : int32_t {
   RGL_EXTENSION_COUNT = 4
 } rgl_extension_t;
 
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_SUCCESS = 0,
   RGL_INVALID_ARGUMENT = 1,
   RGL_INVALID_STATE = 2,
@@ -106,7 +115,7 @@ typedef enum : int32_t {
   RGL_INTERNAL_EXCEPTION = 500
 } rgl_status_t;
 
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_LOG_LEVEL_ALL = 0,
   RGL_LOG_LEVEL_TRACE = 0,
   RGL_LOG_LEVEL_DEBUG = 1,
@@ -119,7 +128,7 @@ typedef enum : int32_t {
 } rgl_log_level_t;
 
 /// Fields that a point may have.
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_FIELD_XYZ_VEC3_F32 = 1,
   RGL_FIELD_INTENSITY_F32 = 2,
   RGL_FIELD_INTENSITY_U8 = 3,
@@ -158,16 +167,19 @@ static const int32_t RGL_RETURN_MODE_SINGLE = 1 << 24;
 static const int32_t RGL_RETURN_MODE_DUAL = 2 << 24;
 static const int32_t RGL_RETURN_TYPE_BIT_SHIFT = 8;
 
-typedef enum : uint8_t {
+enum rgl_return_type_t RGL_UINT8 {
   RGL_RETURN_TYPE_UNKNOWN = 0,
   RGL_RETURN_TYPE_STRONGEST = 1,
   RGL_RETURN_TYPE_LAST = 2,
   RGL_RETURN_TYPE_SECOND = 3,
   RGL_RETURN_TYPE_FIRST = 4,
   RGL_RETURN_TYPE_SECOND_STRONGEST = 5
-} rgl_return_type_t;
+};
+#ifndef __cplusplus
+typedef uint8_t rgl_return_type_t;  // as large as a value of RGL_FIELD_RETURN_TYPE_U8
+#endif
 
-typedef enum : int32_t {
+typedef enum RGL_INT32 {
   RGL_RETURN_UNKNOWN = 0,
   RGL_RETURN_FIRST = 0x01000004,
   RGL_RETURN_SECOND = 0x01000003,
@@ -180,7 +192,7 @@ typedef enum : int32_t {
   RGL_RETURN_FIRST_SECOND = 0x02000304
 } rgl_return_mode_t;
 
-typedef enum : int32_t { RGL_AXIS_X = 1, RGL_AXIS_Y = 2, RGL_AXIS_Z = 3 } rgl_axis_t;
+typedef enum RGL_INT32 { RGL_AXIS_X = 1, RGL_AXIS_Y = 2, RGL_AXIS_Z = 3 } rgl_axis_t;
 
 // Functions of the library as a whole.
 RGL_API rgl_status_t rgl_get_version_info(int32_t* out_major, int32_t* out_minor, int32_t* out_patch);
