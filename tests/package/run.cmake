@@ -2,8 +2,8 @@
 # Installs the library into an empty prefix, then builds and runs a program with find_package and with pkg-config.
 # Arguments: PROGRAM (the command line), WORK (a folder of our own), LIBDIR, CXX, LAUNCHER, and one of these
 #   BUILD   a build folder to install; its library is a shared one if SHARED is on, a static one if not
-#   SOURCE  the repository: another project builds a static library of it and installs that; with CORE on, one without
-#           GNOSPHERE_IO, and the program is core.cpp
+#   SOURCE  the repository: another project adds it, which builds a static library, and installs that; with CORE on, one
+#           without GNOSPHERE_IO, and the program is core.cpp
 cmake_minimum_required(VERSION 3.25)
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${prefix} ${WORK}/build)
@@ -30,7 +30,7 @@ if(SOURCE)
   # This build has no optimisation and one file per folder, because only the packaging is tested and such a build is
   # fastest.
   set(BUILD ${WORK}/holder/build)
-  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_UNITY_BUILD=ON -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
+  set(options -D CMAKE_UNITY_BUILD=ON -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
   if(CORE)
     # Headers that the library alone must not need are replaced by files that fail to compile.
     set(consumer core.cpp)
@@ -63,6 +63,13 @@ endforeach()
 if(NOT descriptions)
   message(FATAL_ERROR "nothing in ${prefix}/${LIBDIR} describes the library")
 endif()
+
+# The licences are in the folder of this project, whoever installs it.
+foreach(document IN ITEMS LICENSE THIRD_PARTY.md)
+  if(NOT EXISTS ${prefix}/share/doc/gnosphere/${document})
+    message(FATAL_ERROR "${prefix}/share/doc/gnosphere has no ${document}")
+  endif()
+endforeach()
 
 # If the program is installed, it runs from the prefix.
 if(EXISTS ${prefix}/bin/gnosphere)
