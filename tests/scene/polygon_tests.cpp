@@ -324,7 +324,7 @@ TEST_CASE("PLY is read with a mark of UTF-8, and with lines that end with carria
   const Floats corners = {std::bit_cast<float>(0x3F00000Au), 0, 0, 1, 0, 0, 0, 1, 0};
   binary.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(float));
   binary += '\3';
-  for (const char corner : {0, 1, 2}) binary.append({corner, 0, 0, 0});
+  for (const char corner : {'\0', '\1', '\2'}) binary.append({corner, 0, 0, 0});
   CHECK(loadText("a.ply", binary).meshes.at(0).positions == corners);
 }
 
