@@ -102,8 +102,18 @@ def test_urdf_at_positions_of_its_joints(arm, tmp_path):
     turned = np.array([[np.cos(0.5), 0, np.sin(0.5)], [0, 1, 0], [-np.sin(0.5), 0, np.cos(0.5)]])
     np.testing.assert_allclose(robot.pose("top").position, tip + turned @ [0.1, 0, 0.2], atol=1e-12)
     np.testing.assert_allclose(adapter.rows_of(robot.pose())[:3, 0], turned @ [0, 1, 0], atol=1e-9)
-    with pytest.raises(ValueError, match="there is no joint 'knee'"):
+    with pytest.raises(ValueError, match="there is no joint 'knee' that can be moved; there are shoulder, slide$"):
         robot.move({"knee": 1})
+    for wrong, kind in (("high", ValueError), (None, TypeError)):
+        with pytest.raises(kind, match=f"the position of the joint 'slide' must be a number, not {wrong!r}"):
+            robot.move({"shoulder": 0.1, "slide": wrong})
+    with pytest.raises(ValueError, match="the position of the joint 'slide' must be finite, is nan"):
+        robot.move({"slide": float("nan")})
+    assert robot.joints == {"shoulder": 0.5, "slide": 0.2}
+    with pytest.warns(UserWarning, match=r"the joint 'slide' is at 0.7, beyond its limits 0..0.5") as told:
+        robot.move({"shoulder": 1, "slide": 0.7})
+    assert len(told) == 1 and told[0].filename == __file__
+    assert robot.joints == {"shoulder": 1, "slide": 0.7}
     with pytest.raises(ValueError, match="there is no lidar 'front'; the file has top"):
         robot.lidar("front")
 
@@ -190,6 +200,8 @@ def test_a_joint_of_sdf_with_the_name_of_a_link(tmp_path):
         <child>arm</child><axis><xyz>0 0 1</xyz></axis></joint>
         <link name="base">{BOX}</link><link name="arm">{BOX}</link></model></sdf>"""
     )
+    with pytest.raises(ValueError, match="there is no joint 'am' that can be moved; there is arm$"):
+        robotics.load(tmp_path / "m.sdf", joints={"am": 2.0})
     heights = [points.mean(axis=0)[2] for points in corners(quiet(tmp_path / "m.sdf", joints={"arm": 2.0}))]
     assert heights == pytest.approx([0, 2], abs=1e-6)
 
@@ -936,6 +948,9 @@ def test_the_command(arm, tmp_path):
     assert "left out: geometry that is no box, sphere, cylinder, capsule or mesh (1)" in said.stdout and not said.stderr
     scene = gnosphere.load_scene(tmp_path / "arm.glb")
     assert [instance.name for instance in scene.instances] == ["plinth", "upper", "tip", "follower"]
+    for beyond, sentence in (("slide=0.7", "the joint 'slide' is at 0.7, beyond its limits 0..0.5"), ("slide=0.5", "")):
+        said = subprocess.run([*command, arm, *options, "--joint", beyond], check=True, capture_output=True, text=True)
+        assert sentence in said.stderr and bool(said.stderr) == bool(sentence)
     wrong = subprocess.run([*command, arm, "--joint", "knee=1"], capture_output=True, text=True)
     assert wrong.returncode == 1 and "there is no joint 'knee'" in wrong.stderr
 

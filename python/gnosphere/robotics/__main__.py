@@ -7,6 +7,7 @@ import argparse
 import math
 import sys
 import warnings
+from typing import Any
 
 from .. import _gnosphere as gno
 from .load import load
@@ -22,9 +23,9 @@ def main() -> int:
     parser.add_argument("-o", "--output", metavar="FILE.glb", help="writes the scene as it is with these joints")
     given = parser.parse_args()
     try:
-        joints = {name: float(value) for name, _, value in (joint.rpartition("=") for joint in given.joint)}
+        joints: dict[str, Any] = {name: value for name, _, value in (joint.rpartition("=") for joint in given.joint)}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what is left out is printed
+            warnings.filterwarnings("ignore", ".* leaves out ")  # this is printed
             found = load(given.file, joints=joints, search=given.search, collisions=given.collisions)
         describe(found)
         if given.output:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Optional, Union
@@ -112,24 +114,45 @@ class RobotScene:
         """The positions that were given last."""
         self._parts, self._where = parts, frames
         self._now: Mapping[Any, Matrix] = {}
-        self.move(joints)
+        self._move(joints, stacklevel=4)  # of the caller of load()
 
     def move(self, joints: Joints) -> Matrix:
         """Moves joints, by radians or metres; those not named stay. Returns where the instances then are, shape
-        (n, 3, 4), for Lidar.move()."""
-        for name in joints:
-            if self.joint_limits and name not in self.joint_limits:
-                known = ", ".join(list(self.joint_limits)[:8])
-                raise ValueError(f"there is no joint '{name}' that can be moved; there are {known}, ...")
-            if not self.joint_limits:
-                raise ValueError(f"there is no joint '{name}': the file has none that can be moved")
-        self.joints.update({name: float(value) for name, value in joints.items()})
+        (n, 3, 4), for Lidar.move(). A position beyond the limits of its joint is taken, with a warning."""
+        return self._move(joints, stacklevel=3)
+
+    def _move(self, joints: Joints, stacklevel: int) -> Matrix:
+        positions = {name: self._position(name, value) for name, value in joints.items()}
+        for name, position in positions.items():
+            low, high = self.joint_limits[name]
+            if not low <= position <= high:
+                warnings.warn(
+                    f"the joint '{name}' is at {position:g}, beyond its limits {low:g}..{high:g}", stacklevel=stacklevel
+                )
+        self.joints.update(positions)
         self._now = self._where(self.joints)
         rows = np.empty((len(self.frames), 3, 4))
         for row, frame, local, instance in zip(rows, self.frames, self._parts.locals, self._parts.shapes.instances):
             row[:] = (self._now[frame] @ local)[:3]
             instance.transform = gno.Transform(row)
         return rows
+
+    def _position(self, name: str, value: Any) -> float:
+        """The position of a joint as a number, where there is such a joint."""
+        if not self.joint_limits:
+            raise ValueError(f"there is no joint '{name}': the file has none that can be moved")
+        if name not in self.joint_limits:
+            known, shown = list(self.joint_limits), 8
+            names = ", ".join(known[:shown]) + (f" and {len(known) - shown} more" if len(known) > shown else "")
+            verb = "is" if len(known) == 1 else "are"
+            raise ValueError(f"there is no joint '{name}' that can be moved; there {verb} {names}")
+        try:
+            position = float(value)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"the position of the joint '{name}' must be a number, not {value!r}") from None
+        if not math.isfinite(position):
+            raise ValueError(f"the position of the joint '{name}' must be finite, is {position:g}")
+        return position
 
     @property
     def scene(self) -> gno.Scene:
