@@ -53,13 +53,13 @@ Answer appliesIntensity(const Question& q, const std::vector<std::string>& needI
 /// Throws if the request turns off an effect that a field or another effect needs.
 void checkOff(const Question& q, const std::vector<std::string>& needIntensity) {
   if (q.effects.radialSpeed.use == EffectUse::off && q.asksFor(Field::radialSpeed)) {
-    refuseRequest("radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+    refuseRequest("radial-speed is off, but the field radial_speed is asked for; set radial-speed to auto");
   }
   if (q.effects.intensity.use != EffectUse::off) return;
   if (q.asksFor(Field::intensity))
-    refuseRequest("intensity is off, but the field intensity is asked for; leave it to auto");
+    refuseRequest("intensity is off, but the field intensity is asked for; set intensity to auto");
   if (!needIntensity.empty()) {
-    refuseRequest("intensity is off, but " + needIntensity.front() + " needs it; leave intensity to auto");
+    refuseRequest("intensity is off, but " + needIntensity.front() + " needs it; set intensity to auto");
   }
 }
 

@@ -280,12 +280,12 @@ TEST_CASE("an effect that is off but needed is refused, or disables the effects 
   checkOut(asked, "returns", "intensity, which it needs, is off in the request");
   checkOut(asked, "intensity", "off in the request");
   asked.effects.returns.use = EffectUse::on;
-  checkRefused(asked, "intensity is off, but returns needs it; leave intensity to auto");
+  checkRefused(asked, "intensity is off, but returns needs it; set intensity to auto");
   asked.fields = {Field::intensity};
-  checkRefused(asked, "intensity is off, but the field intensity is asked for; leave it to auto");
+  checkRefused(asked, "intensity is off, but the field intensity is asked for; set intensity to auto");
   asked.effects.radialSpeed.use = EffectUse::off;
   asked.fields = {Field::radialSpeed};
-  checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+  checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; set radial-speed to auto");
   asked.effects.fog.visibility = -1;
   checkRefused(asked, "fog.visibility must be 0..1000000 m, is -1");
 }
