@@ -193,8 +193,9 @@ void checkWeather(const SensorPlan& plan, const Weather& weather, const std::str
   const auto need = [&](bool brings, uint32_t bit, const char* effect) {
     if (brings && !plan.has(bit))
       throw Error(ErrorCode::invalidArgument,
-                  which + "it brings " + effect + ", which is not planned for sensor '" + plan.sensor.name +
-                      "'; request variable weather for the sensor, and do not turn " + effect + " off");
+                  (which.empty() ? "the shot" : which + "it") + " brings " + effect +
+                      ", which is not planned for sensor '" + plan.sensor.name +
+                      "'; set variable_weather in the sensor's request, and do not turn " + effect + " off");
   };
   need(weather.visibility > 0, gpu::kFog, "fog");
   need(weather.rainRate > 0, gpu::kRain, "rain");

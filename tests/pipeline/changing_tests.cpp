@@ -356,8 +356,8 @@ TEST_CASE("what does not fit is refused with its name, and the simulator goes on
   Scan scan;
   CHECK_THROWS_WITH(
       simulator.scanInto(shot, scan),
-      "it brings fog, which is not planned for sensor 'grid'; request variable weather for the sensor, and do "
-      "not turn fog off");
+      "the shot brings fog, which is not planned for sensor 'grid'; set variable_weather in the sensor's request, and "
+      "do not turn fog off");
   CHECK(sameBytes(simulator.scan({}), before));
 }
 
