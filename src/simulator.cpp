@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "base/index_pool.hpp"
 #include "base/maker_process.hpp"
+#include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 #include "gnosphere/error.hpp"
@@ -56,6 +57,7 @@ class Simulator::Impl {
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
       : options_(options), planner_(options_), kept_(scene, planner_) {
     if (options.accuracyParts) validate(*options.accuracyParts);
+    validate(options.materials);
     for (const SensorRequest& given : sensors) {
       check(given);
       const SensorRequest request = completed(given, plans_.size());
@@ -65,6 +67,7 @@ class Simulator::Impl {
       requests_.push_back(request);
       sensors_.take();
     }
+    warnOfMaterials(scene);
     backend_ = makeBackend(scene, plans_, options_);
     kept_.changeIn(*backend_);
   }
@@ -83,6 +86,12 @@ class Simulator::Impl {
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i) check(shots[i], numbered ? "shot " + std::to_string(i) + ": " : "");
     for (const Shot& shot : shots) warnOfMotion(shot);
+  }
+
+  /// Tells which rows of the material table have no effect. A scene without materials is filled later.
+  void warnOfMaterials(const Scene& scene) const {
+    if (!options_.warn || scene.materials.empty() || options_.materials.rows.empty()) return;
+    for (const std::string& warning : warningsOf(options_.materials, scene)) options_.warn(warning);
   }
 
   /// Tells which effects are called for, but not with this accuracy or device.

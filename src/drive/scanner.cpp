@@ -26,13 +26,23 @@ Weather ownWeather(const Effects& effects) {
   return weather;
 }
 
+/// Returns the rows whose materials the scene has. readDrive() has told of names that no scene or model has.
+MaterialTable materialsOf(const Scene& scene, const MaterialTable& table) {
+  std::vector<std::string> unused;
+  opticsOf(scene, table, 905, &unused);
+  const std::set<std::string> absent(unused.begin(), unused.end());
+  MaterialTable result = table;
+  std::erase_if(result.rows, [&](const MaterialTable::Row& row) { return absent.contains(row.name); });
+  return result;
+}
+
 }  // namespace
 
 Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields,
                  SimulatorOptions options)
     : drive_(drive), world_(world), placed_(world.scene().instances.size()) {
   for (const std::string& assignment : drive.simulator) assign(options, assignment);
-  options.materials = drive.materials;
+  options.materials = materialsOf(world.scene(), drive.materials);
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);

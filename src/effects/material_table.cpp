@@ -4,6 +4,7 @@
 #include "effects/material_table.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
@@ -55,6 +56,27 @@ void readColumn(const std::filesystem::path& file, const std::string& key, const
   row.*column->member = static_cast<float>(number);
 }
 
+/// Returns what is wrong with the names of a table; empty if nothing is. Names that are equal are rows that complete
+/// one another.
+std::string wrongNames(const MaterialTable& table) {
+  std::map<std::string, const std::string*> known;
+  for (const Row& row : table.rows) {
+    const std::string& first = *known.emplace(lower(row.name), &row.name).first->second;
+    if (first != row.name)
+      return "has the materials '" + first + "' and '" + row.name +
+             "', which are one, because case does not matter; keep one of them";
+  }
+  return "";
+}
+
+/// Returns text such as "'asphalt', 'brick', 'glass' and 12 more".
+std::string quoted(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 3;
+  std::string list;
+  for (size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i ? ", '" : "'") + names[i] + "'";
+  return names.size() > kShown ? list + " and " + std::to_string(names.size() - kShown) + " more" : list;
+}
+
 Row readRow(const std::filesystem::path& file, const json& entry) {
   if (!entry.is_object()) refuseTable(file, "a material must be an object, is " + shown(entry));
   const auto name = entry.find("name");
@@ -78,6 +100,20 @@ void validate(const MaterialTable& table) {
                                                   " must be " + rangeOf(column) + ", or negative if not stated, is " +
                                                   numberText(double{value}));
     }
+  const std::string wrong = wrongNames(table);
+  if (!wrong.empty()) throw Error(ErrorCode::invalidArgument, "the material table " + wrong);
+}
+
+std::vector<std::string> warningsOf(const MaterialTable& table, const Scene& scene) {
+  std::vector<std::string> unused, empty, warnings;
+  opticsOf(scene, table, 905, &unused);
+  for (const Row& row : table.rows)
+    if (std::ranges::none_of(kColumns, [&](const Column& column) { return row.*column.member >= 0; }))
+      empty.push_back(row.name);
+  if (!unused.empty())
+    warnings.push_back("the material table has " + quoted(unused) + ", but the scene has no material of that name");
+  if (!empty.empty()) warnings.push_back("the material table gives no values for " + quoted(empty));
+  return warnings;
 }
 
 json readMaterialJson(const std::filesystem::path& file) {
@@ -86,7 +122,16 @@ json readMaterialJson(const std::filesystem::path& file) {
 
 MaterialTable loadMaterialTable(const std::filesystem::path& file) {
   const json root = readMaterialJson(file);
-  if (isOpenMaterial(root)) return {readOpenMaterial(root, file)};
+  MaterialTable table;
+  const auto checked = [&] {
+    const std::string wrong = wrongNames(table);
+    if (!wrong.empty()) refuseTable(file, wrong);
+    return std::move(table);
+  };
+  if (isOpenMaterial(root)) {
+    table.rows = readOpenMaterial(root, file);
+    return checked();
+  }
   if (!root.is_object() || !root.contains("materials") || !root["materials"].is_array()) {
     if (lower(file.extension().string()) == ".xoma")
       refuseTable(file,
@@ -98,9 +143,8 @@ MaterialTable loadMaterialTable(const std::filesystem::path& file) {
         "3D");
   }
   if (root.size() > 1) refuseTable(file, "holds more than 'materials'; take it out");
-  MaterialTable table;
   for (const json& entry : root["materials"]) table.rows.push_back(readRow(file, entry));
-  return table;
+  return checked();
 }
 
 }  // namespace gnosphere

@@ -192,10 +192,10 @@ Effects effectsOf(const SensorPlan& plan, const Shot& shot) {
 void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which) {
   const auto need = [&](bool brings, uint32_t bit, const char* effect) {
     if (brings && !plan.has(bit))
-      throw Error(ErrorCode::invalidArgument,
-                  (which.empty() ? "the shot" : which + "it") + " brings " + effect +
-                      ", which is not planned for sensor '" + plan.sensor.name +
-                      "'; set variable_weather in the sensor's request, and do not turn " + effect + " off");
+      throw Error(ErrorCode::invalidArgument, (which.empty() ? "the shot" : which + "it") + " brings " + effect +
+                                                  ", which is not planned for sensor '" + plan.sensor.name +
+                                                  "'; set variable_weather in the sensor's request, and do not turn " +
+                                                  effect + " off");
   };
   need(weather.visibility > 0, gpu::kFog, "fog");
   need(weather.rainRate > 0, gpu::kRain, "rain");

@@ -10,6 +10,7 @@
 #include "folder.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
+#include "gnosphere/simulator.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -126,6 +127,8 @@ TEST_CASE("an invalid table is refused") {
           "material 'a': reflectance_905 must be 0..1, is 10");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "retro": "much"}]})", "retro must be 0..1000000");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "name": "b"}]})", "'name' is there twice");
+  refused(folder, "t.json", R"({"materials": [{"name": "Wall"}, {"name": "roof"}, {"name": "wall"}]})",
+          "t.json: has the materials 'Wall' and 'wall', which are one, because case does not matter; keep one of them");
   // The limit is 64 levels; the object and its list of materials are two of these. A message that quoted a million
   // levels overflowed the stack.
   const auto nested = [](size_t depth) {
@@ -147,6 +150,29 @@ TEST_CASE("a material table that a program makes is checked when it is applied")
   refused({"a", 0.5f, std::nanf("")}, "reflectance_1550 must be 0..1");
   refused({"a", -1, -1, -1, 2e6f}, "retro must be 0..1000000");
   CHECK_NOTHROW(opticsOf(scene, {{{"a", 0.5f}}}, 905));
+  CHECK_NOTHROW(opticsOf(scene, {{{"a", 0.5f}, {"a", 0.6f}}}, 905));
+  CHECK_THROWS_WITH(opticsOf(scene, {{{"a", 0.5f}, {"A", 0.6f}}}, 905),
+                    ContainsSubstring("the material table has the materials 'a' and 'A', which are one"));
+}
+
+TEST_CASE("a simulator tells once of the rows of a material table that have no effect") {
+  Scene scene;
+  scene.materials = {material("wall")};
+  std::vector<std::string> warnings;
+  SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  options.materials.rows = {{"WALL", 0.5f}, {"roof", 0.5f}, {"wood"}};
+  const Sensor sensor = builtinSensor("VLP-16");
+  const Simulator simulator(scene, std::vector<SensorRequest>(2, SensorRequest(sensor)), options);
+  CHECK(warnings ==
+        std::vector<std::string>{"the material table has 'roof', 'wood', but the scene has no material of that name",
+                                 "the material table gives no values for 'wood'"});
+  warnings.clear();
+  options.materials.rows.resize(1);
+  const Simulator fitting(scene, SensorRequest(sensor), options);
+  const Simulator empty(Scene(), SensorRequest(sensor), options);
+  CHECK(warnings.empty());
 }
 
 TEST_CASE("an OpenMATERIAL BRDF is read near normal incidence, for light that returns to the sensor") {

@@ -124,8 +124,8 @@ TEST_CASE("a table of materials is read, and rows without effect cause warnings"
   const Result result = place.run("plan floor.obj --materials m.json");
   CHECK(result.status == 0);
   CHECK(result.err ==
-        "gnosphere: warning: m.json has 'wood', 'snow', but the scene has no material of that name\n"
-        "gnosphere: warning: m.json gives no values for 'wood'\n");
+        "gnosphere: warning: the material table has 'wood', 'snow', but the scene has no material of that name\n"
+        "gnosphere: warning: the material table gives no values for 'wood'\n");
 }
 
 TEST_CASE("invalid requests of effects are refused in one line") {

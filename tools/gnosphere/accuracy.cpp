@@ -87,7 +87,6 @@ int runAccuracy(const Options& options) {
   const Sensor& sensor = request.sensor;
 
   if (options.footprints) {
-    warnAboutMaterials(options, scene, materials);
     SubRayOptions measure;
     measure.simulator = simulatorOptions(options);
     measure.simulator.materials = materials;

@@ -28,7 +28,4 @@ Effects effectsOf(const EffectOptions& options);
 /// Reads --materials; empty without it. Throws Error(file) or Error(format) if the file cannot be read or is invalid.
 MaterialTable materialsOf(const EffectOptions& options);
 
-/// Warns on stderr about rows of the table whose name no material of the scene has, and about rows without any value.
-void warnAboutMaterials(const EffectOptions& options, const Scene& scene, const MaterialTable& table);
-
 }  // namespace gnosphere::cli

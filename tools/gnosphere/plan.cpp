@@ -120,7 +120,6 @@ int runPlan(const PlanOptions& options) {
   if (!options.fields.empty()) request.fields = parseFields(options.fields);
   if (!options.records.empty()) request.layout = layoutOf(parseFields(options.records));
   const Scene scene = loadScene(options);
-  warnAboutMaterials(options, scene, settings.materials);
   const Simulator simulator(scene, request, settings);
   const Plan plan = simulator.plan(0, options.views);
   if (options.json)

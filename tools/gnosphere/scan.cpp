@@ -245,7 +245,6 @@ int runScan(const ScanOptions& options) {
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
-  warnAboutMaterials(options, scene, materials);
   const Pose pose = poseOf(options, scene);
 
   const std::optional<AccuracyChoice> choice = choose(options, scene, sensor, pose);
