@@ -174,7 +174,12 @@ class AtomicFile {
     }
   }
   [[noreturn]] void refuse(int reason) const {
-    throw Error(ErrorCode::file, file_.string() + ": cannot be written: " + std::strerror(reason));
+    const std::filesystem::path folder = place_.file.parent_path();
+    std::error_code ignored;
+    const bool absent = reason == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored);
+    throw Error(ErrorCode::file,
+                file_.string() + ": cannot be written: " + std::strerror(reason) +
+                    (absent ? "; there is no folder '" + folder.string() + "', so make it first" : std::string()));
   }
 
   std::filesystem::path file_;

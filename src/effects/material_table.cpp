@@ -70,7 +70,7 @@ std::string wrongNames(const MaterialTable& table) {
 }
 
 /// Returns text such as "'asphalt', 'brick', 'glass' and 12 more".
-std::string quoted(const std::vector<std::string>& names) {
+std::string shortList(const std::vector<std::string>& names) {
   constexpr size_t kShown = 3;
   std::string list;
   for (size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i ? ", '" : "'") + names[i] + "'";
@@ -111,8 +111,8 @@ std::vector<std::string> warningsOf(const MaterialTable& table, const Scene& sce
     if (std::ranges::none_of(kColumns, [&](const Column& column) { return row.*column.member >= 0; }))
       empty.push_back(row.name);
   if (!unused.empty())
-    warnings.push_back("the material table has " + quoted(unused) + ", but the scene has no material of that name");
-  if (!empty.empty()) warnings.push_back("the material table gives no values for " + quoted(empty));
+    warnings.push_back("the material table has " + shortList(unused) + ", but the scene has no material of that name");
+  if (!empty.empty()) warnings.push_back("the material table gives no values for " + shortList(empty));
   return warnings;
 }
 

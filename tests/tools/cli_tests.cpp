@@ -89,12 +89,14 @@ TEST_CASE("scan, plan and accuracy take every option by --set; drives name the p
 
 TEST_CASE("work that fails ends with status 1 and leaves no incomplete file") {
   checkRefused("scan none.glb -o a.pcd --image a.png --stats a.json", 1, "none.glb");
-  checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
+  checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1,
+               "No such file or directory; there is no folder 'no/such/folder', so make it first");
   checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // fails before the scene is loaded
   checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
   checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is of no known family");
   checkRefused("compare a.pcd b.pcd", 2, "a.pcd: cannot be read: No such file or directory");
-  checkRefused("town -o no/town.glb", 1, "No such file or directory");
+  checkRefused("town -o no/town.glb", 1,
+               "no/town.glb: cannot be written: No such file or directory; there is no folder 'no', so make it first");
 }
 
 TEST_CASE("a scan writes the requested files and lists them") {
