@@ -59,13 +59,14 @@ void bindTuning(nb::module_& m) {
   bindWords<Culling::Occlusion>(culling, "Occlusion", optionNamed("tuning.culling.occlusion"));
   bindOptionRows<[](SimulatorOptions& options) -> Culling& { return options.tuning.culling; }>(culling,
                                                                                                "tuning.culling.");
-  culling.def_rw("occlusion", &Culling::occlusion, pythonText(optionNamed("tuning.culling.occlusion").doc).c_str());
+  readWriteChoice(culling, "occlusion", &Culling::occlusion,
+                  pythonText(optionNamed("tuning.culling.occlusion").doc).c_str());
   bindKeywords(culling, keywords);
   nb::class_<Tuning> tuning(m, "Tuning",
                             "How a scan is computed. The choices affect only time and memory; the cloud is the same.");
-  tuning.def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
-      .def_rw("sub_rays", &Tuning::subRays, pythonText(optionNamed("tuning.sub_rays").doc).c_str())
-      .def_rw("culling", &Tuning::culling, "Which triangles are skipped early.");
+  readWriteChoice(tuning, "binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str());
+  readWriteChoice(tuning, "sub_rays", &Tuning::subRays, pythonText(optionNamed("tuning.sub_rays").doc).c_str());
+  tuning.def_rw("culling", &Tuning::culling, "Which triangles are skipped early.");
   bindOptionRows<[](SimulatorOptions& options) -> Tuning& { return options.tuning; }>(tuning, "tuning.");
   bindKeywords(tuning, keywords);
 }

@@ -56,7 +56,7 @@ void bindDrive(nb::module_& parent) {
             ownFunctions(self->simulator);
           },
           "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
-          "verify"_a = false, "simulator"_a = SimulatorOptions(), "progress"_a = nb::none())
+          "verify"_a = false, "simulator"_a = newOptions(), "progress"_a = nb::none())
       .def_rw("out", &RunOptions::out, "The folder of the data set.")
       .def_rw("first_frame", &RunOptions::firstFrame, "The first frame that is made.")
       .def_rw("end_frame", &RunOptions::endFrame, "The frame after the last one.")

@@ -25,7 +25,7 @@ void bindEffect(nb::class_<Effects>& effects, const std::string& name, const Mor
   }
   const std::string doc = pythonText(info.doc);
   nb::class_<Effect> effect(effects, type.c_str(), doc.c_str());
-  effect.def_rw("use", &Effect::use, "Whether it is off, on or automatic.");
+  readWriteChoice(effect, "use", &Effect::use, "Whether it is off, on or automatic.");
   for (const Parameter<Effects>& parameter : info.parameters)
     bindRow<[](Effects& all) -> Effect& { return all.*kEffect; }>(effect, parameter.name, parameter);
   more(effect);
@@ -40,7 +40,7 @@ void bindChoice(nb::class_<Effect>& effect, const std::string& name, const char*
   std::string type = parameter;
   type[0] = static_cast<char>(std::toupper(type[0]));
   bindWords<Enum>(effect, type, row);
-  effect.def_rw(parameter, member, pythonText(row.doc).c_str());
+  readWriteChoice(effect, parameter, member, pythonText(row.doc).c_str());
 }
 
 void bindSignal(nb::class_<Effects>& effects) {

@@ -140,40 +140,14 @@ using CollectedOptions =
 void bindSimulatorOptions(nb::module_& m) {
   nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.",
                                        nb::type_slots(CollectedOptions::slots));
+  readWriteChoice(options, "accuracy", &SimulatorOptions::accuracy, pythonText(optionNamed("accuracy").doc).c_str());
+  readWriteChoice(options, "faces", &SimulatorOptions::faces, pythonText(optionNamed("faces").doc).c_str());
   options
-      .def(
-          "__init__",
-          [](SimulatorOptions* self, const DeviceChoice& device, Accuracy accuracy, std::optional<AccuracyParts> parts,
-             ReflectingFaces faces, const MaterialTable& materials, std::string cache, Function warn, bool validation,
-             const Tuning& tuning, Function trace, bool compileOnly, bool resultsOnDevice) {
-            SimulatorOptions made;
-            made.device = device;
-            made.accuracy = accuracy;
-            made.accuracyParts = std::move(parts);
-            made.faces = faces;
-            made.materials = materials;
-            made.cache = std::move(cache);
-            made.validation = validation;
-            made.compileOnly = compileOnly;
-            made.resultsOnDevice = resultsOnDevice;
-            made.tuning = tuning;
-            setFunction<&SimulatorOptions::warn>(made, std::move(warn));
-            setFunction<&SimulatorOptions::trace>(made, std::move(trace));
-            new (self) SimulatorOptions(std::move(made));
-          },
-          "device"_a = DeviceChoice(), "accuracy"_a = Accuracy::standard, "accuracy_parts"_a = nb::none(),
-          "faces"_a = ReflectingFaces::material, "materials"_a = MaterialTable(), "cache"_a = "", "warn"_a = nb::none(),
-          "validation"_a = false, "tuning"_a = Tuning(), "trace"_a = nb::none(), "compile_only"_a = false,
-          "results_on_device"_a = false)
-      .def_rw("accuracy", &SimulatorOptions::accuracy, pythonText(optionNamed("accuracy").doc).c_str())
-      .def_rw("faces", &SimulatorOptions::faces, pythonText(optionNamed("faces").doc).c_str())
       .def_prop_rw("warn", &functionOf<&SimulatorOptions::warn>, &setFunction<&SimulatorOptions::warn>,
-                   nb::for_setter(nb::arg("function").none()),
-                   "Receives a sentence about a problem that is no error, for example that compiled pipelines cannot "
-                   "be kept. The library itself prints nothing. An exception that it raises is printed, and the call "
-                   "goes on.")
+                   "Receives a sentence about a problem that is no error, for example an effect that is left out. By "
+                   "default this is warnings.warn, so the sentence is a UserWarning at the line that calls; None "
+                   "silences it. An exception that the function raises is printed, and the call goes on.")
       .def_prop_rw("trace", &functionOf<&SimulatorOptions::trace>, &setFunction<&SimulatorOptions::trace>,
-                   nb::for_setter(nb::arg("function").none()),
                    "Receives a line per step of each scan on a Vulkan device, with its size and time.")
       .def_rw("tuning", &SimulatorOptions::tuning, "How scans are computed; it changes no cloud.");
   bindOptionRows<[](SimulatorOptions& all) -> SimulatorOptions& { return all; }>(options, "");
@@ -181,6 +155,10 @@ void bindSimulatorOptions(nb::module_& m) {
   readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");
   readWriteCopy(options, "materials", &SimulatorOptions::materials,
                 "Reflectances by name; they override the scene's materials.");
+  bindKeywords(options, "Takes its properties as keywords, in which a choice may be its name.",
+               {"device", "accuracy", "accuracy_parts", "faces", "materials", "cache", "warn", "validation", "tuning",
+                "trace", "compile_only", "results_on_device"},
+               &newOptions);
   m.def(
       "assign", nb::overload_cast<SimulatorOptions&, const std::string&>(&assign), "options"_a, "assignment"_a,
       "Sets an option by its name, as 'accuracy=exact' or 'tuning.binning=lists'. Raises Error(invalid_argument) that "
@@ -188,6 +166,12 @@ void bindSimulatorOptions(nb::module_& m) {
 }
 
 }  // namespace
+
+SimulatorOptions newOptions() {
+  SimulatorOptions options;
+  options.warn = Warn(nb::object(nb::module_::import_("warnings").attr("warn")));
+  return options;
+}
 
 std::vector<Warn> functionsOf(const SimulatorOptions& options) {
   std::vector<Warn> functions;

@@ -7,6 +7,7 @@
 // that holds a function has a reference of its own, which it reports, and the copies that the library makes share that.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ class Warn {
   /// An exception of the function is printed, because the library's call goes on.
   void operator()(const std::string& message) const {
     const AcquiredGil acquired;
+    const nb::error_scope raised;            // what is being raised while a simulator is freed
     const nb::object function = *function_;  // lives during the call, even if the collector takes the other away
     if (!function.is_valid()) return;
     try {
@@ -44,12 +46,19 @@ class Warn {
   std::shared_ptr<nb::object> function_;
 };
 
+/// Returns the options of a new object of Python: those of C++, but warnings are those of Python (warnings.warn).
+SimulatorOptions newOptions();
 /// Returns the Python functions of options.
 std::vector<Warn> functionsOf(const SimulatorOptions& options);
 /// Takes the functions away from options.
 void dropFunctions(SimulatorOptions& options);
 /// Gives options that will be an object of Python, or part of one, references of their own to their functions.
 void ownFunctions(SimulatorOptions& options);
+
+/// A SensorRequest, or a Sensor, which stands for a request of this sensor alone.
+struct RequestLike {
+  SensorRequest request;
+};
 
 /// tp_traverse and tp_clear of a class of `T`, which has its functions as `visit(const T&)`, a list of handles, and
 /// loses them by `clear(T&)`. A part of another object, which that one reports, is left alone.
@@ -78,3 +87,26 @@ inline std::vector<nb::handle> handlesOf(const std::vector<Warn>& functions) {
 }
 
 }  // namespace gnosphere::python
+
+namespace nanobind::detail {
+
+template <>
+struct type_caster<gnosphere::python::RequestLike> {
+  NB_TYPE_CASTER(gnosphere::python::RequestLike,
+                 make_caster<gnosphere::SensorRequest>::Name + const_name(" | ") + make_caster<gnosphere::Sensor>::Name)
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    try {
+      if (isinstance<gnosphere::SensorRequest>(source))
+        value.request = cast<const gnosphere::SensorRequest&>(source);
+      else if (isinstance<gnosphere::Sensor>(source))
+        value.request = gnosphere::SensorRequest(cast<const gnosphere::Sensor&>(source));
+      else
+        return false;
+      return true;
+    } catch (const std::exception&) {  // an object that was not made completely
+      return false;
+    }
+  }
+};
+
+}  // namespace nanobind::detail

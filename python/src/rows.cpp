@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "base/nearest_text.hpp"
 
@@ -41,9 +42,21 @@ std::vector<std::string> propertiesOf(nb::handle type) {
   return names;
 }
 
-/// The enumerators by name of the enum that a value belongs to; not valid for another value.
-nb::object membersOf(nb::handle value) {
-  return nb::getattr(value.type(), "__members__", nb::object());
+/// The type of a property in the signature of its setter.
+std::string typeOf(nb::handle type, const std::string& property) {
+  const nb::object setter = type.attr(property.c_str()).attr("fset");
+  const auto signature = nb::cast<std::string>(setter.attr("__nb_signature__")[0][0]);  // def f(self, arg: T, /)
+  const size_t first = signature.find(": ") + 2;
+  return signature.substr(first, signature.rfind(", /)") - first);
+}
+
+/// The same as users write it, without the names of modules.
+std::string shortTypeOf(nb::handle type, const std::string& property) {
+  std::string text = typeOf(type, property);
+  for (const std::string& module :
+       {nb::cast<std::string>(type.attr("__module__")) + ".", std::string("collections.abc.")})
+    for (size_t at = text.find(module); at != text.npos; at = text.find(module)) text.erase(at, module.size());
+  return text;
 }
 
 /// Returns "off, on or automatic".
@@ -90,41 +103,48 @@ const Parameter<Effects>& parameterOf(const std::string& effect, const std::stri
   return *std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return parameter == row.name; });
 }
 
-std::string keywordsOf(nb::handle object) {
+std::string keywordsOf(nb::handle type, const std::vector<std::string>& positional) {
   std::string keywords;
-  for (const std::string& name : propertiesOf(object.type())) {
-    const nb::object setter = object.type().attr(name.c_str()).attr("fset");
-    const auto signature = nb::cast<std::string>(setter.attr("__nb_signature__")[0][0]);  // def f(self, arg: T, /)
-    const size_t first = signature.find(": ") + 2;
-    const std::string ofType = signature.substr(first, signature.rfind(", /)") - first);
-    keywords += (keywords.empty() ? ", *, " : ", ") + name + ": " + ofType;
-    if (membersOf(nb::getattr(object, name.c_str())).is_valid()) keywords += " | str";
-    keywords += " = ...";
+  const auto add = [&](const std::string& name) { keywords += ", " + name + ": " + typeOf(type, name) + " = ..."; };
+  for (const std::string& name : positional) add(name);
+  bool first = true;
+  for (const std::string& name : propertiesOf(type)) {
+    if (std::ranges::find(positional, name) != positional.end()) continue;
+    if (std::exchange(first, false)) keywords += ", *";
+    add(name);
   }
   return keywords;
 }
 
+nb::object enumeratorNamed(const std::string& name, nb::handle any, const std::string& what) {
+  const nb::object members = any.type().attr("__members__");
+  const nb::str word(pythonName(name).c_str());
+  if (!nb::cast<nb::mapping>(members).contains(word))
+    refuse(what + " must be " + listedNames(members) + ", is " + nb::cast<std::string>(nb::repr(nb::cast(name))));
+  return members[word];
+}
+
 void setProperty(nb::handle object, const std::string& name, nb::handle value) {
-  const std::vector<std::string> known = propertiesOf(object.type());
+  const nb::handle type = object.type();
+  const std::vector<std::string> known = propertiesOf(type);
   if (std::ranges::find(known, name) == known.end())
-    throw nb::type_error((classNameOf(object.type()) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
-  const nb::object now = nb::getattr(object, name.c_str());
-  const nb::object members = membersOf(now);
-  if (members.is_valid() && PyUnicode_Check(value.ptr())) {
-    const nb::str word(pythonName(nb::cast<std::string>(value)).c_str());
-    if (!nb::cast<nb::mapping>(members).contains(word))
-      refuse(classNameOf(object.type()) + ": " + name + " must be " + listedNames(members) + ", is " +
-             nb::cast<std::string>(nb::repr(value)));
-    return nb::setattr(object, name.c_str(), members[word]);
-  }
+    throw nb::type_error((classNameOf(type) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
   try {
     nb::setattr(object, name.c_str(), value);
   } catch (nb::python_error& error) {
     if (!error.matches(PyExc_TypeError)) throw;
-    throw nb::type_error((classNameOf(object.type()) + ": " + name + " must be of the type " + classNameOf(now.type()) +
+    throw nb::type_error((classNameOf(type) + ": " + name + " must be of the type " + shortTypeOf(type, name) +
                           ", not " + nb::cast<std::string>(nb::repr(value)))
                              .c_str());
   }
+}
+
+void checkPositional(nb::handle type, size_t given, size_t taken) {
+  if (given <= taken) return;
+  const std::string allowed =
+      taken == 0 ? "its properties by their names alone"
+                 : "at most " + std::to_string(taken) + " arguments without a name, not " + std::to_string(given);
+  throw nb::type_error((classNameOf(type) + " takes " + allowed).c_str());
 }
 
 }  // namespace gnosphere::python

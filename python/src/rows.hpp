@@ -2,8 +2,11 @@
 // Properties, enums and their documentation from the rows of the library's tables.
 #pragma once
 
+#include <nanobind/stl/variant.h>
+
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -40,6 +43,29 @@ void bindWords(nb::handle scope, const std::string& name, const std::vector<Choi
 template <typename Enum, typename Owner>
 void bindWords(nb::handle scope, const std::string& name, const Parameter<Owner>& parameter) {
   bindWords<Enum>(scope, name, std::get<ChoiceParameter<Owner>>(parameter.kind).words, parameter.doc);
+}
+
+/// A choice as Python gives it: an enumerator, or its name.
+template <typename Enum>
+using Choice = std::variant<Enum, std::string>;
+
+/// Returns the enumerator of this name of the enum of which `any` is one. Throws Error(invalidArgument) with the known
+/// names, which begins with `what`.
+nb::object enumeratorNamed(const std::string& name, nb::handle any, const std::string& what);
+
+template <typename Enum>
+Enum chosen(const Choice<Enum>& given, const std::string& what) {
+  if (const Enum* const value = std::get_if<Enum>(&given)) return *value;
+  return nb::cast<Enum>(enumeratorNamed(std::get<std::string>(given), nb::cast(Enum()), what));
+}
+
+/// Defines a property that is a choice, to which a name can be assigned, too.
+template <typename Class, typename Enum>
+void readWriteChoice(nb::class_<Class>& type, const char* name, Enum Class::*member, const char* doc) {
+  const std::string what = nb::cast<std::string>(type.attr("__name__")) + ": " + name;
+  type.def_prop_rw(
+      name, [member](const Class& self) { return self.*member; },
+      [member, what](Class& self, const Choice<Enum>& given) { self.*member = chosen(given, what); }, doc);
 }
 
 /// Defines the property of a row whose value is a number, a truth value or a text; other rows need a type of their own.
@@ -89,23 +115,34 @@ void bindOptionRows(nb::class_<Class>& type, const std::string& group) {
   }
 }
 
-/// The parameters of a constructor that takes the properties of an object as keywords, each with its type; a choice may
-/// also be its name.
-std::string keywordsOf(nb::handle object);
+/// The parameters of a constructor that takes the properties of a class as keywords, each with its type. Those in
+/// `positional` come first, and can be given without their names.
+std::string keywordsOf(nb::handle type, const std::vector<std::string>& positional);
 /// Sets a property by a keyword. Throws a TypeError for a name that no property has, with the nearest names, and for a
 /// value of another type; Error(invalidArgument) for a word that is no name of a choice, with its names.
 void setProperty(nb::handle object, const std::string& name, nb::handle value);
+/// Throws a TypeError if a constructor gets more arguments without a name than it takes.
+void checkPositional(nb::handle type, size_t given, size_t taken);
 
-/// Lets a class, all of whose properties have been defined, be made of keywords: a new object with these properties.
+/// Lets a class, all of whose properties have been defined, be made of keywords: what make() returns, with these
+/// properties.
 template <typename T>
-void bindKeywords(nb::class_<T>& type, const char* doc) {
-  const std::string signature = "def __init__(self" + keywordsOf(nb::cast(T())) + ") -> None";
+void bindKeywords(
+    nb::class_<T>& type, const char* doc, const std::vector<std::string>& positional = {},
+    T (*make)() = [] { return T(); }) {
+  const std::string signature = "def __init__(self" + keywordsOf(type, positional) + ") -> None";
   type.def(
       "__init__",
-      [](T* self, nb::kwargs keywords) {
-        const nb::object made = nb::cast(T());
+      [positional, make](T* self, nb::args values, nb::kwargs keywords) {
+        const nb::object made = nb::cast(make());
+        checkPositional(made.type(), values.size(), positional.size());
+        for (size_t i = 0; i < values.size(); ++i) {
+          if (keywords.contains(positional[i].c_str()))
+            throw nb::type_error(("'" + positional[i] + "' is given twice").c_str());
+          setProperty(made, positional[i], values[i]);
+        }
         for (const auto& [name, value] : keywords) setProperty(made, nb::cast<std::string>(name), value);
-        new (self) T(nb::cast<const T&>(made));
+        new (self) T(std::move(nb::cast<T&>(made)));
       },
       nb::sig(signature.c_str()), doc);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
+#include "rows.hpp"
 #include "whole.hpp"
 
 namespace gnosphere::python {
@@ -76,28 +77,7 @@ void bindMaterial(nb::module_& m) {
   nb::class_<Material> material(m, "Material",
                                 "Surface properties in the terms of the glTF metallic-roughness model. Colours are "
                                 "linear; factors lie in 0..1.");
-  material
-      .def(
-          "__init__",
-          [](Material* self, std::string name, std::array<float, 4> baseColor, float metallic, float roughness,
-             float transmission, AlphaMode alphaMode, float alphaCutoff, uint32_t alphaImage, float retro,
-             bool doubleSided, const Whole& classId) {
-            new (self) Material{std::move(name),
-                                baseColor,
-                                metallic,
-                                roughness,
-                                transmission,
-                                alphaMode,
-                                alphaCutoff,
-                                alphaImage,
-                                retro,
-                                doubleSided,
-                                classId.of<uint16_t>("Material: class_id")};
-          },
-          "name"_a = "", "base_color"_a = std::array<float, 4>{1, 1, 1, 1}, "metallic"_a = 0.f, "roughness"_a = 1.f,
-          "transmission"_a = 0.f, "alpha_mode"_a = AlphaMode::opaque, "alpha_cutoff"_a = 0.5f,
-          "alpha_image"_a = kNoImage, "retro"_a = 0.f, "double_sided"_a = true, "class_id"_a = 0)
-      .def_rw("name", &Material::name, "Scenes from files have the name that the file states.")
+  material.def_rw("name", &Material::name, "Scenes from files have the name that the file states.")
       .def_prop_rw(
           "base_color",
           [](const Material& self) {
@@ -107,9 +87,9 @@ void bindMaterial(nb::module_& m) {
           [](Material& self, std::array<float, 4> color) { self.baseColor = color; }, "Red, green, blue, alpha.")
       .def_rw("metallic", &Material::metallic, "0 for a dielectric, 1 for a metal.")
       .def_rw("roughness", &Material::roughness, "0 for a mirror, 1 for a rough surface.")
-      .def_rw("transmission", &Material::transmission, "The share of the light that passes through.")
-      .def_rw("alpha_mode", &Material::alphaMode, "What alpha means.")
-      .def_rw("alpha_cutoff", &Material::alphaCutoff, "With AlphaMode.mask, what has less alpha is a hole.")
+      .def_rw("transmission", &Material::transmission, "The share of the light that passes through.");
+  readWriteChoice(material, "alpha_mode", &Material::alphaMode, "What alpha means.");
+  material.def_rw("alpha_cutoff", &Material::alphaCutoff, "With AlphaMode.mask, what has less alpha is a hole.")
       .def_rw("alpha_image", &Material::alphaImage,
               "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
       .def_rw("retro", &Material::retro,
@@ -120,6 +100,9 @@ void bindMaterial(nb::module_& m) {
                  "Semantic class, numbered by the user; if 0, that of the instance counts. See Field.class_id.");
   material.def_rw("class_name", &Material::className,
                   "Class that the file states by its name instead; a drive file gives it a number.");
+  bindKeywords(material, "Takes its properties as keywords, in which a choice may be its name.",
+               {"name", "base_color", "metallic", "roughness", "transmission", "alpha_mode", "alpha_cutoff",
+                "alpha_image", "retro", "double_sided", "class_id"});
 }
 
 }  // namespace
@@ -184,15 +167,10 @@ void bindScene(nb::module_& m) {
       .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")
       .value("y", UpAxis::y)
       .value("z", UpAxis::z);
-  nb::class_<LoadOptions>(m, "LoadOptions", "How a file of a scene is read.")
-      .def(
-          "__init__",
-          [](LoadOptions* self, UpAxis up, double scale) {
-            new (self) LoadOptions{up, scale};
-          },
-          "up"_a = UpAxis::formatDefault, "scale"_a = 1.0)
-      .def_rw("up", &LoadOptions::up, "Which axis of the file points up.")
-      .def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
+  nb::class_<LoadOptions> load(m, "LoadOptions", "How a file of a scene is read.");
+  readWriteChoice(load, "up", &LoadOptions::up, "Which axis of the file points up.");
+  load.def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
+  bindKeywords(load, "Takes its properties as keywords, in which a choice may be its name.", {"up", "scale"});
   m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
         "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "
         "cut-out (AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/sensor.hpp.
 #include "arrays.hpp"
+#include "rows.hpp"
 #include "whole.hpp"
 
 namespace gnosphere::python {
@@ -109,40 +110,7 @@ void bindSensorItself(nb::module_& m) {
       "columns + column: the organised cloud has one row per channel.\n\nIf `patterns` is not empty, the beams are "
       "those of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same "
       "number of beams; columns and channels must be 0 and empty.");
-  const Sensor none;
-  sensor
-      .def(
-          "__init__",
-          [](Sensor* self, std::string name, const Whole& columns, std::vector<Channel> channels, double rangeMin,
-             double rangeMax, double divergenceHorizontal, double divergenceVertical, const Whole& maxReturns,
-             double rotationPeriod, double azimuthStartDeg, double azimuthSpanDeg, NearHits nearHits,
-             std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns, double rangeAt10Percent) {
-            auto masked =
-                maskedBeams ? arrayOf<uint32_t>(*maskedBeams, "Sensor: masked_beams").copy() : std::vector<uint32_t>();
-            new (self) Sensor{std::move(name),
-                              columns.of<uint32_t>("Sensor: columns"),
-                              std::move(channels),
-                              rangeMin,
-                              rangeMax,
-                              divergenceHorizontal,
-                              divergenceVertical,
-                              maxReturns.of<uint32_t>("Sensor: max_returns"),
-                              rotationPeriod,
-                              azimuthStartDeg,
-                              azimuthSpanDeg,
-                              nearHits,
-                              std::move(masked),
-                              std::move(patterns),
-                              rangeAt10Percent};
-          },
-          nb::kw_only(), "name"_a = "", "columns"_a = 0, "channels"_a = nb::make_tuple(), "range_min"_a = none.rangeMin,
-          "range_max"_a = none.rangeMax, "divergence_horizontal"_a = none.divergenceHorizontal,
-          "divergence_vertical"_a = none.divergenceVertical, "max_returns"_a = none.maxReturns,
-          "rotation_period"_a = none.rotationPeriod, "azimuth_start_deg"_a = none.azimuthStartDeg,
-          "azimuth_span_deg"_a = none.azimuthSpanDeg, "near_hits"_a = none.nearHits, "masked_beams"_a = nb::none(),
-          "patterns"_a = nb::make_tuple(), "range_at10_percent"_a = none.rangeAt10Percent,
-          "Takes its properties as keywords.")
-      .def_rw("name", &Sensor::name, "Scans and messages have it.");
+  sensor.def_rw("name", &Sensor::name, "Scans and messages have it.");
   readWriteWhole(sensor, "columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.");
   sensor.def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
@@ -160,8 +128,10 @@ void bindSensorItself(nb::module_& m) {
               "Seconds; column i fires at i / columns of it. If 0, all beams fire at once.")
       .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg, "Azimuth of column 0, counter-clockwise from the x axis.")
       .def_rw("azimuth_span_deg", &Sensor::azimuthSpanDeg,
-              "Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.")
-      .def_rw("near_hits", &Sensor::nearHits, "What happens to a surface that is nearer than a beam's least range.")
+              "Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.");
+  readWriteChoice(sensor, "near_hits", &Sensor::nearHits,
+                  "What happens to a surface that is nearer than a beam's least range.");
+  sensor
       .def_prop_rw(
           "masked_beams", [](const Sensor& self) { return copiedColumn(self.maskedBeams); },
           [](Sensor& self, const ArrayLike& beams) {
@@ -184,6 +154,7 @@ void bindSensorItself(nb::module_& m) {
           "beam"_a, "Unit vector of a beam in the sensor's frame, for a list in its first pattern.");
   readWriteTuple(sensor, "channels", &Sensor::channels, "The lasers of a grid: a tuple of copies, assigned whole.");
   readWriteTuple(sensor, "patterns", &Sensor::patterns, "The lists of beams: a tuple of copies, assigned whole.");
+  bindKeywords(sensor, "Takes its properties as keywords, in which a choice may be its name.");
 
   m.def("beams_of", &beamsOf, "sensor"_a, "frame"_a = 0,
         "Returns the beams that scan number `frame` fires, for any sensor. The arrays origins, times, range_min and "

@@ -17,10 +17,12 @@ using Self = SimulatorOfOneThread;
 
 // Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the
 // originals.
-void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
+void construct(Self* self, Scene scene, std::vector<RequestLike> sensors, SimulatorOptions options) {
   ownFunctions(options);
+  std::vector<SensorRequest> requests;
+  for (RequestLike& sensor : sensors) requests.push_back(std::move(sensor.request));
   const ReleasedGil released;
-  new (self) Self(scene, sensors, options);
+  new (self) Self(scene, requests, options);
 }
 
 SharedScan scan(Self& self, const Pose& pose, size_t sensor) {
@@ -256,8 +258,8 @@ void bindChanges(nb::class_<Self>& simulator) {
   };
   simulator.def(
       "add_sensor",
-      [](Self& self, const SensorRequest& request) {
-        return self.use([&, copy = request](Simulator& of) { return of.addSensor(copy); });
+      [](Self& self, const RequestLike& given) {
+        return self.use([&](Simulator& of) { return of.addSensor(given.request); });
       },
       "request"_a, "Adds a sensor and returns its index.");
   removal("remove_sensor", &Simulator::removeSensor, "sensor", "Removes a sensor.");
@@ -395,11 +397,11 @@ void bindSimulator(nb::module_& m) {
   simulator
       .def(
           "__init__",
-          [](Self* self, const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options) {
+          [](Self* self, const Scene& scene, const RequestLike& sensor, const SimulatorOptions& options) {
             construct(self, scene, {sensor}, options);  // copies of all three
           },
-          "scene"_a, "sensor"_a, "options"_a = SimulatorOptions(), "A simulator with one sensor.")
-      .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = SimulatorOptions(),
+          "scene"_a, "sensor"_a, "options"_a = newOptions(), "A simulator with one sensor.")
+      .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = newOptions(),
            "Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Raises "
            "Error(invalid_argument) for an invalid argument, "
            "Error(device) that gives the reason per device if no device is suitable, Error(out_of_memory).");

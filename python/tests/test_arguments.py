@@ -266,7 +266,16 @@ def test_vectors_of_the_wrong_length():
 def test_keywords_of_the_wrong_type_are_named():
     for make, sentence in (
         (lambda: gnosphere.Tuning(culling=5), "Tuning: culling must be of the type Culling, not 5"),
-        (lambda: gnosphere.Effects(fog=3), "Effects: fog must be of the type Fog, not 3"),
+        (lambda: gnosphere.Effects(fog=3), "Effects: fog must be of the type Effects.Fog, not 3"),
+        (lambda: gnosphere.Effects.Fog(use=3), r"Fog: use must be of the type EffectUse \| str, not 3"),
+        (lambda: gnosphere.Sensor(range_max="far"), "Sensor: range_max must be of the type float, not 'far'"),
+        (lambda: gnosphere.Sensor(channels=[3]), r"channels must be of the type Sequence\[Channel\], not \[3\]"),
+        (lambda: gnosphere.Sensor("mast"), "Sensor takes its properties by their names alone"),
+        (lambda: gnosphere.Material(3), "Material: name must be of the type str, not 3"),
+        (lambda: gnosphere.Material("a", name="b"), "'name' is given twice"),
+        (lambda: gnosphere.Material(*range(12)), "Material takes at most 11 arguments without a name, not 12"),
+        (lambda: gnosphere.SimulatorOptions(3), "SimulatorOptions: device must be of the type DeviceChoice, not 3"),
+        (lambda: gnosphere.SimulatorOptions(tuning=3), "SimulatorOptions: tuning must be of the type Tuning, not 3"),
         (lambda: gnosphere.Effects.Fog(visibility="far"), "Fog: visibility must be of the type float, not 'far'"),
     ):
         with pytest.raises(TypeError, match=sentence):
@@ -393,7 +402,9 @@ def test_a_second_import_is_an_import_error():
         lambda s: gnosphere.AlphaImage(None),
         lambda s: s.add_instance(0, None),
         lambda s: s.add_instance(0, np.eye(4)),
-        lambda s: s.add_sensor(gnosphere.builtin_sensor("VLP-16")),
+        lambda s: s.add_sensor(gnosphere.Pose()),
+        lambda s: s.add_sensor(gnosphere.Sensor.__new__(gnosphere.Sensor)),
+        lambda s: gnosphere.Simulator(gnosphere.Scene(), [gnosphere.Sensor(), None]),
         lambda s: gnosphere.Simulator(None, None),
         lambda s: gnosphere.Pose((1, 2)),
         lambda s: gnosphere.Pose("abc"),

@@ -95,9 +95,12 @@ def test_types_by_mypy(tmp_path):
         'Effects(fog=Effects.Fog(use="on", visibility=80), seed=7)\n'
         'Effects.Returns(use=EffectUse.on, mode="dual")\nTuning(binning="lists", keep_still=False)\n'
         "Effects(range_nois=3)\nEffects.RangeNoise(sigm=3)\nTuning(bining=3)\nEffects.Fog(visibility='far')\n"
+        "from gnosphere import Scene, Sensor, Simulator, SimulatorOptions\n"
+        'Effects().fog.use = "on"\noptions = SimulatorOptions(accuracy="exact", warn=None)\n'
+        "Simulator(Scene(), Sensor(), options)\nSimulator(Scene(), [Sensor()])\nSensor(range_mx=3)\n"
     )
     lines = checked(tmp_path, *strict, "keywords.py").splitlines()
-    assert [line.split(":")[1] for line in lines if ": error: " in line] == ["5", "6", "7", "8"]
+    assert [line.split(":")[1] for line in lines if ": error: " in line] == ["5", "6", "7", "8", "14"]
 
 
 def test_types_by_pyright(tmp_path):

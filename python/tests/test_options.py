@@ -5,6 +5,7 @@ import copy
 import gc
 import json
 import re
+import warnings
 import weakref
 
 import pytest
@@ -49,6 +50,23 @@ def test_effects_take_words():
         Effects.Fog(use="onn")
 
 
+def test_choices_are_assigned_by_words():
+    effects, sensor, options = gno.Effects(), gno.Sensor(near_hits="hide"), gno.SimulatorOptions(accuracy="draft")
+    assert (sensor.near_hits, options.accuracy) == (gno.NearHits.hide, gno.Accuracy.draft)
+    effects.fog.use, effects.returns.mode = "on", "second-strongest"
+    assert (effects.fog.use, effects.returns.mode) == (gno.EffectUse.on, gno.Effects.Returns.Mode.second_strongest)
+    sensor.near_hits, options.accuracy, options.tuning.binning = "see_through", "exact", "auto"
+    assert (sensor.near_hits, options.accuracy) == (gno.NearHits.see_through, gno.Accuracy.exact)
+    assert options.tuning.binning == gno.Binning.automatic
+    assert gno.Material(alpha_mode="mask").alpha_mode == gno.AlphaMode.mask
+    assert gno.LoadOptions(up="y", scale=0.01) == gno.LoadOptions(gno.UpAxis.y, 0.01)
+    with pytest.raises(gno.Error, match="Sensor: near_hits must be see_through or hide, is 'hid'"):
+        sensor.near_hits = "hid"
+    with pytest.raises(TypeError):
+        sensor.near_hits = 1.5
+    assert sensor.near_hits == gno.NearHits.see_through
+
+
 def test_keywords_that_there_are_not_are_type_errors_with_the_nearest():
     for make, sentence in (
         (lambda: gno.Effects(range_nois=3), "Effects has no 'range_nois'; the nearest are range_noise, "),
@@ -56,6 +74,9 @@ def test_keywords_that_there_are_not_are_type_errors_with_the_nearest():
         (lambda: gno.Effects.Fog(visiblity=80), "Fog has no 'visiblity'; there are visibility, use"),
         (lambda: gno.Tuning(bining="lists"), "Tuning has no 'bining'; the nearest are binning, "),
         (lambda: gno.Culling(row=False), "Culling has no 'row'; the nearest are rows, "),
+        (lambda: gno.Sensor(range_mx=3), "Sensor has no 'range_mx'; the nearest are range_max, "),
+        (lambda: gno.Material(roughnes=1), "Material has no 'roughnes'; the nearest are roughness, "),
+        (lambda: gno.SimulatorOptions(acuracy=1), "SimulatorOptions has no 'acuracy'; the nearest are accuracy, "),
     ):
         with pytest.raises(TypeError, match=sentence):
             make()
@@ -175,3 +196,54 @@ def test_what_is_in_use_is_not_freed(town):
     del simulator
     gc.collect()
     assert gone() is None
+
+
+def motion_that_is_left_out(town, options=None):
+    """Scans with a motion of an instance, which a sensor without a rotation period leaves out."""
+    request = gno.SensorRequest(gno.Sensor(range_max=100, columns=4, channels=[gno.Channel()]))
+    simulator = gno.Simulator(town, request, options) if options else gno.Simulator(town, request)
+    simulator.scan(gno.Shot(instance_motions=[gno.InstanceMotion(0, gno.Transform())]))
+
+
+def test_what_is_no_error_is_a_warning_of_python_unless_it_is_silenced(town, device):
+    reference = gno.device_by_name("reference")
+    every = [gno.SimulatorOptions(reference), copy.deepcopy(gno.SimulatorOptions(reference))]
+    if device != reference:
+        every.append(None)
+    for options in every:
+        with pytest.warns(UserWarning, match="object-motion is left out") as told:
+            motion_that_is_left_out(town, options)
+        assert {warning.filename for warning in told} == {__file__}
+    quiet = gno.SimulatorOptions(reference, warn=None)
+    assert quiet.warn is None
+    assert gno.SimulatorOptions().warn is gno.drive.RunOptions("out").simulator.warn is warnings.warn
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        motion_that_is_left_out(town, quiet)
+    assert not told
+
+
+def test_motion_that_an_accuracy_leaves_out_is_a_warning(town, device):
+    if device == gno.device_by_name("reference"):
+        pytest.skip("the reference has motion with every accuracy")
+    head = gno.Sensor(range_max=100, columns=4, channels=[gno.Channel()], rotation_period=0.1)
+    with pytest.warns(UserWarning, match="sensor-motion is left out"):
+        gno.Simulator(town, head, gno.SimulatorOptions(device, "exact"))
+
+
+def test_a_material_table_that_names_nothing_is_a_warning(town):
+    table = gno.MaterialTable([gno.MaterialTable.Row("no such", 0.4)])
+    with pytest.warns(UserWarning, match="the material table has 'no such', but the scene has no material"):
+        gno.Simulator(town, beams(), gno.SimulatorOptions(gno.device_by_name("reference"), materials=table))
+
+
+def test_a_sensor_is_a_request_of_it_alone(town):
+    options = gno.SimulatorOptions(gno.device_by_name("reference"))
+    pose = gno.Pose((0, 0, 1.8))
+    expected = gno.Simulator(town, gno.SensorRequest(beams()), options).scan(pose)
+    simulator = gno.Simulator(town, beams(), options)
+    assert simulator.add_sensor(beams(5)) == 1
+    assert simulator.scan(pose).ranges.tobytes() == expected.ranges.tobytes()
+    assert simulator.scan(pose, 1).beam_count() == 5
+    several = gno.Simulator(town, [beams(), gno.SensorRequest(beams(5))], options)
+    assert [several.scan(pose, sensor).beam_count() for sensor in range(2)] == [9, 5]
