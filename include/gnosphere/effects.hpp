@@ -237,8 +237,8 @@ struct MaterialTable {
 GNOSPHERE_API MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
 /// Returns the optics of every material of the scene at `wavelength`, 905 or 1550 nm. Names in the table that no
-/// material has are appended to `unused`, if given. Throws Error(invalidArgument) for another wavelength, and if a
-/// value of the table is NaN or beyond its limit.
+/// material has are appended to `unused`, if given. Throws Error(invalidArgument) for another wavelength, if a value of
+/// the table is NaN or beyond its limit, and if names in the table differ in case alone.
 GNOSPHERE_API std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
                                            std::vector<std::string>* unused = nullptr);
 
