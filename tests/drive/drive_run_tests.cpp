@@ -223,6 +223,11 @@ TEST_CASE("a material table of a drive gives reflectances to the materials of it
   const drive::Drive changed = folder.read(json);
   CHECK(changed.fingerprint != before);
   CHECK(changed.warnings == std::vector<std::string>{"material_table: no scene or model has the material 'glas'"});
+  drive::RunOptions options = optionsFor(folder / "quiet");
+  std::vector<std::string> warnings;
+  options.simulator.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  drive::run(changed, options);
+  CHECK(warnings.empty());  // the drive has told of the table
   put(folder / "lidar.json", R"({"materials": [{"name": "asphalt", "reflectance_905": 2}]})");
   CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("drive.json: material_table: ") &&
                                            ContainsSubstring("reflectance_905 must be 0..1, is 2"));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <string>
+#include <vector>
 
 #include "gnosphere/eval/sub_rays.hpp"
 #include "support.hpp"
@@ -99,7 +101,12 @@ TEST_CASE("random errors of the range are those of the reference, so they are no
   SubRayOptions options = quick();
   options.counts = {7};
   const Scene scene = sceneOf(ball(40, 80, 5));
+  std::vector<std::string> warnings;
+  options.simulator.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  options.simulator.materials.rows = {{"no such", 0.5f}};
   const SubRayReport report = measureSubRays(scene, request, {Pose{}}, options);
+  CHECK(std::ranges::count(warnings, "the material table has 'no such', but the scene has no material of that name") ==
+        1);  // three simulators have the table
   REQUIRE(report.rows[1].beams == 300);
   CHECK(report.rows[1].wrong == 0);
   CHECK(report.rows[1].rangeErrorMax < 0.01);
