@@ -305,7 +305,7 @@ def pages(root: Path, package: Path | None):
     yield "reference/python/ros2.md", _python_page("gnosphere.ros2", ros2)
     for module in ("adapter", "patterns", "pictures", "primitives", "testing"):
         yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", [sources / f"{module}.py"])
-    for module in ("mujoco", "robotics"):
+    for module in ("helios", "mujoco", "robotics"):
         initial = sources / module / "__init__.py"
         body = ast.parse(initial.read_text(encoding="utf-8")).body
         imported = [statement for statement in body if isinstance(statement, ast.ImportFrom)]

@@ -31,8 +31,11 @@ class FinalFiles {
   /// Calls make(), which writes a file, unless the file is there, and notes it.
   template <class Make>
   void addMade(const std::string& path, const Make& make) {
-    std::error_code absent;
-    if (!std::filesystem::exists(*this / path, absent)) make();
+    std::error_code failed;
+    if (!std::filesystem::exists(*this / path, failed)) {
+      std::filesystem::create_directories((*this / path).parent_path(), failed);  // without any part there is no folder
+      make();
+    }
     add(path);
   }
   /// Notes a file that is there. Throws Error(file) if it cannot be read.

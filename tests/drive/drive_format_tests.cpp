@@ -399,6 +399,17 @@ TEST_CASE("LAS: one file of a whole drive has the points of the files of its sca
   CHECK_THAT(at<double>(whole, 179), WithinAbs(maxX, 1e-9));
 }
 
+TEST_CASE("LAS: the one file of a sensor that meets nothing is there, and without points") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  for (Json& sensor : json["sensors"]) sensor["mount"] = {{"position", {0, 0, 5000}}};
+  json["outputs"] = {{{"format", "las"}, {"one_file", true}}};
+  REQUIRE(folder.run(json).finished);
+  const std::string whole = folder.get("out/las/top.las");
+  CHECK(at<uint64_t>(whole, 247) == 0);
+  CHECK(at<uint32_t>(whole, 96) == whole.size());
+}
+
 TEST_CASE("LAS: what an output of a survey must not say") {
   const DriveFolder folder;
   const auto problem = [&](const Json& output) {

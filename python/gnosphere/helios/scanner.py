@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scanner of HELIOS++ with the settings of a leg as a Sensor."""
+
+from __future__ import annotations
+
+import copy
+import math
+import xml.etree.ElementTree as ET
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any, Optional
+
+import numpy as np
+
+from .. import _gnosphere as gno
+from .assets import Matrix, Settings, about, number_of, rotation_of
+
+_MOST_BEAMS = 1_000_000
+"""Pulses of a scan that is a list, which lasts for a second otherwise."""
+
+
+@dataclass
+class Scanner:
+    """What a leg scans with."""
+
+    sensor: gno.Sensor
+    rate: float  # scans a second
+    scans: int
+    turn: Matrix  # of a head that stands still, in the axes of HELIOS++
+    assumed: tuple[str, ...]
+
+
+@dataclass
+class Sweep:
+    """What a leg asks of the head and its mirror: degrees, Hz, seconds."""
+
+    pulse_rate: float
+    mirror_rate: float
+    head_speed: float
+    head_start: float
+    head_stop: float
+    duration: float
+
+
+def scanner_of(element: ET.Element, detector: Settings, settings: Settings, duration: Optional[float]) -> Scanner:
+    """The scanner of an element for a leg.
+
+    detector: <detectorSettings> of the survey, which replace some of the scanner's.
+    duration: seconds that the leg takes; None if it takes as long as the head needs for its sector.
+    """
+    element = copy.deepcopy(element)
+    for name in ("rangeMin_m", "rangeMax_m"):
+        if detector.has(name):
+            element.set(name, detector.text(name))
+    if settings.has("beamDivergence_rad"):
+        element.set("beamDivergence_rad", settings.text("beamDivergence_rad"))
+    sweep = _sweep(element, settings, duration)
+    _set_scan_angle(element, settings, sweep)
+    if sweep.head_speed == 0:
+        element.attrib.pop("headRotatePerSecMax_deg", None)
+    channels = element.find("channels") is not None
+    stands = sweep.head_speed == 0
+    if channels and stands and number_of(element.get("scanFreqMax_Hz", "0"), "scanFreqMax_Hz") == 0:
+        raise ValueError(f"the scanner '{element.get('id')}' neither turns nor has a mirror that moves")
+    scanner = _lines(element, sweep) if stands else _turning(element, sweep, channels)
+    _cut_vertically(element, scanner.sensor, settings)
+    return scanner
+
+
+def _sweep(element: ET.Element, settings: Settings, duration: Optional[float]) -> Sweep:
+    pulse_rate = settings.number("pulseFreq_hz")
+    if pulse_rate <= 0:
+        pulse_rate = _first(element, "pulseFreqs_Hz")
+    most, speed = _first(element, "headRotatePerSecMax_deg"), settings.number("headRotatePerSec_deg")
+    mirror_rate = settings.number("scanFreq_hz")
+    # Angles between pulses and between lines give the speeds of the mirror and of the head.
+    if settings.number("verticalResolution_deg") > 0:
+        swept = 2 * _first(element, "scanAngleMax_deg")
+        mirror_rate = settings.number("verticalResolution_deg") * pulse_rate / swept if swept else mirror_rate
+    if settings.number("horizontalResolution_deg") > 0:
+        speed = math.copysign(settings.number("horizontalResolution_deg") * mirror_rate, speed)
+    speed = min(max(speed, -most), most)
+    start, stop = settings.number("headRotateStart_deg"), settings.number("headRotateStop_deg")
+    if duration is None:
+        if speed == 0 or start == stop:
+            raise ValueError(
+                "a leg of a platform that stands needs headRotatePerSec_deg, headRotateStart_deg and headRotateStop_deg"
+            )
+        duration = abs(stop - start) / abs(speed)
+    most_seconds = settings.number("max_duration")
+    return Sweep(
+        pulse_rate, mirror_rate, speed, start, stop, min(duration, most_seconds) if most_seconds > 0 else duration
+    )
+
+
+def _first(element: ET.Element, name: str) -> float:
+    return number_of(element.get(name, "0").split(",")[0], f"{name} of the scanner '{element.get('id')}'")
+
+
+def _set_scan_angle(element: ET.Element, settings: Settings, sweep: Sweep) -> None:
+    """A polygon sweeps all its angles and lets fewer out; the other mirrors sweep less."""
+    angle, most = settings.number("scanAngle_deg"), _first(element, "scanAngleMax_deg")
+    if angle <= 0 or most <= 0:
+        return
+    if element.get("optics", "").lower() == "rotating":
+        effective = number_of(element.get("scanAngleEffectiveMax_deg", str(most)), "scanAngleEffectiveMax_deg")
+        element.set("scanAngleEffectiveMax_deg", repr(min(angle, effective)))
+        return
+    product = _first(element, "scanProduct")
+    if product > 0 and sweep.mirror_rate > 0:
+        angle = min(angle, product / sweep.mirror_rate)
+    element.set("scanAngleMax_deg", repr(min(angle, most)))
+
+
+def _read(element: ET.Element, sweep: Sweep, **options: Any) -> gno.SensorFile:
+    identifier = element.get("id", "")
+    chosen = gno.SensorFileOptions(mode=f"{identifier}:{sweep.pulse_rate!r}", **options)
+    document = ET.Element("document")
+    document.append(element)
+    return gno.read_sensor_file(ET.tostring(document), f"{identifier}.xml", chosen)
+
+
+def _lines(element: ET.Element, sweep: Sweep) -> Scanner:
+    """A mirror that sweeps lines while the head stands: a scan is several lines, and the leg is a number of scans."""
+    most = _first(element, "scanFreqMax_Hz")
+    mirror_rate = sweep.mirror_rate or most
+    if mirror_rate <= 0:
+        raise ValueError(f"the scanner '{element.get('id')}' needs scanFreq_hz")
+    # Pulses are whole in a period, which must not make the mirror faster than it can be.
+    pulses = max(math.floor(sweep.pulse_rate / mirror_rate + 1e-9), 1)
+    if most > 0 and sweep.pulse_rate / pulses > most * (1 + 1e-9):
+        pulses += 1
+    period = pulses / sweep.pulse_rate
+    channels = element.find("channels")
+    beams = pulses * (len(channels) if channels is not None else 1)
+    lines = max(round(sweep.duration / period), 1)
+    fewest = math.ceil(lines / max(min(round(1 / period), _MOST_BEAMS // beams), 1))
+    scans = min(range(fewest, 2 * fewest + 1), key=lambda count: abs(count * max(round(lines / count), 1) - lines))
+    rate = 1 / (max(round(lines / scans), 1) * period)
+    found = _read(element, sweep, columns=pulses, scan_rate=rate)
+    assumed = tuple(what for what in found.assumed if not what.startswith("scans of"))
+    return Scanner(found.sensor, rate, scans, about("z", sweep.head_start), assumed)
+
+
+def _turning(element: ET.Element, sweep: Sweep, channels: bool) -> Scanner:
+    """A head that turns: a scan is a turn, or the sector of a head that makes less than one."""
+    turns = abs(sweep.head_speed) / 360
+    options: dict[str, Any] = {"scan_rate": turns}
+    if not channels:
+        mirror_rate = sweep.mirror_rate or _first(element, "scanFreqMax_Hz")
+        options["columns"] = math.floor(mirror_rate / turns + 1e-6)
+    found = _read(element, sweep, **options)
+    sensor = found.sensor
+    swept = min(abs(sweep.head_speed) * sweep.duration, 360.0)
+    columns = max(round(sensor.columns * swept / 360), 1)
+    if sensor.rotation_period > 0:
+        sensor.rotation_period *= columns / sensor.columns
+    sign = math.copysign(1, sweep.head_speed)
+    sensor.azimuth_span_deg = sign * 360 * columns / sensor.columns
+    sensor.azimuth_start_deg = math.remainder(sweep.head_start, 360)
+    sensor.columns = columns
+    whole = max(round(sweep.duration * turns), 1)
+    rate = turns if swept == 360 else 1 / sweep.duration
+    return Scanner(sensor, rate, whole, np.eye(3), found.assumed)
+
+
+def _cut_vertically(element: ET.Element, sensor: gno.Sensor, settings: Settings) -> None:
+    """Leaves the pulses between verticalAngleMin_deg and verticalAngleMax_deg of the mirror."""
+    if not (settings.has("verticalAngleMin_deg") or settings.has("verticalAngleMax_deg")):
+        return
+    low, high = settings.number("verticalAngleMin_deg", -180), settings.number("verticalAngleMax_deg", 180)
+    if not np.array_equal(rotation_of(element.find("beamOrigin")), np.eye(3)) or not sensor.is_grid():
+        raise ValueError(
+            f"verticalAngleMin_deg and verticalAngleMax_deg are read for heads that turn and whose beam's origin does "
+            f"not, which the scanner '{element.get('id')}' is not"
+        )
+    kept = tuple(channel for channel in sensor.channels if low < channel.elevation_deg <= high)
+    if not kept:
+        raise ValueError(f"no pulse of the scanner '{element.get('id')}' is from {low:g} to {high:g} degrees")
+    sensor.channels = kept
+
+
+def effects_of(element: ET.Element, detector: Settings, left_out: Counter[str]) -> dict[str, Any]:
+    """Effects of a drive file: those that the head calls for, with what its element states."""
+    effects: dict[str, Any] = {}
+    pulse = _first(element, "pulseLength_ns")
+    if pulse > 0:
+        effects["returns"] = {"pulse_width": pulse * 1e-9}
+    accuracy = detector.number("accuracy_m", _first(element, "accuracy_m"))
+    if accuracy > 0:
+        effects["range-noise"] = {"use": "on", "sigma": accuracy}
+    wavelength = _first(element, "wavelength_nm")
+    if wavelength > 0:
+        effects["intensity"] = {"wavelength": 1550 if wavelength > 1200 else 905}
+        if wavelength not in (905, 1550):
+            left_out["wavelengths that are taken as 905 or 1550 nm"] += 1
+    return effects

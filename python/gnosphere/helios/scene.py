@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes of HELIOS++ as the "scenes", "classes" and material table of a drive file."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+
+from .. import _gnosphere as gno
+from .assets import Assets, Matrix, number_of, place, quaternion_of, rotation_of
+
+
+@dataclass
+class Part:
+    """A file, and where it stands: its points are turned, scaled and moved."""
+
+    file: Path
+    up: str = "z"
+    turn: Matrix = field(default_factory=lambda: np.eye(3))
+    scale: float = 1.0
+    offset: Matrix = field(default_factory=lambda: np.zeros(3))
+    materials: dict[str, dict[str, str]] = field(default_factory=dict)
+    """What HELIOS++ reads of each material in the file's libraries, such as {"grass": {"classification": "2"}}."""
+
+    def ground_at(self, x: float, y: float) -> Optional[float]:
+        """The height of the lowest surface of the ground at a place; None if there is none."""
+        options = gno.LoadOptions()
+        options.up, options.scale = (gno.UpAxis.z if self.up == "z" else gno.UpAxis.y), self.scale
+        scene = gno.load_scene(self.file, options)
+        names = [material.name for material in scene.materials]
+        heights = []
+        for instance in scene.instances:
+            mesh = scene.meshes[instance.mesh]
+            rows = np.asarray(instance.transform.rows, np.float64)
+            corners = (mesh.positions + np.array(mesh.origin)) @ rows[:, :3].T + rows[:, 3]
+            corners = corners @ self.turn.T + self.offset
+            ground = np.ones(len(mesh.indices), bool)
+            for part in mesh.parts:
+                stated = self.materials.get(names[part.material], {}).get("isGround", "true").lower()
+                ground[part.first_triangle : part.first_triangle + part.triangle_count] = stated in ("true", "1")
+            heights.append(_heights(corners[mesh.indices[ground]], x, y))
+        found = np.concatenate(heights) if heights else np.zeros(0)
+        return float(found.min()) if len(found) else None
+
+
+def _heights(triangles: Matrix, x: float, y: float) -> Matrix:
+    """The heights at which a vertical line meets triangles of shape (n, 3, 3)."""
+    a, b, c = (triangles[:, i, :2] - (x, y) for i in range(3))
+    cross = [p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] for p, q in ((b, c), (c, a), (a, b))]
+    area = cross[0] + cross[1] + cross[2]
+    inside = (area != 0) & ((np.minimum.reduce(cross) >= 0) | (np.maximum.reduce(cross) <= 0))
+    weights = np.stack(cross, 1)[inside] / area[inside, None]
+    return np.asarray((weights * triangles[inside, :, 2]).sum(1))
+
+
+def read_parts(assets: Assets, location: str, left_out: Counter[str]) -> list[Part]:
+    scene = assets.element("scene", location)
+    parts = [_part(assets, part, number, left_out) for number, part in enumerate(scene.iter("part"))]
+    if not parts:
+        raise ValueError(f"the scene '{location}' has no <part>")
+    return parts
+
+
+def _part(assets: Assets, element: ET.Element, number: int, left_out: Counter[str]) -> Part:
+    where = f"part {element.get('id', number)} of the scene"
+    for tag, what in (("swap", "exchanges of parts"), ("dmotion", "motions of parts")):
+        if element.find(tag) is not None:
+            left_out[what] += 1
+    part: Optional[Part] = None
+    for step in element.findall("filter"):
+        kind = step.get("type", "").lower()
+        values = {param.get("key", ""): param for param in step.findall("param")}
+        if kind == "objloader":
+            part = _object(assets, values, where)
+        elif kind in ("geotiffloader", "xyzloader", "detailedvoxels"):
+            raise ValueError(f"{where} is read by '{kind}'; only triangles are, so make an OBJ of it, for 'objloader'")
+        elif kind not in ("scale", "rotate", "translate"):
+            raise ValueError(f"{where} has a filter '{kind}'; objloader, scale, rotate and translate are read")
+        elif part is None:
+            raise ValueError(f"{where} has a filter '{kind}' before there is a file")
+        else:
+            _move(part, kind, values, where, left_out)
+    if part is None:
+        raise ValueError(f"{where} has no file")
+    return part
+
+
+def _object(assets: Assets, values: dict[str, ET.Element], where: str) -> Part:
+    if "filepath" not in values:
+        raise ValueError(f"{where} has no 'filepath'; patterns of files ('efilepath') are not read")
+    part = Part(assets.path(values["filepath"].get("value", "")))
+    if "up" in values:
+        part.up = values["up"].get("value", "z")
+    part.materials = _materials(part.file)
+    return part
+
+
+def _move(part: Part, kind: str, values: dict[str, ET.Element], where: str, left_out: Counter[str]) -> None:
+    key = {"scale": "scale", "rotate": "rotation", "translate": "offset"}[kind]
+    value = values.get(key)
+    if value is None:
+        raise ValueError(f"{where}: the filter '{kind}' has no '{key}'")
+    if kind == "scale":
+        part.scale = number_of(value.get("value", ""), f"{where}: scale")
+    elif kind == "rotate":
+        part.turn = rotation_of(value) @ part.turn
+    else:
+        numbers = [number_of(text, f"{where}: offset") for text in value.get("value", "").split(";")]
+        if len(numbers) != 3:
+            raise ValueError(f"{where}: the offset has {len(numbers)} numbers")
+        part.offset = np.array(numbers)
+        if values.get("onGround") is not None and values["onGround"].get("value") not in ("0", "false"):
+            left_out["parts that are put on the ground"] += 1
+
+
+def _materials(file: Path) -> dict[str, dict[str, str]]:
+    """The words of HELIOS++ in the material libraries beside an OBJ file."""
+    found: dict[str, dict[str, str]] = {}
+    text = file.read_text(encoding="utf-8", errors="replace")
+    for line in text.splitlines():
+        if not line.startswith("mtllib"):
+            continue
+        library = file.parent / line[len("mtllib") :].strip()
+        current: dict[str, str] = {}
+        if not library.is_file():
+            continue  # the reader of OBJ files tells of it
+        for words in map(str.split, library.read_text(encoding="utf-8", errors="replace").splitlines()):
+            if len(words) > 1 and words[0] == "newmtl":
+                current = found.setdefault(" ".join(words[1:]), {})
+            elif len(words) > 1 and words[0].startswith("helios_"):
+                current[words[0][len("helios_") :]] = words[1]
+    return found
+
+
+def to_drive(parts: list[Part], folder: Path, left_out: Counter[str]) -> dict[str, Any]:
+    """The "scenes" and "classes" of a drive file in `folder`, and "reflectances" by names of materials."""
+    scenes: list[dict[str, Any]] = []
+    classes: dict[str, dict[str, int]] = {}
+    reflectances: dict[str, float] = {}
+    for part in parts:
+        scene: dict[str, Any] = {"file": os.path.relpath(part.file, folder), "up": part.up, "scale": part.scale}
+        scene["pose"] = {"position": place(part.offset), "orientation": quaternion_of(part.turn)}
+        materials = {}
+        for name, words in part.materials.items():
+            if "classification" in words:
+                number = int(number_of(words["classification"], f"helios_classification of '{name}'"))
+                materials[name] = f"class {number}"
+                classes[f"class {number}"] = {"id": number}
+            percent = number_of(words.get("reflectance", "50"), f"helios_reflectance of '{name}'")
+            value = min(max(percent / 100, 0.0), 1.0)
+            if reflectances.setdefault(name, value) != value:
+                left_out["reflectances of materials that another part has by the same name"] += 1
+            if "spectra" in words:
+                left_out["spectra of materials"] += 1
+        if materials:
+            scene["materials"] = materials
+        scenes.append(scene)
+    return {"scenes": scenes, "classes": classes, "reflectances": reflectances}
+
+
+def ground_at(parts: list[Part], x: float, y: float) -> float:
+    """The height of the lowest surface of the ground at a place. Raises ValueError if there is none."""
+    heights = [height for part in parts if (height := part.ground_at(x, y)) is not None]
+    if not heights:
+        raise ValueError(f"there is no ground at x {x:g}, y {y:g}, where a leg with onGround stands")
+    return min(heights)

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surveys of HELIOS++: each leg that scans becomes a drive."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from .. import _gnosphere as gno
+from .. import adapter
+from .assets import Assets, Matrix, Settings, number_of, place, quaternion_of, rotation_of
+from .scanner import Scanner, effects_of, scanner_of
+from .scene import Part, ground_at, read_parts, to_drive
+
+_TO_OURS = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""Turns a platform's axes, whose y points forward and x to the right, to ours."""
+
+_RECORDED = "legs along a recorded trajectory are not read; a drive file takes the trajectory as TUM"
+
+
+@dataclass
+class Leg:
+    """A leg that scans.
+
+    number: among the legs of the survey, from 0.
+    duration: seconds that it takes.
+    sensor: the scanner with the settings of the leg.
+    drive: a drive file without its scene and sensor.
+    """
+
+    number: int
+    duration: float
+    sensor: gno.Sensor
+    drive: dict[str, Any]
+
+
+@dataclass
+class Survey:
+    """A survey of HELIOS++.
+
+    name: of the survey.
+    leg_count: all legs, also those that do not scan.
+    legs: those that do.
+    assumed: what the scanner does not state, and what was taken.
+    left_out: what is not simulated, and how often it occurs.
+    """
+
+    name: str
+    leg_count: int
+    parts: list[Part]
+    legs: list[Leg] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    left_out: Counter[str] = field(default_factory=Counter)
+
+    def write(self, folder: Union[str, Path]) -> list[Path]:
+        """Writes leg-NNN.json, the drive of a leg, and leg-NNN-sensor.json for each leg, and materials.json if the
+        scene states reflectances. Returns the drive files."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        scene = to_drive(self.parts, folder.resolve(), Counter())
+        reflectances = scene.pop("reflectances")
+        if reflectances:
+            rows = [
+                {"name": name, "reflectance_905": value, "reflectance_1550": value}
+                for name, value in reflectances.items()
+            ]
+            (folder / "materials.json").write_text(json.dumps({"materials": rows}, indent=1), encoding="utf-8")
+            scene["material_table"] = "materials.json"
+        files = []
+        for leg in self.legs:
+            name = f"leg-{leg.number:03}"
+            (folder / f"{name}-sensor.json").write_text(gno.to_json(leg.sensor), encoding="utf-8")
+            drive = {**scene, **leg.drive}
+            drive["sensors"] = [{**leg.drive["sensors"][0], "sensor": f"{name}-sensor.json"}]
+            files.append(folder / f"{name}.json")
+            files[-1].write_text(json.dumps(drive, indent=1), encoding="utf-8")
+        return files
+
+
+def read_survey(file: Union[str, Path], assets: Iterable[Union[str, Path]] = (), epoch: float = 315964800) -> Survey:
+    """Reads the XML of a survey, with the scanner, the platform and the scene that it names.
+
+    assets: folders in which paths such as data/platforms.xml start; after them the survey's folder and those above it
+        are searched.
+    epoch: the Unix time at which the survey starts, which a survey does not state; by default that of GPS time.
+
+    A platform flies or drives from each leg's place to that of the next one, straight, level and at the leg's speed; one
+    that stands scans a sector at each. Raises ValueError that names what is wrong, or what cannot be simulated, such as
+    voxels and Risley prisms. Warns of what is left out, such as noise of the platform.
+    """
+    found = Assets(file, assets)
+    root = found.root(found.survey)
+    survey = next(iter(root.iter("survey")), None)
+    if survey is None:
+        raise ValueError(f"{file} has no <survey>")
+    try:
+        result = _Reader(found, survey, epoch).read()
+    except gno.Error as error:
+        raise ValueError(f"{file}: {error}") from error
+    adapter.warn_left_out(os.fspath(file), result.left_out)
+    return result
+
+
+class _Reader:
+    def __init__(self, assets: Assets, survey: ET.Element, epoch: float) -> None:
+        self._assets, self._survey, self._epoch = assets, survey, epoch
+        if survey.get("platform", "").endswith("interpolated"):
+            raise ValueError(f"{assets.survey}: {_RECORDED}")
+        self._platform = assets.element("platform", survey.get("platform", ""))
+        self._scanner = assets.element("scanner", survey.get("scanner", ""))
+        self._detector = Settings(assets, survey.find("detectorSettings"))
+        self._legs = survey.findall("leg")
+        self._moves = self._platform.get("type", "static").lower() in ("linearpath", "groundvehicle", "multicopter")
+        self._left_out: Counter[str] = Counter()
+        self._assumed: dict[str, None] = {}
+        self._yaw = 90.0  # degrees: a platform that has not moved yet faces north
+
+    def read(self) -> Survey:
+        if not self._legs:
+            raise ValueError(f"{self._assets.survey}: the survey has no <leg>")
+        name = self._survey.get("name", self._assets.survey.stem)
+        survey = Survey(name, len(self._legs), read_parts(self._assets, self._survey.get("scene", ""), self._left_out))
+        self._note_left_out()
+        places = [self._place(leg, survey.parts) for leg in self._legs]
+        effects = effects_of(self._scanner, self._detector, self._left_out)
+        time = 0.0
+        for number, element in enumerate(self._legs):
+            settings = Settings(self._assets, element.find("scannerSettings"))
+            target = places[number + 1] if self._moves and number + 1 < len(places) else None
+            if self._moves and target is None:
+                break  # the last leg of a platform that moves is where it ends
+            active = settings.flag("active", True)
+            speed = Settings(self._assets, element.find("platformSettings")).number("movePerSec_m", 70)
+            duration = self._head_for(places[number], target, speed)
+            if not active:
+                time += duration or 0.0
+                continue
+            try:
+                scanner = scanner_of(self._scanner, self._detector, settings, duration)
+            except ValueError as error:
+                raise ValueError(f"{self._assets.survey}: leg {number}: {error}") from error
+            self._assumed.update(dict.fromkeys(scanner.assumed))
+            leg = self._leg(number, places[number], target, speed, scanner, effects, time, name)
+            survey.legs.append(leg)
+            time += duration if duration is not None else leg.duration
+        if not survey.legs:
+            raise ValueError(f"{self._assets.survey}: no leg scans")
+        to_drive(survey.parts, Path.cwd(), self._left_out)
+        survey.assumed, survey.left_out = list(self._assumed), self._left_out
+        return survey
+
+    def _note_left_out(self) -> None:
+        kind = self._platform.get("type", "static").lower()
+        if kind in ("groundvehicle", "multicopter"):
+            self._left_out[f"speeding up, slowing down and turning of a '{kind}'"] += 1
+        for holder, tags in ((self._platform, ("position", "attitude")), (self._survey, ("position", "attitude"))):
+            for tag in tags:
+                if any(holder.find(f"{tag}{axis}Noise") is not None for axis in "XYZ"):
+                    self._left_out[f"noise of the platform's {tag}"] += 1
+        if self._survey.find("FWFSettings") is not None or self._scanner.find("FWFSettings") is not None:
+            self._left_out["settings of full waveforms"] += 1
+        if self._survey.get("legRandomOffset", "false") in ("true", "1"):
+            self._left_out["random offsets of legs"] += 1
+
+    def _place(self, leg: ET.Element, parts: list[Part]) -> Matrix:
+        settings = Settings(self._assets, leg.find("platformSettings"))
+        if settings.has("trajectory"):
+            raise ValueError(f"{self._assets.survey}: {_RECORDED}")
+        point = np.array([settings.number(axis) for axis in "xyz"])
+        if settings.flag("onGround", False):
+            point[2] = ground_at(parts, point[0], point[1])
+        return point
+
+    def _head_for(self, start: Matrix, target: Optional[Matrix], speed: float) -> Optional[float]:
+        """Turns the platform along its way. Returns the seconds to the target, or None if there is none."""
+        if target is None:
+            return None
+        way = target - start
+        if math.hypot(way[0], way[1]) > 0:
+            self._yaw = math.degrees(math.atan2(way[1], way[0]))
+        if not (speed > 0):
+            raise ValueError(f"{self._assets.survey}: movePerSec_m is {speed:g}, so the platform never arrives")
+        return float(np.linalg.norm(way)) / speed
+
+    def _leg(
+        self,
+        number: int,
+        start: Matrix,
+        target: Optional[Matrix],
+        speed: float,
+        scanner: Scanner,
+        effects: dict[str, Any],
+        time: float,
+        name: str,
+    ) -> Leg:
+        duration = scanner.scans / scanner.rate
+        way = np.zeros(3) if target is None else target - start
+        length = float(np.linalg.norm(way))
+        end = start + way * (speed * duration / length if length > 0 else 0.0)
+        yaw = round(self._yaw, 9)
+        waypoints = [
+            {"time": time, "position": place(start), "yaw_deg": yaw},
+            {"time": time + duration, "position": place(end), "yaw_deg": yaw},
+        ]
+        label = re.sub(r"[^A-Za-z0-9_-]", "_", self._scanner.get("id", "scanner"))
+        las = {"format": "las", "one_file": True, "flight_line": number + 1, "fields": "range,width,incidence"}
+        return Leg(
+            number,
+            duration,
+            scanner.sensor,
+            {
+                "name": f"{name}, leg {number}",
+                "ego": {"trajectory": {"waypoints": waypoints}},
+                "epoch": self._epoch,
+                "rate": scanner.rate,
+                "start": time,
+                "duration": duration,
+                "sensors": [{"name": label, "mount": self._mount(scanner), "effects": effects}],
+                "outputs": [las],
+            },
+        )
+
+    def _mount(self, scanner: Scanner) -> dict[str, Any]:
+        mount = self._platform.find("scannerMount")
+        position = np.zeros(3)
+        if mount is not None:
+            position = np.array([number_of(mount.get(axis, "0"), f"{axis} of <scannerMount>") for axis in "xyz"])
+        turn = _TO_OURS @ rotation_of(mount) @ scanner.turn @ _TO_OURS.T
+        return {"position": place(_TO_OURS @ position), "orientation": quaternion_of(turn)}

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surveys of HELIOS++ become drives whose points are where the survey's geometry says."""
+
+import json
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import program
+
+from gnosphere import Error, helios
+
+PLATFORMS = """<document>
+<platform id="aircraft" type="linearpath"><scannerMount z="0.7"><rot axis="x" angle_deg="-90"/>
+  <rot axis="z" angle_deg="90"/></scannerMount></platform>
+<platform id="tripod" type="static"><scannerMount z="1.5"/></platform>
+<platform id="copter" type="multicopter"><attitudeXNoise type="NORMAL"/></platform></document>"""
+
+SCANNERS = """<document>
+<scanner id="polygon" optics="rotating" pulseFreqs_Hz="2000" scanAngleMax_deg="45" scanAngleEffectiveMax_deg="30"
+  scanFreqMin_Hz="10" scanFreqMax_Hz="200" beamDivergence_rad="0.0005" rangeMin_m="10" maxNOR="4" accuracy_m="0.02"
+  pulseLength_ns="4"/>
+<scanner id="head" optics="rotating" pulseFreqs_Hz="2000" scanAngleMax_deg="50" headRotatePerSecMax_deg="60"
+  scanFreqMin_Hz="3" scanFreqMax_Hz="120" rangeMin_m="0.5" maxNOR="1"><beamOrigin z="0.2"/></scanner>
+<scanner id="prism" optics="risley" pulseFreqs_Hz="2000"/></document>"""
+
+# A ground of 400 x 400 m at z 5, and a plate of 4 x 6 m at (0, 30), z 15. The plate's file has y upwards.
+SCENE = """<document><scene id="yard">
+<part><filter type="objloader"><param type="string" key="filepath" value="data/ground.obj"/></filter>
+  <filter type="scale"><param type="double" key="scale" value="200"/></filter>
+  <filter type="translate"><param type="vec3" key="offset" value="0;0;5"/></filter></part>
+<part><filter type="objloader"><param type="string" key="filepath" value="data/plate.obj"/>
+    <param type="string" key="up" value="y"/></filter>
+  <filter type="rotate"><param key="rotation" type="rotation"><rot axis="z" angle_deg="90"/></param></filter>
+  <filter type="translate"><param type="vec3" key="offset" value="0;30;5"/></filter></part></scene></document>"""
+
+LIBRARY = """newmtl soil
+Kd 1 1 1
+helios_classification 2
+helios_reflectance 30
+newmtl roof
+helios_isGround false
+helios_classification 6
+"""
+
+AIRBORNE = """<document><platformSettings id="fast" movePerSec_m="30" z="105"/>
+<scannerSettings id="wide" active="true" pulseFreq_hz="2000" scanAngle_deg="20" scanFreq_hz="40"/>
+<survey name="lines" platform="data/platforms.xml#aircraft" scanner="data/scanners.xml#polygon"
+  scene="data/scene.xml#yard">
+<leg><platformSettings template="fast" x="-30" y="-50"/><scannerSettings template="wide"/></leg>
+<leg><platformSettings template="fast" x="70" y="-50"/><scannerSettings template="wide" active="false"/></leg>
+<leg><platformSettings template="fast" x="70" y="0"/><scannerSettings template="wide"/></leg>
+<leg><platformSettings template="fast" x="-30" y="0"/></leg></survey></document>"""
+
+TERRESTRIAL = """<document><survey name="stations" platform="data/platforms.xml#tripod" scanner="data/scanners.xml#head"
+  scene="data/scene.xml#yard"><leg><platformSettings x="0" y="0" onGround="true"/><scannerSettings pulseFreq_hz="2000"
+  scanFreq_hz="20" verticalAngleMin_deg="-40" verticalAngleMax_deg="30" headRotatePerSec_deg="10"
+  headRotateStart_deg="-30" headRotateStop_deg="90"/></leg></survey></document>"""
+
+
+@pytest.fixture
+def surveys(tmp_path):
+    """A folder with two surveys, and the folder data with what they name."""
+    (tmp_path / "data").mkdir()
+    files = {
+        "data/platforms.xml": PLATFORMS, "data/scanners.xml": SCANNERS, "data/scene.xml": SCENE, "data/m.mtl": LIBRARY,
+        "data/ground.obj": "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl soil\nf 1 2 3 4\n",
+        "data/plate.obj": "mtllib m.mtl\nusemtl roof\nv -3 10 -2\nv 3 10 -2\nv 3 10 2\nv -3 10 2\nf 1 2 3 4\n",
+        "air.xml": AIRBORNE, "ground.xml": TERRESTRIAL,
+    }  # fmt: skip
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def points_of(file):
+    """The points (n, 3), classes and intensities (1 is white) of LAS 1.4 with data records of format 6."""
+    data = file.read_bytes()
+    start, length = struct.unpack_from("<I", data, 96)[0], struct.unpack_from("<H", data, 105)[0]
+    scale, offset = np.frombuffer(data, "<f8", 3, 131), np.frombuffer(data, "<f8", 3, 155)
+    rows = np.frombuffer(data, np.uint8, offset=start)[: struct.unpack_from("<Q", data, 247)[0] * length]
+    rows = rows.reshape(-1, length)
+    whole = np.ascontiguousarray(rows[:, :12]).view("<i4")
+    return whole * scale + offset, rows[:, 16], np.ascontiguousarray(rows[:, 12:14]).view("<u2")[:, 0] / 65535
+
+
+def made(file, folder):
+    """The points of a drive file's one scanner."""
+    program("drive", file, "-o", folder)
+    (cloud,) = (folder / "las").glob("*.las")
+    return points_of(cloud)
+
+
+def test_flight_lines(surveys):
+    survey = helios.read_survey(surveys / "air.xml")
+    assert (survey.name, survey.leg_count, [leg.number for leg in survey.legs]) == ("lines", 4, [0, 2])
+    assert not survey.left_out
+    # 100 m at 30 m/s are 133.3 lines of 40 a second; 50 pulses each, of which those within 20 of 45 degrees leave.
+    first, second = survey.legs
+    assert first.duration == pytest.approx(133 / 40)
+    assert first.sensor.beam_count() * round(first.duration * first.drive["rate"]) == 133 * 23
+    # The leg that does not scan takes 50 m at 30 m/s.
+    assert second.drive["start"] == pytest.approx(150 / 30)
+    files = survey.write(surveys / "out")
+    assert [file.name for file in files] == ["leg-000.json", "leg-002.json"]
+
+    points, classes, intensities = made(files[0], surveys / "one")
+    assert len(points) == 133 * 23 and set(classes) == {2}
+    assert abs(points[:, 2] - 5).max() < 0.15 and points[:, 2].std() == pytest.approx(0.02, rel=0.1)
+    # The head is 0.7 m above the aircraft, which flies to the east over y -50, and its lines are across.
+    half = (105.7 - 5) * np.tan(np.radians(19.8))
+    assert points[:, 1].min() == pytest.approx(-50 - half, abs=0.1)
+    assert points[:, 1].max() == pytest.approx(-50 + half, abs=0.1)
+    assert points[:, 0].min() == pytest.approx(-30, abs=0.5) and points[:, 0].max() == pytest.approx(69.75, abs=0.5)
+    assert intensities.mean() == pytest.approx(0.3, rel=0.05)
+    points, classes, _ = made(files[1], surveys / "two")
+    assert points[0, 0] > points[-1, 0]  # it flies back
+    plate = points[classes == 6]
+    assert len(plate) > 0 and abs(plate[:, 2] - 15).max() < 0.15
+    assert (abs(plate[:, 0]) < 2.1).all() and (abs(plate[:, 1] - 30) < 3.1).all()
+
+
+def test_a_sector_of_a_tripod(surveys):
+    survey = helios.read_survey(surveys / "ground.xml")
+    (leg,) = survey.legs
+    assert leg.duration == pytest.approx(12)  # 120 degrees at 10 a second
+    assert leg.sensor.columns == 240 and leg.sensor.azimuth_span_deg == pytest.approx(120)
+    waypoint = leg.drive["ego"]["trajectory"]["waypoints"][0]
+    assert waypoint["position"] == [0, 0, 5] and waypoint["yaw_deg"] == 90  # on the ground, to the north
+    (file,) = survey.write(surveys / "out")
+    points, classes, _ = made(file, surveys / "one")
+    # Angles of the head are counter-clockwise from north.
+    turn = np.degrees(np.arctan2(-points[:, 0], points[:, 1]))
+    assert turn.min() > -30.5 and turn.max() < 90.5 and np.ptp(turn) > 119
+    up = np.degrees(np.arctan2(points[:, 2] - 6.7, np.hypot(points[:, 0], points[:, 1])))
+    assert up.min() == pytest.approx(-39, abs=1) and up.max() < 30
+    assert {2, 6} == set(classes) and abs(points[classes == 6][:, 2] - 15).max() < 0.01
+
+
+def test_what_is_left_out(surveys):
+    text = AIRBORNE.replace("#aircraft", "#copter").replace("</survey>", "<FWFSettings/></survey>")
+    (surveys / "air.xml").write_text(text)
+    with pytest.warns(UserWarning, match="leaves out speeding up, slowing down and turning of a 'multicopter'"):
+        survey = helios.read_survey(surveys / "air.xml")
+    assert survey.left_out["noise of the platform's attitude"] == survey.left_out["settings of full waveforms"] == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("#polygon", "#none", "has no <scanner> whose id is 'none'"),
+        ("#polygon", "#prism", "risley optics"),
+        ("data/scene.xml", "data/none.xml", "'data/none.xml' is in none of the folders"),
+        ('scanFreq_hz="40"', 'scanFreq_hz="fast"', "leg 0: scanFreq_hz of <scannerSettings> is 'fast', which is no number"),
+        ('scanFreq_hz="40"', 'scanFreq_hz="400"', "those of the scanner 'polygon' are 10 to 200"),
+        ('movePerSec_m="30"', 'movePerSec_m="0"', "movePerSec_m is 0, so the platform never arrives"),
+        ('<platformSettings template="fast" x="-30"', '<platformSettings trajectory="t.txt"', "a recorded trajectory"),
+        ("<survey", "<surveys><survey", "is not XML"),
+    ],
+)  # fmt: skip
+def test_mistakes(surveys, old, new, sentence):
+    (surveys / "air.xml").write_text(AIRBORNE.replace(old, new))
+    with pytest.raises(ValueError, match=r"(?s).*") as told:
+        helios.read_survey(surveys / "air.xml")
+    assert sentence in str(told.value) and not isinstance(told.value, Error)
+
+
+def test_scenes_that_are_no_triangles(surveys):
+    (surveys / "data" / "scene.xml").write_text(SCENE.replace("objloader", "geotiffloader", 1))
+    with pytest.raises(ValueError, match="part 0 of the scene is read by 'geotiffloader'; only triangles are"):
+        helios.read_survey(surveys / "air.xml")
+
+
+def test_the_command(surveys):
+    command = [sys.executable, "-m", "gnosphere.helios", surveys / "ground.xml", "-o", surveys / "out"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0 and "survey stations: 1 of 1 legs scan" in done.stdout, done.stderr
+    assert json.loads((surveys / "out" / "materials.json").read_text())["materials"][0]["reflectance_905"] == 0.3
+    done = subprocess.run([*command[:3], surveys / "no.xml"], capture_output=True, text=True)
+    assert done.returncode == 1 and "no.xml" in done.stderr and "Traceback" not in done.stderr
