@@ -79,7 +79,8 @@ typedef struct gno_batch_object* gno_batch;                   /* the results of 
 
 /* ------------------------------------------------------------------------------------------------- scene */
 
-/* Position (metres) and orientation (unit quaternion x, y, z, w): maps the sensor frame to the world frame. */
+/* Position (metres) and orientation (quaternion x, y, z, w of any length but 0): maps the sensor frame to the world
+ * frame. */
 typedef struct gno_pose {
   double position[3];
   double orientation[4];

@@ -356,6 +356,7 @@ void Simulator::scanInto(const Shot& shot, Scan& result) {
 }
 
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
+  if (!receive) throw Error(ErrorCode::invalidArgument, "scanAll() needs a function that receives the scans");
   Scan result;
   impl_->run(shots, result, [&](size_t i) { receive(i, result); });
 }

@@ -18,7 +18,8 @@ struct Vec3 {
   double x = 0, y = 0, z = 0;
 };
 
-/// Unit quaternion, Hamilton convention; the default is the identity.
+/// Unit quaternion, Hamilton convention; the default is the identity. Of another length, it stands for the unit
+/// quaternion of its direction; one of length 0 is an error.
 struct Quaternion {
   double x = 0, y = 0, z = 0, w = 1;
 };

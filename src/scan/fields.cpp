@@ -87,7 +87,10 @@ FieldInfo fieldInfo(Field field) {
     }
     return infos;
   }();
-  return kInfos.at(static_cast<size_t>(field));
+  const auto index = static_cast<size_t>(field);
+  if (index >= kInfos.size())
+    throw Error(ErrorCode::invalidArgument, "there is no field number " + std::to_string(index));
+  return kInfos[index];
 }
 
 const ColumnInfo* findColumn(std::string_view name) {

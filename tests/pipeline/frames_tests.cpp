@@ -268,6 +268,7 @@ TEST_CASE("an invalid shot is refused before the first scan") {
   shots[2] = {};
   shots[1].pose.position.x = NAN;
   CHECK_THROWS_WITH(simulator.scanAll(shots, never), "shot 1: the pose has a value that is not finite");
+  CHECK_THROWS_WITH(simulator.scanAll(shots, {}), "scanAll() needs a function that receives the scans");
   simulator.scanAll({}, never);
 }
 

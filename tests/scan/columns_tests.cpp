@@ -296,6 +296,7 @@ TEST_CASE("a layout or a buffer that does not do is refused, and nothing is writ
     return problemOf([&] { pack(scan, {std::move(values), stride, compact}, bytes); });
   };
   CHECK_THAT(problem({{Field::x, 0, 0}}, 17), Equals("the buffer has 96 bytes; 6 rows of 17 bytes need 102"));
+  CHECK_THAT(problem({{static_cast<Field>(99), 0, 0}}, 17), Equals("there is no field number 99"));
   CHECK_THAT(problem({{Field::x, 0, 0}}, 20, true), ContainsSubstring("5 rows of 20 bytes need 100"));
   CHECK_THAT(problem({{Field::intensity, 0, 0}}, 16), ContainsSubstring("no field 'intensity': it was not asked for"));
   CHECK_THAT(problem({{Field::x, 0, 0}, {Field::tie, 0, 3, ValueType::u8}}, 16),

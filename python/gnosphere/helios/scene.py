@@ -154,7 +154,7 @@ def to_drive(parts: list[Part], folder: Path, left_out: Counter[str]) -> dict[st
                 classes[f"class {number}"] = {"id": number}
             percent = number_of(words.get("reflectance", "50"), f"helios_reflectance of '{name}'")
             value = min(max(percent / 100, 0.0), 1.0)
-            if reflectances.setdefault(name, value) != value:
+            if reflectances.setdefault(name.lower(), value) != value:
                 left_out["reflectances of materials that another part has by the same name"] += 1
             if "spectra" in words:
                 left_out["spectra of materials"] += 1
