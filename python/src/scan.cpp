@@ -249,7 +249,8 @@ void bindScan(nb::module_& m) {
             new (self) Pose{position, orientation};
           },
           "position"_a = Vec3(), "orientation"_a = Quaternion(),
-          "position: x, y, z in metres.\norientation: x, y, z, w of a quaternion of any length but 0, Hamilton convention.")
+          "position: x, y, z in metres.\norientation: x, y, z, w of a quaternion of any length but 0, Hamilton "
+          "convention.")
       .def_ro("position", &Pose::position, "x, y, z in metres.")
       .def_ro("orientation", &Pose::orientation, "x, y, z, w")
       .def("__repr__", [](const Pose& self) {
