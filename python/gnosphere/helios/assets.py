@@ -12,6 +12,9 @@ from typing import Optional, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import adapter
+from ..robotics.resources import rotation
+
 Matrix = NDArray[np.float64]
 
 
@@ -106,28 +109,12 @@ def about(axis: str, degrees: float) -> Matrix:
     """The matrix that turns about x, y or z."""
     if axis not in ("x", "y", "z"):
         raise ValueError(f"the axis of <rot> is '{axis}', expected is x, y or z")
-    first, second = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    matrix = np.eye(3)
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    matrix[first, first] = matrix[second, second] = c
-    matrix[second, first], matrix[first, second] = s, -s
-    return matrix
+    return rotation(*(math.radians(degrees) if axis == each else 0.0 for each in "xyz"))
 
 
 def quaternion_of(matrix: Matrix) -> list[float]:
     """[qx, qy, qz, qw] of a rotation matrix, as a drive file has it."""
-    # The eigenvector of the largest eigenvalue (Bar-Itzhack 2000), which has no special cases.
-    m = matrix
-    k = np.array(
-        [
-            [m[0, 0] - m[1, 1] - m[2, 2], 0, 0, 0],
-            [m[0, 1] + m[1, 0], m[1, 1] - m[0, 0] - m[2, 2], 0, 0],
-            [m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], m[2, 2] - m[0, 0] - m[1, 1], 0],
-            [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]],
-        ]
-    )
-    q = np.linalg.eigh(k)[1][:, 3]
-    return [round(float(value), 15) + 0.0 for value in (q if q[3] >= 0 else -q)]
+    return place(np.round(adapter.quaternion(matrix), 15))
 
 
 def place(values: Matrix) -> list[float]:

@@ -38,7 +38,6 @@ class Sweep:
     mirror_rate: float
     head_speed: float
     head_start: float
-    head_stop: float
     duration: float
 
 
@@ -56,11 +55,11 @@ def scanner_of(element: ET.Element, detector: Settings, settings: Settings, dura
         element.set("beamDivergence_rad", settings.text("beamDivergence_rad"))
     sweep = _sweep(element, settings, duration)
     _set_scan_angle(element, settings, sweep)
-    if sweep.head_speed == 0:
-        element.attrib.pop("headRotatePerSecMax_deg", None)
     channels = element.find("channels") is not None
     stands = sweep.head_speed == 0
-    if channels and stands and number_of(element.get("scanFreqMax_Hz", "0"), "scanFreqMax_Hz") == 0:
+    if stands:
+        element.attrib.pop("headRotatePerSecMax_deg", None)
+    if channels and stands and _first(element, "scanFreqMax_Hz") == 0:
         raise ValueError(f"the scanner '{element.get('id')}' neither turns nor has a mirror that moves")
     scanner = _lines(element, sweep) if stands else _turning(element, sweep, channels)
     _cut_vertically(element, scanner.sensor, settings)
@@ -88,12 +87,13 @@ def _sweep(element: ET.Element, settings: Settings, duration: Optional[float]) -
             )
         duration = abs(stop - start) / abs(speed)
     most_seconds = settings.number("max_duration")
-    return Sweep(
-        pulse_rate, mirror_rate, speed, start, stop, min(duration, most_seconds) if most_seconds > 0 else duration
-    )
+    if most_seconds > 0:
+        duration = min(duration, most_seconds)
+    return Sweep(pulse_rate, mirror_rate, speed, start, duration)
 
 
 def _first(element: ET.Element, name: str) -> float:
+    """The number in an attribute of the scanner, the first one if commas separate several; 0 if there is none."""
     return number_of(element.get(name, "0").split(",")[0], f"{name} of the scanner '{element.get('id')}'")
 
 
@@ -103,8 +103,9 @@ def _set_scan_angle(element: ET.Element, settings: Settings, sweep: Sweep) -> No
     if angle <= 0 or most <= 0:
         return
     if element.get("optics", "").lower() == "rotating":
-        effective = number_of(element.get("scanAngleEffectiveMax_deg", str(most)), "scanAngleEffectiveMax_deg")
-        element.set("scanAngleEffectiveMax_deg", repr(min(angle, effective)))
+        if element.get("scanAngleEffectiveMax_deg") is not None:
+            most = _first(element, "scanAngleEffectiveMax_deg")
+        element.set("scanAngleEffectiveMax_deg", repr(min(angle, most)))
         return
     product = _first(element, "scanProduct")
     if product > 0 and sweep.mirror_rate > 0:

@@ -7,6 +7,7 @@ import os
 import xml.etree.ElementTree as ET
 from collections import Counter
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Optional
 
@@ -28,13 +29,14 @@ class Part:
     materials: dict[str, dict[str, str]] = field(default_factory=dict)
     """What HELIOS++ reads of each material in the file's libraries, such as {"grass": {"classification": "2"}}."""
 
-    def ground_at(self, x: float, y: float) -> Optional[float]:
-        """The height of the lowest surface of the ground at a place; None if there is none."""
+    @cached_property
+    def ground(self) -> Matrix:
+        """The triangles of the ground, of shape (n, 3, 3), where they stand."""
         options = gno.LoadOptions()
         options.up, options.scale = (gno.UpAxis.z if self.up == "z" else gno.UpAxis.y), self.scale
         scene = gno.load_scene(self.file, options)
         names = [material.name for material in scene.materials]
-        heights = []
+        found = [np.zeros((0, 3, 3))]
         for instance in scene.instances:
             mesh = scene.meshes[instance.mesh]
             rows = np.asarray(instance.transform.rows, np.float64)
@@ -44,9 +46,8 @@ class Part:
             for part in mesh.parts:
                 stated = self.materials.get(names[part.material], {}).get("isGround", "true").lower()
                 ground[part.first_triangle : part.first_triangle + part.triangle_count] = stated in ("true", "1")
-            heights.append(_heights(corners[mesh.indices[ground]], x, y))
-        found = np.concatenate(heights) if heights else np.zeros(0)
-        return float(found.min()) if len(found) else None
+            found.append(corners[mesh.indices[ground]])
+        return np.concatenate(found)
 
 
 def _heights(triangles: Matrix, x: float, y: float) -> Matrix:
@@ -134,39 +135,59 @@ def _materials(file: Path) -> dict[str, dict[str, str]]:
             if len(words) > 1 and words[0] == "newmtl":
                 current = found.setdefault(" ".join(words[1:]), {})
             elif len(words) > 1 and words[0].startswith("helios_"):
-                current[words[0][len("helios_") :]] = words[1]
+                key = words[0][len("helios_") :]
+                number = key == "classification"
+                current[key] = str(int(number_of(words[1], f"{words[0]} in {library}"))) if number else words[1]
     return found
 
 
-def to_drive(parts: list[Part], folder: Path, left_out: Counter[str]) -> dict[str, Any]:
-    """The "scenes" and "classes" of a drive file in `folder`, and "reflectances" by names of materials."""
-    scenes: list[dict[str, Any]] = []
-    classes: dict[str, dict[str, int]] = {}
-    reflectances: dict[str, float] = {}
+@dataclass
+class Surfaces:
+    """What the materials of a scene are in a drive file.
+
+    classes: the "classes" of the drive.
+    reflectances: by names of materials in small letters, 1 for white.
+    """
+
+    classes: dict[str, dict[str, int]] = field(default_factory=dict)
+    reflectances: dict[str, float] = field(default_factory=dict)
+
+
+def surfaces_of(parts: list[Part], left_out: Counter[str]) -> Surfaces:
+    surfaces = Surfaces()
     for part in parts:
-        scene: dict[str, Any] = {"file": os.path.relpath(part.file, folder), "up": part.up, "scale": part.scale}
-        scene["pose"] = {"position": place(part.offset), "orientation": quaternion_of(part.turn)}
-        materials = {}
         for name, words in part.materials.items():
             if "classification" in words:
-                number = int(number_of(words["classification"], f"helios_classification of '{name}'"))
-                materials[name] = f"class {number}"
-                classes[f"class {number}"] = {"id": number}
+                surfaces.classes[_class_of(words)] = {"id": int(words["classification"])}
             percent = number_of(words.get("reflectance", "50"), f"helios_reflectance of '{name}'")
             value = min(max(percent / 100, 0.0), 1.0)
-            if reflectances.setdefault(name.lower(), value) != value:
+            if surfaces.reflectances.setdefault(name.lower(), value) != value:
                 left_out["reflectances of materials that another part has by the same name"] += 1
             if "spectra" in words:
                 left_out["spectra of materials"] += 1
+    return surfaces
+
+
+def _class_of(words: dict[str, str]) -> str:
+    return f"class {words['classification']}"
+
+
+def scenes_of(parts: list[Part], folder: Path) -> list[dict[str, Any]]:
+    """The "scenes" of a drive file in `folder`."""
+    scenes = []
+    for part in parts:
+        scene: dict[str, Any] = {"file": os.path.relpath(part.file, folder), "up": part.up, "scale": part.scale}
+        scene["pose"] = {"position": place(part.offset), "orientation": quaternion_of(part.turn)}
+        materials = {name: _class_of(words) for name, words in part.materials.items() if "classification" in words}
         if materials:
             scene["materials"] = materials
         scenes.append(scene)
-    return {"scenes": scenes, "classes": classes, "reflectances": reflectances}
+    return scenes
 
 
 def ground_at(parts: list[Part], x: float, y: float) -> float:
     """The height of the lowest surface of the ground at a place. Raises ValueError if there is none."""
-    heights = [height for part in parts if (height := part.ground_at(x, y)) is not None]
-    if not heights:
+    heights = np.concatenate([_heights(part.ground, x, y) for part in parts])
+    if not len(heights):
         raise ValueError(f"there is no ground at x {x:g}, y {y:g}, where a leg with onGround stands")
-    return min(heights)
+    return float(heights.min())

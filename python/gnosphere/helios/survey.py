@@ -20,7 +20,7 @@ from .. import _gnosphere as gno
 from .. import adapter
 from .assets import Assets, Matrix, Settings, number_of, place, quaternion_of, rotation_of
 from .scanner import Scanner, effects_of, scanner_of
-from .scene import Part, ground_at, read_parts, to_drive
+from .scene import Part, Surfaces, ground_at, read_parts, scenes_of, surfaces_of
 
 _TO_OURS = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """Turns a platform's axes, whose y points forward and x to the right, to ours."""
@@ -58,6 +58,7 @@ class Survey:
     name: str
     leg_count: int
     parts: list[Part]
+    surfaces: Surfaces
     legs: list[Leg] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
@@ -67,12 +68,14 @@ class Survey:
         scene states reflectances. Returns the drive files."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        scene = to_drive(self.parts, folder.resolve(), Counter())
-        reflectances = scene.pop("reflectances")
-        if reflectances:
+        scene: dict[str, Any] = {
+            "scenes": scenes_of(self.parts, folder.resolve()),
+            "classes": self.surfaces.classes,
+        }
+        if self.surfaces.reflectances:
             rows = [
                 {"name": name, "reflectance_905": value, "reflectance_1550": value}
-                for name, value in reflectances.items()
+                for name, value in self.surfaces.reflectances.items()
             ]
             (folder / "materials.json").write_text(json.dumps({"materials": rows}, indent=1), encoding="utf-8")
             scene["material_table"] = "materials.json"
@@ -129,9 +132,10 @@ class _Reader:
         if not self._legs:
             raise ValueError(f"{self._assets.survey}: the survey has no <leg>")
         name = self._survey.get("name", self._assets.survey.stem)
-        survey = Survey(name, len(self._legs), read_parts(self._assets, self._survey.get("scene", ""), self._left_out))
+        parts = read_parts(self._assets, self._survey.get("scene", ""), self._left_out)
+        survey = Survey(name, len(self._legs), parts, surfaces_of(parts, self._left_out))
         self._note_left_out()
-        places = [self._place(leg, survey.parts) for leg in self._legs]
+        places = [self._place(leg, parts) for leg in self._legs]
         effects = effects_of(self._scanner, self._detector, self._left_out)
         time = 0.0
         for number, element in enumerate(self._legs):
@@ -155,7 +159,6 @@ class _Reader:
             time += duration if duration is not None else leg.duration
         if not survey.legs:
             raise ValueError(f"{self._assets.survey}: no leg scans")
-        to_drive(survey.parts, Path.cwd(), self._left_out)
         survey.assumed, survey.left_out = list(self._assumed), self._left_out
         return survey
 
@@ -163,8 +166,8 @@ class _Reader:
         kind = self._platform.get("type", "static").lower()
         if kind in ("groundvehicle", "multicopter"):
             self._left_out[f"speeding up, slowing down and turning of a '{kind}'"] += 1
-        for holder, tags in ((self._platform, ("position", "attitude")), (self._survey, ("position", "attitude"))):
-            for tag in tags:
+        for holder in (self._platform, self._survey):
+            for tag in ("position", "attitude"):
                 if any(holder.find(f"{tag}{axis}Noise") is not None for axis in "XYZ"):
                     self._left_out[f"noise of the platform's {tag}"] += 1
         if self._survey.find("FWFSettings") is not None or self._scanner.find("FWFSettings") is not None:
