@@ -45,7 +45,7 @@ void bindWords(nb::handle scope, const std::string& name, const Parameter<Owner>
   bindWords<Enum>(scope, name, std::get<ChoiceParameter<Owner>>(parameter.kind).words, parameter.doc);
 }
 
-/// A choice as Python gives it: an enumerator, or its name.
+/// An argument from Python that chooses an enumerator: the enumerator, or the name of it.
 template <typename Enum>
 using Choice = std::variant<Enum, std::string>;
 
@@ -115,8 +115,8 @@ void bindOptionRows(nb::class_<Class>& type, const std::string& group) {
   }
 }
 
-/// The parameters of a constructor that takes the properties of a class as keywords, each with its type. Those in
-/// `positional` come first, and can be given without their names.
+/// The parameters of a constructor that takes the properties of a class as keywords, each with its type. The properties
+/// in `positional` come first, and a caller may give them without their names.
 std::string keywordsOf(nb::handle type, const std::vector<std::string>& positional);
 /// Sets a property by a keyword. Throws a TypeError for a name that no property has, with the nearest names, and for a
 /// value of another type; Error(invalidArgument) for a word that is no name of a choice, with its names.

@@ -14,8 +14,8 @@ namespace gnosphere::os {
 /// Opens a file as std::fopen does, for bytes. A file that is open can be renamed and removed by every process.
 std::FILE* openFile(const std::filesystem::path& file, const char* mode);
 
-/// Opens a file that is written under another name until it is complete, empty or at its end, and makes it if it is not
-/// there. Null for what is no file: links are not followed, and pipes and devices are not opened.
+/// Opens an unfinished file for writing, and creates it if it does not exist. `isEmpty` removes what the file contains;
+/// otherwise writing appends. Returns null if the name is that of a link, a pipe or a device.
 std::FILE* openPart(const std::filesystem::path& file, bool isEmpty);
 
 /// Gives an open file the permissions of another one, as far as the system lets.

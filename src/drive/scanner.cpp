@@ -26,7 +26,7 @@ Weather ownWeather(const Effects& effects) {
   return weather;
 }
 
-/// Returns the rows whose materials the scene has. readDrive() has told of names that no scene or model has.
+/// Returns the rows of a material table whose names the scene has. readDrive() has already warned of the other rows.
 MaterialTable materialsOf(const Scene& scene, const MaterialTable& table) {
   std::vector<std::string> unused;
   opticsOf(scene, table, 905, &unused);

@@ -8,8 +8,8 @@
 
 namespace gnosphere {
 
-/// Throws Error(invalidArgument) that names the material if a value is NaN or too large; negative ones are not stated.
-/// So does a table with names that differ in case alone, because they mean the same materials.
+/// Throws Error(invalidArgument) that names the material if a value is NaN or too large; a negative value is not
+/// stated. The function also throws if two names differ in case alone, because such names mean the same material.
 void validate(const MaterialTable& table);
 
 /// Returns sentences about rows without effect: those whose name no material of the scene has, and those without any

@@ -110,8 +110,8 @@ std::string withPlainWords(std::string_view text) {
   return result;
 }
 
-/// The materials of the libraries beside the OBJ file. A missing library is common, and so is a material that no
-/// library defines: such materials have only a name, and the scene tells of them.
+/// The materials of the libraries beside the OBJ file. A material that no library defines, for example because the
+/// library is missing, has only a name, and Scene::leftOut has a line about it.
 class Libraries {
  public:
   explicit Libraries(const Source& source) : source_(source) {}

@@ -15,7 +15,8 @@
 
 namespace gnosphere::test {
 
-/// Returns how many of these worlds a test tries: all if it tries every combination of its settings, else a third.
+/// Returns how many worlds a test tries: `worlds` if the test tries every combination of its settings, else a third of
+/// that number.
 inline int rounds(int worlds) {
   return everyCombination() ? worlds : worlds / 3;
 }

@@ -319,7 +319,7 @@ TEST_CASE("PLY is read with a mark of UTF-8, and with lines that end with carria
   CHECK(loadText("a.ply", withLineEnds(text, "\r")).meshes.at(0).positions == positions);
   CHECK(loadText("a.ply", withLineEnds(text, "\r\n")).meshes.at(0).positions == positions);
 
-  // The data of a binary file may start with the byte of a line feed, which is no end of a line there.
+  // A binary file whose header has carriage returns may have the byte of a line feed as the first byte of its data.
   std::string binary = withLineEnds("ply\nformat binary_little_endian 1.0\n" + properties, "\r");
   const Floats corners = {std::bit_cast<float>(0x3F00000Au), 0, 0, 1, 0, 0, 0, 1, 0};
   binary.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(float));
