@@ -120,7 +120,7 @@ class Lidar:
         request = _request(sensor, effects, fields, ignore)
         self.sensors = [request.sensor]
         self.simulator = gno.Simulator(shapes.scene(), request, options or gno.SimulatorOptions())
-        self.frame = 0
+        self.frames = [0]  # the number of the next scan of each sensor
         self._all = np.arange(len(shapes.instances), dtype=np.uint32)
 
     def add_sensor(
@@ -135,6 +135,7 @@ class Lidar:
         request = _request(sensor, effects, fields, ignore)
         number = self.simulator.add_sensor(request)
         self.sensors[number:] = [request.sensor]
+        self.frames[number:] = [0]
         return number
 
     def move(
@@ -148,7 +149,7 @@ class Lidar:
         """Scans what stands where move() has put it. Arrays of `into` are used again, unless a view of them is held."""
         scan = gno.Scan() if into is None else into
         self.simulator.scan_into(shot, scan)
-        self.frame += 1
+        self.frames[shot.sensor] += 1
         return scan
 
     def _scan_at(
@@ -157,7 +158,7 @@ class Lidar:
         """Scans from a pose, with all instances, of which there may be none, where the maps of move() put them."""
         if len(self._all):
             self.move(maps)
-        return self.cast(gno.Shot(pose, sensor, self.frame), into)
+        return self.cast(gno.Shot(pose, sensor, self.frames[sensor]), into)
 
 
 def _request(

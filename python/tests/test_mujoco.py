@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import gnosphere
-from gnosphere import adapter, primitives
+from gnosphere import adapter, patterns, primitives
 
 mujoco = pytest.importorskip("mujoco")
 gm = pytest.importorskip("gnosphere.mujoco")
@@ -283,8 +283,36 @@ def test_many_worlds_scan_as_each_alone(device):
     assert set(np.unique(geoms)) == {-1, 0}
     with pytest.raises(ValueError, match="there are 2 worlds, so scan\\(\\) needs as many MjData, not 1"):
         hidden.scan(datas[:1])
-    with pytest.raises(TypeError, match="each world has one sensor"):
-        hidden.add_sensor("VLP-16")
+
+
+def test_each_world_may_have_several_sensors(device):
+    """With their own places, fields, noise and bodies that they do not see, and as those of one model."""
+    model = every_type()
+    noisy = gnosphere.Effects.none()
+    noisy.range_noise.use, noisy.range_noise.sigma = "on", 0.02
+    first = (sphere_of_beams(500), {"site": "mast", "effects": NONE})
+    below = patterns.grid((1.6, 1.0), 0.2, level=-0.6)
+    second = (
+        below,
+        {"pose": gnosphere.Pose((0, 0, 0.1)), "bodyexclude": "body3", "effects": noisy, "fields": "normal"},
+    )
+    worlds = gm.Worlds([model] * 3, first[0], **first[1], options=options(device))
+    alone = gm.Lidar(model, first[0], **first[1], options=options(device))
+    assert worlds.add(second[0], **second[1]) == alone.add(second[0], **second[1]) == 1
+    datas = [mujoco.MjData(model) for _ in range(3)]
+    rng = np.random.default_rng(4)
+    for step in range(2):
+        for data in datas:
+            data.qpos += rng.uniform(-0.2, 0.2, model.nq)
+            mujoco.mj_forward(model, data)
+        for number in (0, 1, 1):
+            batch = worlds.scan(datas, number)
+            for view, data in enumerate(datas):
+                scan = alone.scan(data, number)
+                np.testing.assert_array_equal(batch.ranges[view], scan.ranges)
+                np.testing.assert_array_equal(worlds.geom_ids(batch)[view], alone.geom_ids(scan))
+            assert ("normal" in batch) == (number == 1)
+    assert worlds.frames == alone.frames == [6, 12]
 
 
 def test_worlds_take_the_states_of_all_worlds_as_arrays(device):
@@ -326,6 +354,23 @@ def test_each_world_goes_through_all_patterns_of_its_sensor(device):
         ranges = np.array([worlds.scan([data] * count).ranges[:, 0] for _ in range(3)])
         for of_world in ranges.T:
             np.testing.assert_allclose(np.sort(of_world), 5 / np.cos(turns), rtol=1e-5)
+
+
+def test_sensors_that_scan_in_turns_go_through_all_their_patterns(device):
+    model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom type="box" size="5 5 5"/></worldbody></mujoco>')
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min = 100, 0
+    turns = np.radians([0, 40])
+    sensor.patterns = [gnosphere.BeamList([[np.cos(turn), np.sin(turn), 0]]) for turn in turns]
+    lidar = gm.Lidar(model, sensor, effects=NONE, options=options(device))
+    lidar.add(sphere_of_beams(10), effects=NONE)
+    ranges = []
+    for _ in range(2):
+        ranges.append(lidar.scan(data).ranges[0])
+        lidar.scan(data, 1)
+    np.testing.assert_allclose(ranges, 5 / np.cos(turns), rtol=1e-5)
 
 
 def test_what_changes_in_the_model_moves_the_sensor(device):

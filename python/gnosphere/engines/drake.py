@@ -95,7 +95,7 @@ class Lidar(LeafSystem):
         frame = query.GetPoseInWorld(self._parent) if self._parent is not None else RigidTransform()
         place = frame @ self._pose
         pose = adapter.pose_of(place.translation(), place.rotation().matrix())
-        return self.lidar.cast(gno.Shot(pose, 0, self.lidar.frame), into)
+        return self.lidar.cast(gno.Shot(pose, 0, self.lidar.frames[0]), into)
 
     def _points(self, context: Any, output: Any) -> None:
         scan = self.scan(self.get_input_port(0).Eval(context))

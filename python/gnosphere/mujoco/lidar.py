@@ -246,12 +246,12 @@ class Lidar(adapter.Lidar):
         scans once with the records. Give a Scan of before as `into` and its memory is used again."""
         self._drop_later(data)
         durations = self._durations[sensor]
-        duration = durations[self.frame % len(durations)]
+        duration = durations[self.frames[sensor] % len(durations)]
         if not self._records or not duration or sensor in self._used:
             self._use(sensor)
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
-            return self.cast(gno.Shot(pose, sensor, self.frame), into)
+            return self.cast(gno.Shot(pose, sensor, self.frames[sensor]), into)
         try:
             shot = self._moving_shot(data, sensor, duration)
         finally:
@@ -277,7 +277,7 @@ class Lidar(adapter.Lidar):
         self._rows[: len(starts)] = starts
         self.move(self._rows)
         stamps = [gno.SensorMotion.Stamp(time, pose) for time, pose in _beyond_both_ends(path, duration)]
-        return gno.Shot(now, sensor, self.frame, gno.SensorMotion(stamps), motions)
+        return gno.Shot(now, sensor, self.frames[sensor], gno.SensorMotion(stamps), motions)
 
     def geom_ids(self, scan: gno.Scan) -> npt.NDArray[np.int32]:
         """The geom of each entry of a scan; -1 without a return, and on flexes and skins."""

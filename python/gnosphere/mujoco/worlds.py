@@ -16,7 +16,6 @@ from .. import adapter
 from .lidar import Mount, PoseSource
 from .shapes import VISIBLE_GROUPS, Bodies, ModelShapes, Tessellation
 
-
 # Numbers per geom or site in the states of all worlds.
 _STATE = {"geom_xpos": 3, "geom_xmat": 9, "site_xpos": 3, "site_xmat": 9}
 
@@ -34,8 +33,14 @@ def _states_of(data: Any) -> list[Any]:
     return [SimpleNamespace(**dict(zip(arrays, state))) for state in zip(*arrays.values())]
 
 
+def _fields_of(fields: adapter.Fields) -> list[gno.Field]:
+    """The fields of a batch, from which geom_ids() finds its geoms."""
+    others = (field for field in gno.parse_fields(fields) if field != gno.Field.instance)
+    return [gno.Field.instance, *others]
+
+
 class Worlds(adapter.Lidar):
-    """A sensor in each of many worlds, which scan together: docs/mujoco.md."""
+    """Sensors in each of many worlds, which scan together: docs/mujoco.md."""
 
     def __init__(
         self,
@@ -62,7 +67,7 @@ class Worlds(adapter.Lidar):
         self.models = list(models)
         if not self.models:
             raise ValueError("gnosphere.mujoco.Worlds: there is no model")
-        self._mounts = [Mount(model, site, pose) for model in self.models]
+        self._mounts = [self._mounts_of(site, pose)]
         self._worlds: list[ModelShapes] = []
         left_out: dict[str, int] = {}
         for number, model in enumerate(self.models):
@@ -73,33 +78,46 @@ class Worlds(adapter.Lidar):
             self._worlds.append(made)
             left_out.update(made.left_out)
         adapter.warn_left_out("gnosphere.mujoco", left_out, stacklevel=2)
-        hidden = [made.instances_of(bodyexclude, treeexclude) for made in self._worlds]
         shapes = self._worlds[0].shapes
-        super().__init__(
-            shapes, sensor, effects=effects, fields=fields, ignore=np.concatenate(hidden).tolist(), options=options
-        )
+        ignore = self._instances_of(bodyexclude, treeexclude)
+        super().__init__(shapes, sensor, effects=effects, fields=fields, ignore=ignore, options=options)
         self._rows = np.tile(np.eye(3, 4), (len(shapes.instances), 1, 1))
         self._geoms = np.full(len(shapes.instances) + 1, -1, np.int32)
         for made in self._worlds:
             self._geoms[made.first :][: len(made.geoms)] = made.geoms
         self._poses = np.empty((len(self.models), 7))
-        others = (field for field in gno.parse_fields(fields) if field != gno.Field.instance)
-        self._fields = [gno.Field.instance, *others]
+        self._fields = [_fields_of(fields)]
 
-    def add_sensor(
+    def add(
         self,
         sensor: Union[str, gno.Sensor],
         *,
+        site: Union[int, str, None] = None,
+        pose: Optional[PoseSource] = None,
+        bodyexclude: Bodies = (),
+        treeexclude: Bodies = (),
         effects: Optional[gno.Effects] = None,
         fields: adapter.Fields = (),
-        ignore: Iterable[int] = (),
     ) -> int:
-        """Raises TypeError: each world has one sensor."""
-        raise TypeError("gnosphere.mujoco.Worlds: each world has one sensor; make other Worlds for another")
+        """Adds another sensor to each world and returns its number, for scan(). The arguments are those of Worlds."""
+        mounts = self._mounts_of(site, pose)
+        ignore = self._instances_of(bodyexclude, treeexclude)
+        number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
+        self._mounts[number:] = [mounts]
+        self._fields[number:] = [_fields_of(fields)]
+        return number
 
-    def scan(self, datas: Union[Sequence[Any], Any], *, into: Optional[gno.Batch] = None) -> gno.Batch:
+    def _mounts_of(self, site: Union[int, str, None], pose: Optional[PoseSource]) -> list[Mount]:
+        return [Mount(model, site, pose) for model in self.models]
+
+    def _instances_of(self, bodies: Bodies, trees: Bodies) -> list[int]:
+        hidden: list[int] = np.concatenate([made.instances_of(bodies, trees) for made in self._worlds]).tolist()
+        return hidden
+
+    def scan(self, datas: Union[Sequence[Any], Any], sensor: int = 0, *, into: Optional[gno.Batch] = None) -> gno.Batch:
         """Scans each world as its MjData has it, of which mj_kinematics() must have been run. The batch has the ranges,
         the instances and the fields that were asked for; a view has the bytes of Lidar.scan() with the same frame.
+        `sensor` is a number of add().
 
         In place of MjData of each world, `datas` may be one object with the states of all: `geom_xpos`, `geom_xmat`,
         `site_xpos` and `site_xmat` with the world as first dimension, as MJX and MuJoCo Warp have them. Flexes and
@@ -112,7 +130,7 @@ class Worlds(adapter.Lidar):
             datas = _states_of(datas)
         if len(datas) != len(self.models):
             raise ValueError(f"there are {len(self.models)} worlds, so scan() needs as many MjData, not {len(datas)}")
-        for mount, made, data, row in zip(self._mounts, self._worlds, datas, self._poses):
+        for mount, made, data, row in zip(self._mounts[sensor], self._worlds, datas, self._poses):
             pose = mount.pose(data)
             row[:3], row[3:] = pose.position, pose.orientation
             made.place(data, pose.position, self._rows[made.first :], self.simulator)
@@ -123,9 +141,11 @@ class Worlds(adapter.Lidar):
         batch = gno.Batch() if into is None else into
         count = len(self.models)
         worlds = np.arange(1, count + 1, dtype=np.uint32)
-        self.simulator.scan_batch_into(self._poses, batch, worlds=worlds, frame=self.frame, fields=self._fields)
+        self.simulator.scan_batch_into(
+            self._poses, batch, sensor=sensor, worlds=worlds, frame=self.frames[sensor], fields=self._fields[sensor]
+        )
         # One more than a multiple of the number of patterns, so that each world goes through all of them.
-        self.frame += count + (1 - count) % max(1, len(self.sensors[0].patterns))
+        self.frames[sensor] += count + (1 - count) % max(1, len(self.sensors[sensor].patterns))
         return batch
 
     def geom_ids(self, batch: gno.Batch) -> npt.NDArray[np.int32]:
