@@ -64,8 +64,8 @@ if(NOT descriptions)
   message(FATAL_ERROR "nothing in ${prefix}/${LIBDIR} describes the library")
 endif()
 
-# The licences are in the folder of this project, whoever installs it.
-foreach(document IN ITEMS LICENSE THIRD_PARTY.md)
+# The licences, and the documents that headers refer to, are in the folder of this project, whoever installs it.
+foreach(document IN ITEMS LICENSE THIRD_PARTY.md README.md docs/api.md docs/engine.md)
   if(NOT EXISTS ${prefix}/share/doc/gnosphere/${document})
     message(FATAL_ERROR "${prefix}/share/doc/gnosphere has no ${document}")
   endif()
