@@ -2,6 +2,7 @@
 // The sentences are those of gnosphere/simulator.hpp; a test compares.
 #include "option_table.hpp"
 
+#include "base/lasting.hpp"
 #include "base/nearest_text.hpp"
 #include "effects/decide.hpp"
 #include "effects/parameter_text.hpp"
@@ -200,12 +201,12 @@ void assignTo(Owner& owner, const std::vector<Option<Owner>>& table, const std::
 }  // namespace
 
 const std::vector<Option<SimulatorOptions>>& simulatorOptionTable() {
-  static const std::vector<Option<SimulatorOptions>> table = makeSimulatorTable();
+  static const auto& table = lasting(makeSimulatorTable());
   return table;
 }
 
 const std::vector<Option<SensorRequest>>& requestOptionTable() {
-  static const std::vector<Option<SensorRequest>> table = makeRequestTable();
+  static const auto& table = lasting(makeRequestTable());
   return table;
 }
 

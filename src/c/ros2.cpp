@@ -4,6 +4,7 @@
 
 #include <gnosphere/ros2.hpp>
 
+#include "base/lasting.hpp"
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
@@ -80,7 +81,7 @@ using namespace gnosphere::c;
 extern "C" {
 
 const char* gno_ros2_unavailable(void) {
-  static const std::string why = ros2::unavailable();
+  static const auto& why = lasting(ros2::unavailable());
   return why.c_str();
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/decimal_point.hpp"
+#include "base/lasting.hpp"
 #include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "sensor/beams.hpp"
@@ -361,16 +362,16 @@ std::vector<EffectInfo> makeTable() {
 }  // namespace
 
 const std::vector<EffectInfo>& effectTable() {
-  static const std::vector<EffectInfo> table = makeTable();
+  static const auto& table = lasting(makeTable());
   return table;
 }
 
 const std::vector<std::string>& effectNames() {
-  static const std::vector<std::string> names = [] {
+  static const auto& names = lasting([] {
     std::vector<std::string> all;
     for (const EffectInfo& info : effectTable()) all.push_back(info.name);
     return all;
-  }();
+  }());
   return names;
 }
 
@@ -381,11 +382,11 @@ Effects Effects::none() {
 }
 
 const Parameter<Effects>& seedParameter() {
-  static const Parameter<Effects> seed =
+  static const auto& seed = lasting<Parameter<Effects>>(
       rows::count<&Effects::seed>("seed", "", 0, UINT64_MAX,
                                   "Every random number is keyed by (seed, sensor, frame, beam, sub-ray or echo, "
                                   "effect): one effect never changes the "
-                                  "draws of another, and the same seed gives the same draws on every device.");
+                                  "draws of another, and the same seed gives the same draws on every device."));
   return seed;
 }
 

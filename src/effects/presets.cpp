@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "base/file.hpp"
+#include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "gnosphere/effects.hpp"
 
@@ -16,7 +17,7 @@ struct Preset {
 };
 
 const std::vector<Preset>& presets() {
-  static const std::vector<Preset> all = {
+  static const auto& all = lasting(std::vector<Preset>{
       {"clean", Effects::none(), {}},
       {"auto", Effects(), {}},
       // sensor.lidar.ray_cast of CARLA 0.9 with its defaults: atmosphere_attenuation_rate, dropoff_general_rate,
@@ -39,7 +40,7 @@ const std::vector<Preset>& presets() {
        {"detection.reflectance=0.1", "detection.range=40", "range-noise.sigma=0.015", "range-noise.step=0.012",
         "angle-noise.azimuth=0.000175", "angle-noise.elevation=0.000175", "divergence.horizontal=0.00385",
         "divergence.vertical=0.00385", "rain.rate=10"}},
-  };
+  });
   return all;
 }
 
@@ -49,11 +50,11 @@ constexpr size_t kMaxFileBytes = size_t{64} << 20;
 }  // namespace
 
 const std::vector<std::string>& effectPresets() {
-  static const std::vector<std::string> names = [] {
+  static const auto& names = lasting([] {
     std::vector<std::string> all;
     for (const Preset& preset : presets()) all.push_back(preset.name);
     return all;
-  }();
+  }());
   return names;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "gnosphere/error.hpp"
 
@@ -102,8 +103,8 @@ const ColumnInfo* findColumn(std::string_view name) {
 }
 
 const std::vector<Field>& defaultFields() {
-  static const std::vector<Field> fields = {Field::x,    Field::y,    Field::z,        Field::range,
-                                            Field::ring, Field::beam, Field::triangle, Field::instance};
+  static const auto& fields = lasting(std::vector<Field>{Field::x, Field::y, Field::z, Field::range, Field::ring,
+                                                         Field::beam, Field::triangle, Field::instance});
   return fields;
 }
 

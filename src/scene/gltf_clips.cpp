@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/finite.hpp"
+#include "base/lasting.hpp"
 
 namespace gnosphere {
 namespace {
@@ -13,10 +14,11 @@ using Json = nlohmann::json;
 
 /// Returns false for a property that no node has.
 bool parseProperty(const std::string& path, Track::Property& property) {
-  static const std::map<std::string, Track::Property> kPaths = {{"translation", Track::Property::translation},
-                                                                {"rotation", Track::Property::rotation},
-                                                                {"scale", Track::Property::scale},
-                                                                {"weights", Track::Property::morphWeights}};
+  static const auto& kPaths =
+      lasting(std::map<std::string, Track::Property>{{"translation", Track::Property::translation},
+                                                     {"rotation", Track::Property::rotation},
+                                                     {"scale", Track::Property::scale},
+                                                     {"weights", Track::Property::morphWeights}});
   const auto found = kPaths.find(path);
   if (found != kPaths.end()) property = found->second;
   return found != kPaths.end();

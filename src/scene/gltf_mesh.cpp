@@ -6,6 +6,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "base/lasting.hpp"
 #include "scene/gltf_follow.hpp"
 
 namespace gnosphere {
@@ -258,7 +259,7 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
 
 /// Returns the texture coordinates of an accessor as the file has them; empty if there is none.
 const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who) {
-  static const std::vector<float> kNoUvs;
+  static const auto& kNoUvs = lasting(std::vector<float>());
   if (vertices.uvs < 0) return kNoUvs;
   const auto cached = uvs_.find(vertices.uvs);
   const std::vector<float>& uvs =

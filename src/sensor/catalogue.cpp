@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
@@ -132,23 +133,23 @@ CatalogueHead headOf(const HeadFigures& figures) {
 }  // namespace
 
 const std::vector<Sensor>& builtinSensors() {
-  static const std::vector<Sensor> sensors = {
+  static const auto& sensors = lasting(std::vector<Sensor>{
       evenSensor("VLP-16", -15, 15, 1800, 16, 100),
       evenSensor("VLP-32", -25, 15, 3600, 32, 100),
       evenSensor("HDL-64E", -25, 2, 4500, 64, 120),
       evenSensor("Hypothetical-256", -45, 45, 18000, 256, 200),
       evenSensor("Hypothetical-350", -45, 45, 18000, 350, 200),
-  };
+  });
   return sensors;
 }
 
 const std::vector<CatalogueHead>& sensorCatalogue() {
-  static const std::vector<CatalogueHead> heads = [] {
+  static const auto& heads = lasting([] {
     std::vector<CatalogueHead> list;
     for (const HeadFigures& figures : kHeads) list.push_back(headOf(figures));
     for (CatalogueHead& head : listHeads()) list.push_back(std::move(head));
     return list;
-  }();
+  }());
   return heads;
 }
 

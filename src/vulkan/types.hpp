@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/lasting.hpp"
 #include "vulkan/spirv.hpp"
 
 namespace gnosphere::vulkan {
@@ -45,7 +46,7 @@ class Types {
 
   /// Returns the types of the parts of a vector, a matrix, an array or a structure; none for other types.
   const Words& parts(uint32_t type) const {
-    static const Words none;
+    static const auto& none = lasting(Words());
     const auto found = parts_.find(type);
     return found == parts_.end() ? none : found->second;
   }

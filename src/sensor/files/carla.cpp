@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/lasting.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -71,9 +72,9 @@ void readCarla(SensorSource& source, const json& root) {
   const double step = channels > 1 ? (upper - lower) / (channels - 1) : 0;
   for (double i = 0; i < channels; ++i) sensor.channels.push_back({upper - i * step});
 
-  static const std::set<std::string> known = {"type",          "id",        "channels",  "points_per_second",
-                                              "range",         "upper_fov", "lower_fov", "rotation_frequency",
-                                              "horizontal_fov"};
+  static const auto& known =
+      lasting(std::set<std::string>{"type", "id", "channels", "points_per_second", "range", "upper_fov", "lower_fov",
+                                    "rotation_frequency", "horizontal_fov"});
   for (const auto& [key, value] : lidar.items())
     if (!known.contains(key) && value != json(0.0)) source.ignore(key);
 }

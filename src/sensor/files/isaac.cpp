@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "sensor/files/source.hpp"
@@ -51,8 +52,8 @@ Emitters readState(SensorSource& source, const json& profile, const json& state,
   for (const double ring : emitters.rings)
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring))
       source.refuse(where + "'channelId' " + std::to_string(ring) + " is no ring from 0 to 65535");
-  static const std::set<std::string> known = {"azimuthDeg", "elevationDeg", "fireTimeNs", "channelId",
-                                              "rangeId",    "vertOffsetM",  "horOffsetM"};
+  static const auto& known = lasting(std::set<std::string>{"azimuthDeg", "elevationDeg", "fireTimeNs", "channelId",
+                                                           "rangeId", "vertOffsetM", "horOffsetM"});
   for (const auto& [key, value] : state.items())
     if (!known.contains(key) && value.is_array()) source.ignore(key + " of the emitters");
   return emitters;
@@ -252,12 +253,12 @@ void readIsaac(SensorSource& source, const json& root) {
   else
     source.refuse("'scanType' is '" + scanType + "', expected is rotary or solidState");
 
-  static const std::set<std::string> known = {
+  static const auto& known = lasting(std::set<std::string>{
       "scanType",         "rotationDirection",    "nearRangeM",         "farRangeM",           "maxReturns",
       "scanRateBaseHz",   "reportRateBaseHz",     "numberOfEmitters",   "emitterStates",       "emitterStateCount",
       "ranges",           "rangeCount",           "numLines",           "numRaysPerLine",      "startAzimuthDeg",
       "endAzimuthDeg",    "validStartAzimuthDeg", "validEndAzimuthDeg", "patternFiringRateHz", "upElevationDeg",
-      "downElevationDeg", "numberOfChannels"};
+      "downElevationDeg", "numberOfChannels"});
   for (const auto& [key, value] : profile.items()) {
     const bool comment = key.find("omment") != key.npos;
     if (!known.contains(key) && !comment && value != json(0.0)) source.ignore(key);

@@ -88,9 +88,9 @@ struct Mode {
   double rate = 0;
 };
 Mode modeOf(const SensorSource& source, const std::string& text) {
-  static const std::vector<std::pair<const char*, Mode>> modes = {{"512x10", {512, 10}},   {"512x20", {512, 20}},
-                                                                  {"1024x10", {1024, 10}}, {"1024x20", {1024, 20}},
-                                                                  {"2048x10", {2048, 10}}, {"4096x5", {4096, 5}}};
+  static const std::pair<const char*, Mode> modes[] = {{"512x10", {512, 10}},   {"512x20", {512, 20}},
+                                                       {"1024x10", {1024, 10}}, {"1024x20", {1024, 20}},
+                                                       {"2048x10", {2048, 10}}, {"4096x5", {4096, 5}}};
   std::string known;
   for (const auto& [name, mode] : modes) {
     if (text == name) return mode;
