@@ -40,6 +40,14 @@ GNO_API gno_status gno_vulkan_add_features(const gno_vulkan_requirements* requir
                                            VkPhysicalDeviceFeatures* features,
                                            VkPhysicalDeviceVulkan12Features* features12,
                                            VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroup_size_control);
+#ifdef VK_VERSION_1_3
+/* As above, for a chain that has the features of Vulkan 1.3 in one structure, where those of the extension for the
+ * sizes of subgroups may not stand beside it. */
+GNO_API gno_status gno_vulkan_add_features13(const gno_vulkan_requirements* requirements,
+                                             VkPhysicalDeviceFeatures* features,
+                                             VkPhysicalDeviceVulkan12Features* features12,
+                                             VkPhysicalDeviceVulkan13Features* features13);
+#endif
 
 /* Memory for one buffer, from the caller. */
 typedef struct gno_vulkan_allocation {
@@ -61,7 +69,7 @@ struct gno_vulkan_adopted_device {
   /* What the device was created with: gno_vulkan_get_requirements(), without the features that the caller has left off.
    */
   const gno_vulkan_requirements* enabled;
-  /* The caller's allocator of device memory; if both are null, every buffer gets memory of its own from
+  /* The caller's allocator of device memory; if both are null, buffers share memory from
    * vkAllocateMemory(). `allocate` sets *allocation, whose bytes are 0 before, to memory of the type `memory_type` that
    * was allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, or leaves it if there is none left. Size and alignment
    * are multiples of the device's nonCoherentAtomSize, so that the library may flush the whole range. */
@@ -143,7 +151,8 @@ typedef struct gno_vulkan_transform_buffer {
 } gno_vulkan_transform_buffer;
 
 /* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The simulator must
- * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. */
+ * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. A simulator
+ * has one recorder at a time. */
 GNO_API gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight,
                                               gno_vulkan_recorder* recorder);
 GNO_API gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder);

@@ -68,14 +68,14 @@ bool isDead(uint beam) {
 
 // Computes the echo of the hit of a beam that has no others. Its energy needs the material, many loads on a CPU.
 Echo echoOfHit() {
-  float energy = 1.0, cosIncidence = 1.0;
+  float energy = 1.0;
   if (LOOKS_AT_MATERIALS) {
     vec3 direction = lightDirection;
     if (MOTION) direction = reportedDirection(beamMotion, direction);
-    cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
+    float cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
-  return Echo(hitRange, energy, planned.pulseWidth, cosIncidence, 0);
+  return Echo(hitRange, energy, planned.pulseWidth, 1.0, 0);
 }
 
 Echo loadEcho(uint k) {

@@ -51,8 +51,8 @@ float farthestOf(uint index) { return frame.rangeMax; }
 // energy that reaches this layer, and the energy that passes through it.
 float left[RAYS], up[RAYS], lengths[RAYS], inverses[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
 // Their hits in this layer: range (kNothing if there is none, -1 for a sub-ray without light), share of the beam's
-// energy, candidate, and the largest range that still belongs to the layer before.
-float hitRanges[RAYS], hitShares[RAYS], rangesBefore[RAYS];
+// energy, reach in depth (see reachOf()), candidate, and the largest range that still belongs to the layer before.
+float hitRanges[RAYS], hitShares[RAYS], hitReaches[RAYS], rangesBefore[RAYS];
 uint hitCandidates[RAYS];
 // The share of each sub-ray's light that the surface of the current candidate reflects.
 float reflections[RAYS];
@@ -61,7 +61,10 @@ float reflections[RAYS];
 const uint kPieces = RAYS * kMaxLayers;
 #define HELD_LAYERS (PASS == kPassFootprintWithinOne ? 1u : LAYERS)
 #define LAST_LAYER (RAYS * (LAYERS - 1))
-float ranges[kPieces], energies[kPieces];
+float ranges[kPieces], energies[kPieces], reaches[kPieces];
+// The light that comes to each hit, for the medium's echoes between surfaces.
+#define KEEPS_LIGHT ((EFFECTS & kMediumEffects) != 0)
+float lights[kPieces];
 uint metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
@@ -107,9 +110,24 @@ void reflectEach(Optics4 surface, vec3 normal) {
   }
 }
 
+// Returns by how much the range of the surface changes across a unit of the tangents, at normal incidence to a plane
+// that has this tilt. Half axes of the part of the footprint that a sub-ray stands for take the place of the unit.
+float tiltOf(vec3 normal) {
+  precise float across = normal.y * parameters.cellHorizontal, upwards = normal.z * parameters.cellVertical;
+  precise float square = across * across + upwards * upwards;
+  return squareRoot(square);
+}
+
+// Returns how far the part of the footprint that a sub-ray stands for reaches in front of its hit and behind it, on the
+// plane of the surface. On a slope neighbouring sub-rays may lie farther apart than the separation of echoes, but the
+// light between them fills the gap.
+float reachOf(float range, float tilt, float cosine) {
+  return quotient(product(range, tilt), max(cosine, 1e-6));
+}
+
 // Divides the light of a sub-ray that hits a candidate into what returns and what goes on. How much light reaches an
 // opaque surface is not known before the panes.
-void share(bool pane, float transmission, uint projected, uint s) {
+void share(bool pane, float transmission, vec3 normal, float tilt, uint projected, uint s) {
   bool mine = hitCandidates[s] == projected;
   float energy = LAYERS == 1 || pane ? product(carried[s], reflections[s]) : reflections[s];
   if (LAYERS > 1) {
@@ -118,6 +136,8 @@ void share(bool pane, float transmission, uint projected, uint s) {
     energy = pane && energy == 0.0 && through > 0.0 ? kUnseen : energy;
   }
   hitShares[s] = mine ? energy : hitShares[s];
+  float reach = reachOf(hitRanges[s], tilt, cosineOf(normal, left[s], up[s], inverses[s]));
+  hitReaches[s] = mine ? reach : hitReaches[s];
 }
 
 // Returns the largest range of the hits of this layer; 0 if no sub-ray has light.
@@ -170,8 +190,8 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
     Optics4 surface = optics.at[projectedMaterials.at[projected]];
     vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
     reflectEach(surface, normal);
-    float transmission = LAYERS > 1 ? transmitted(surface) : 0.0;
-#define SHARE(s) share(pane, transmission, projected, s);
+    float transmission = LAYERS > 1 ? transmitted(surface) : 0.0, tilt = tiltOf(normal);
+#define SHARE(s) share(pane, transmission, normal, tilt, projected, s);
     EACH_RAY(SHARE)
   }
   return farthest;
@@ -181,6 +201,7 @@ void forget() {
 #define FORGET(s)                                    \
   hitRanges[s] = carried[s] > 0.0 ? kNothing : -1.0; \
   hitShares[s] = 0.0;                                \
+  hitReaches[s] = 0.0;                               \
   hitCandidates[s] = kNone;                          \
   passed[s] = 0.0;
   EACH_RAY(FORGET)
@@ -191,6 +212,7 @@ void keepEnds() {
 #define KEEP_END(s)                                   \
   ranges[LAST_LAYER + s] = hitRanges[s];              \
   energies[LAST_LAYER + s] = hitShares[s];            \
+  reaches[LAST_LAYER + s] = hitReaches[s];            \
   metCandidates[LAST_LAYER + s] = hitCandidates[s];
   EACH_RAY(KEEP_END)
 }
@@ -200,6 +222,7 @@ void beginLayer() {
 #define BEGIN(s)                                                                  \
   hitRanges[s] = carried[s] > 0.0 ? ranges[LAST_LAYER + s] : -1.0;                \
   hitShares[s] = product(carried[s], energies[LAST_LAYER + s]);                   \
+  hitReaches[s] = reaches[LAST_LAYER + s];                                        \
   hitCandidates[s] = carried[s] > 0.0 ? metCandidates[LAST_LAYER + s] : kNone;    \
   passed[s] = 0.0;
   EACH_RAY(BEGIN)
@@ -261,6 +284,8 @@ void keepLayer(uint layer) {
 #define KEEP_HIT(s)                                \
   ranges[held * RAYS + s] = hitRanges[s];            \
   energies[held * RAYS + s] = hitShares[s];           \
+  reaches[held * RAYS + s] = hitReaches[s];           \
+  if (KEEPS_LIGHT) lights[held * RAYS + s] = carried[s]; \
   metCandidates[held * RAYS + s] = hitCandidates[s];
     if (held == layer) {
       EACH_RAY(KEEP_HIT)
@@ -316,28 +341,35 @@ float lastRange() {
   return mostOfBeam(last);
 }
 
-// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. Hits whose ranges differ
-// by at most the separation from the next belong to one echo.
+// Lets a hit join an echo to which all belongs that begins before `joined`.
+void join(float before, uint piece, inout float end, inout float joined) {
+  float range = ranges[piece], reach = reaches[piece];
+  bool joins = sumOf(range, -reach) <= before && energies[piece] >= 0.0;
+  float behind = sumOf(sumOf(range, reach), parameters.separation);
+  end = joins && range > end ? range : end;
+  joined = joins && behind > joined ? behind : joined;
+}
+
+// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. A hit belongs to the echo
+// if the surface around it begins no farther than the separation behind the surfaces of the hits before.
 float endOfEcho(float first, float last) {
-  if (last <= sumOf(first, parameters.separation)) return last;
-  float end = first, before;
+  float end = first, joined = sumOf(first, parameters.separation), before;
+  if (last <= joined) return last;
   do {
-    before = end;
-    float reach = sumOf(end, parameters.separation);
+    before = joined;
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
-#define FOLLOW(s) \
-  if (ranges[layer * RAYS + s] <= reach && energies[layer * RAYS + s] >= 0.0) end = max(end, ranges[layer * RAYS + s]);
+#define FOLLOW(s) join(before, layer * RAYS + s, end, joined);
       if (IS_MET(layer)) {
         EACH_RAY(FOLLOW)
       }
     }
-    end = mostOfBeam(end);
-  } while (end > before);
-  return end;
+    joined = mostOfBeam(joined);
+  } while (joined > before);
+  return mostOfBeam(end);
 }
 
-void storeEcho(uint slot, vec3 echo, uint projected) {
-  echoes.at[slot] = vec4(echo, 1.0);
+void storeEcho(uint slot, vec3 echo, float light, uint projected) {
+  echoes.at[slot] = vec4(echo, light);
   echoOwners.at[slot] = ownerOf(idOf(projected));
   if ((FIELDS & kFieldSurface) != 0) {
     Triangle triangle = triangleAt(projected);
@@ -376,6 +408,32 @@ void addLayer(inout vec3 sums, inout float most, inout uint strongest, float fir
   }
 }
 
+// Returns the light of a sub-ray that nearer surfaces than `first` leave, if it comes to this layer and no earlier one.
+float lightBehind(float first, uint layer, uint s) {
+  bool comes = ranges[layer * RAYS + s] >= first;
+  if (layer > 0) comes = comes && ranges[(layer - 1) * RAYS + s] < first;
+  return comes ? lights[layer * RAYS + s] : 0.0;
+}
+
+// Returns the share of the beam's light that nearer surfaces than `first` leave, added in the order of the sub-rays.
+float lightTo(float first) {
+  float light = 0.0;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define ADD_LIGHT(s) light = sumOf(light, lightBehind(first, layer, s));
+#define ADD_LIGHT_OF_LANES(s)                                       \
+  [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane) \
+    light = sumOf(light, subgroupShuffle(lightBehind(first, layer, s), lane));
+    if (IS_MET(layer)) {
+      if (SPREAD_RAYS > 0) {
+        EACH_RAY(ADD_LIGHT_OF_LANES)
+      } else {
+        EACH_RAY(ADD_LIGHT)
+      }
+    }
+  }
+  return light;
+}
+
 void gatherEchoes(uint index, uint beam) {
   uint count = 0;
   float first = nextRange(0.0), last = lastRange();
@@ -390,7 +448,8 @@ void gatherEchoes(uint index, uint beam) {
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
       if (IS_MET(layer)) addLayer(sums, most, strongest, first, end, layer);
     }
-    if (speaksForBeam()) storeEcho(echoPlace(index, count), echoOf(first, sums), strongest);
+    float light = KEEPS_LIGHT && count > 0 ? lightTo(first) : 1.0;
+    if (speaksForBeam()) storeEcho(echoPlace(index, count), echoOf(first, sums), light, strongest);
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }

@@ -35,7 +35,7 @@ vec3 direction;
 
 // The hits of the beam, in order of range.
 uint hitCount;
-float ranges[kMaxLayers], energies[kMaxLayers];
+float ranges[kMaxLayers], energies[kMaxLayers], lights[kMaxLayers];
 uint ids[kMaxLayers];
 
 float farthestOf(uint index) { return frame.rangeMax; }
@@ -137,6 +137,7 @@ void follow() {
     if (pane != kNone) passed = product(carried, transmitted(optics.at[projectedMaterials.at[pane]]));
     ranges[hitCount] = before = range;
     energies[hitCount] = energy == 0.0 && passed > 0.0 ? kUnseen : energy;
+    lights[hitCount] = carried;
     ids[hitCount] = id;
     ++hitCount;
     carried = passed;
@@ -144,9 +145,9 @@ void follow() {
   if (carried > 0.0) atomicAdd(counters.lostEchoes, 1);
 }
 
-void storeEcho(uint slot, vec3 echo, uint id) {
+void storeEcho(uint slot, vec3 echo, float light, uint id) {
   uvec2 owner = ownerOf(id);
-  echoes.at[slot] = vec4(echo, 1.0);
+  echoes.at[slot] = vec4(echo, light);
   echoOwners.at[slot] = owner;
   if ((FIELDS & kFieldSurface) != 0) {
     Surface surface = surfaceOf(owner, beamMotion, beamOrigin);
@@ -158,13 +159,16 @@ void storeEcho(uint slot, vec3 echo, uint id) {
 void gatherEchoes(uint beam) {
   uint count = 0;
   for (uint k = 0; k < hitCount;) {
-    float first = ranges[k], last = first, most = -1.0;
+    float first = ranges[k], last = first, most = -1.0, light = 1.0;
     uint strongest = ids[k];
     vec3 sums = vec3(0.0);
     bool any = false;
     for (; k < hitCount; ++k) {
       if (energies[k] < 0.0) continue;
-      if (!any) first = last = ranges[k];
+      if (!any) {
+        first = last = ranges[k];
+        if (count > 0) light = lights[k];
+      }
       if (ranges[k] > sumOf(last, parameters.separation)) break;
       any = true;
       last = ranges[k];
@@ -174,7 +178,7 @@ void gatherEchoes(uint beam) {
       strongest = ids[k];
     }
     if (!any) break;
-    storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), strongest);
+    storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), light, strongest);
     ++count;
   }
   echoCounts.at[resultOf(beam)] = count;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// First pass of effects_footprint: beams whose whole footprint lies on one triangle. Most of them have one echo.
+// First pass of effects_footprint: beams whose whole footprint lies on one triangle. Each of them has one echo, because
+// light fills the gaps between sub-rays on a slope (see reachOf()).
 // Indices are written as 0 * RAYS + s, because glslang checks constant ones against the default value of RAYS.
 
 // Adds the hits of all sub-rays on a surface to the sums of an echo.
@@ -8,15 +9,6 @@ vec3 sumsOf(float first) {
 #define ADD_HIT(s) addPiece(sums, product(carried[s], reflections[s]), sumOf(ranges[0 * RAYS + s], -first));
   EACH_RAY(ADD_HIT)
   return sums;
-}
-
-// Keeps these hits, whose ranges are known, for gatherEchoes().
-void keepHits(uint projected) {
-#define KEEP(s)                                                              \
-  energies[0 * RAYS + s] = product(carried[s], reflections[s]);              \
-  ranges[0 * RAYS + s] = carried[s] > 0.0 ? ranges[0 * RAYS + s] : kNothing; \
-  metCandidates[0 * RAYS + s] = projected;
-  EACH_RAY(KEEP)
 }
 
 // Returns the place of the candidate that comes nearest to the sensor, most likely the hit; the end of the list if there
@@ -48,15 +40,14 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   bool holed = (EFFECTS & kCutOuts) != 0 && surface.passage.y > 0.0, clear = LAYERS > 1 && transmitted(surface) > 0.0;
   if (holed || clear || !coversFootprint(candidate)) return false;
   Plane plane = planeOf(candidate);
-  float least = kNothing, most = 0.0, farthest = 0.0, range;
+  float least = kNothing, farthest = 0.0, range;
   bool met = true, lit, hit;
-#define MEET(s)                                                       \
-  hit = reach(candidate, plane, left[s], up[s], lengths[s], range);   \
-  ranges[0 * RAYS + s] = range;                                       \
-  farthest = range > farthest ? range : farthest;                     \
-  lit = carried[s] > 0.0;                                             \
-  least = lit && range < least ? range : least;                       \
-  most = lit && range > most ? range : most;                          \
+#define MEET(s)                                                     \
+  hit = reach(candidate, plane, left[s], up[s], lengths[s], range); \
+  ranges[0 * RAYS + s] = range;                                     \
+  farthest = range > farthest ? range : farthest;                   \
+  lit = carried[s] > 0.0;                                           \
+  least = lit && range < least ? range : least;                     \
   met = met && hit;
   EACH_RAY(MEET)
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[beamEntry(index)] : vec2(0.0);
@@ -65,12 +56,7 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   if (!met) return false;
   vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
   reflectEach(surface, normal);
-  if (most > sumOf(least, parameters.separation)) {
-    keepHits(projected);
-    gatherEchoes(index, beam);
-    return true;
-  }
-  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(least)), projected);
+  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(least)), 1.0, projected);
   echoCounts.at[resultOf(beam)] = 1;
   return true;
 }

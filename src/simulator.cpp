@@ -182,11 +182,21 @@ class Simulator::Impl {
     unfinished.result = nullptr;
   }
 
-  void record(Recording& recording) {
-    if (!recording.ring && !options_.device.adopted)
+  /// Returns what the simulator's only recorder holds.
+  std::shared_ptr<const void> lendToRecorder() {
+    if (!options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is not on a device of the caller, so it cannot record; see vulkan::adopt()");
-    if (!recording.ring && !recording.commands) return;
+    if (!recorder_.expired())
+      throw Error(ErrorCode::invalidArgument,
+                  "this simulator has a recorder already, which counts its frames in flight; use that one, or destroy "
+                  "it first");
+    const auto only = std::make_shared<const char>();
+    recorder_ = only;
+    return only;
+  }
+
+  void record(Recording& recording) {
     planAgain();
     for (size_t i = 0; i < recording.scans.size(); ++i)
       check(*recording.scans[i].shot, "shot " + std::to_string(i) + ": ");
@@ -322,6 +332,7 @@ class Simulator::Impl {
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
   std::set<size_t> warnedOfMotion_;        // sensors, see warnOfMotion()
+  std::weak_ptr<const char> recorder_;     // the one that records this simulator's scans
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };
@@ -372,6 +383,9 @@ Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> f
   return result;
 }
 
+std::shared_ptr<const void> Simulator::lendToRecorder() {
+  return impl_->lendToRecorder();
+}
 void Simulator::record(Recording& recording) {
   impl_->record(recording);
 }

@@ -74,7 +74,7 @@ struct EffectParameters {
   float extinction;  // of fog, rain and snow together
   float fogExtinction, fogScatter;
   float separation, pulseWidth;
-  float tanHorizontal, tanVertical;        // of half the angles of the sub-ray footprint; 0: the beam is a line
+  float cellHorizontal, cellVertical;      // tangents: half axes of the part of the footprint that a sub-ray stands for
   float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
   uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
@@ -100,8 +100,8 @@ struct Echo {
   float range;
   float energy;  // sum over sub-rays of weight * reflected * transmitted shares; divided by range^2 it is the power
   float width;   // m
-  float cosIncidence;
-  uint index;  // an index chosen by the including file; kNone: the medium
+  float light;   // share of the beam's light that nearer surfaces leave; 1 for the first echo
+  uint index;    // an index chosen by the including file; kNone: the medium
 };
 
 struct Return {

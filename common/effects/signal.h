@@ -34,27 +34,45 @@ GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
   return depth;
 }
 
-// Replaces `echo` and its power by a further echo if that one is stronger.
-GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, GNO_INOUT(Echo) echo,
+// Returns the share of the beam's light that surfaces nearer than `range` leave. `count` is the number of echoes from
+// surfaces, the last of which is farther.
+GNO_INLINE float lightAt(float range, uint count) {
+  float light = 1.0f;
+  if (MOST_ECHOES > 1u)
+    for (uint k = MOST_ECHOES; k > 0u; --k)
+      if (k - 1u < count) {
+        Echo surface = loadEcho(k - 1u);
+        if (surface.range > range) light = surface.light;
+      }
+  return light;
+}
+
+// Replaces `echo` and its power by a further echo of the medium if that one is stronger.
+GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, uint count, GNO_INOUT(Echo) echo,
                              GNO_INOUT(float) power) {
   if (further.range >= kNever) return;
+  GNO_PRECISE float energy = further.energy * lightAt(further.range, count);
+  further.energy = energy;
   GNO_PRECISE float furtherPower = received(further.energy, further.range, depthOf(p, direction, further.range));
   if (furtherPower <= power) return;
   echo = further;
   power = furtherPower;
 }
 
-// The medium's strongest echo nearer than `far`; its range is kNever if there is none.
-GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far) {
+// The medium's strongest echo nearer than `far`, among `count` echoes from surfaces; its range is kNever if there is
+// none.
+GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far, uint count) {
   Echo echo = noEcho();
   float power = 0.0f;
   if (PLANNED(kFog))
     keepStronger(p, direction,
                  scatterEcho(p, p.fogExtinction, p.fogScatter, p.rangeMin, far, draw(p, beam, 0u, kFog),
                              draw(p, beam, 1u, kFog)),
-                 echo, power);
-  if (PLANNED(kRain)) keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), echo, power);
-  if (PLANNED(kSnow)) keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), echo, power);
+                 count, echo, power);
+  if (PLANNED(kRain))
+    keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), count, echo, power);
+  if (PLANNED(kSnow))
+    keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), count, echo, power);
   if (PLANNED(kVolumes))
     for (uint i = 0u; i < p.volumeCount; ++i) {
       VolumeBox box = loadVolume(i);
@@ -62,7 +80,7 @@ GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float 
       keepStronger(p, direction,
                    scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
                                draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes)),
-                   echo, power);
+                   count, echo, power);
     }
   return echo;
 }
@@ -162,7 +180,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   if (PLANNED(kMediumEffects) && works) {
     GNO_PRECISE float far = p.rangeMax;
     if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
-    scatter = mediumEcho(p, beam, direction, far);
+    scatter = mediumEcho(p, beam, direction, far, count);
     if (scatter.range < kNever) {
       bool separate = true;
       scatterAt = 0u;

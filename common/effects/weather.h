@@ -37,7 +37,7 @@ GNO_INLINE Echo noEcho() {
   echo.range = kNever;
   echo.energy = 0.0f;
   echo.width = 0.0f;
-  echo.cosIncidence = 1.0f;
+  echo.light = 1.0f;
   echo.index = kNone;
   return echo;
 }

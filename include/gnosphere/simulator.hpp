@@ -386,6 +386,7 @@ class GNOSPHERE_API Simulator {
   class Impl;
   const std::vector<std::shared_ptr<const SensorPlan>>& plans() const;
   std::shared_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes);
+  std::shared_ptr<const void> lendToRecorder();
   void record(Recording& recording);
   void abandon(size_t frame);
   void setVertices(size_t mesh, const CallerVertices& buffer);

@@ -34,6 +34,12 @@ struct Requirements {
   /// structure that the caller's chain does not have; a chain must not hold a structure twice.
   GNOSPHERE_API void addTo(VkPhysicalDeviceFeatures* features, VkPhysicalDeviceVulkan12Features* features12,
                            VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroupSizeControl) const;
+#ifdef VK_VERSION_1_3
+  /// As above, for a chain that has the features of Vulkan 1.3 in one structure, where those of the extension for the
+  /// sizes of subgroups may not stand beside it.
+  GNOSPHERE_API void addTo(VkPhysicalDeviceFeatures* features, VkPhysicalDeviceVulkan12Features* features12,
+                           VkPhysicalDeviceVulkan13Features* features13) const;
+#endif
 };
 
 /// Returns what a device on `physical` must be created with. Features without which the library works, but more slowly
@@ -69,7 +75,7 @@ struct AdoptedDevice {
   uint32_t queueFamily = 0;
   /// The requirements that the device was created with: requirementsOf(), less the features that the caller left off.
   Requirements enabled;
-  Allocator allocator;  ///< if empty, every buffer gets memory of its own from vkAllocateMemory()
+  Allocator allocator;  ///< if empty, buffers share memory from vkAllocateMemory()
 };
 
 /// Returns the choice of the caller's device, for SimulatorOptions::device. A simulator on it records its scans, see
@@ -148,8 +154,9 @@ struct RecordedScan {
 /// recorded with it before must have completed. All commands go to one queue, in the order in which they were recorded.
 class GNOSPHERE_API Recorder {
  public:
-  /// The simulator must outlive the recorder. `framesInFlight` is 1 to 16. Throws Error(invalidArgument) if the device
-  /// is not an adopted one, or for another number of frames.
+  /// The simulator must outlive the recorder, and has one recorder at a time; copies of a recorder are the same one.
+  /// `framesInFlight` is 1 to 16. Throws Error(invalidArgument) if the simulator has another recorder, if the device is
+  /// not an adopted one, or for another number of frames.
   Recorder(Simulator& simulator, size_t framesInFlight = 2);
 
   /// Records the scans, of sensors that have a layout, into a command buffer in the recording state, outside of a
@@ -186,6 +193,7 @@ class GNOSPHERE_API Recorder {
 
  private:
   Simulator& simulator_;
+  std::shared_ptr<const void> only_;  // held by the copies of the simulator's recorder
   size_t frames_ = 0;
 };
 

@@ -137,6 +137,8 @@ gno_status setTransforms(gno_simulator simulator, const uint32_t* instances, siz
                          size_t width) {
   return guard([&] {
     if (width != 12 && width != 7) refuse("width is " + std::to_string(width) + "; an instance has 12 or 7 numbers");
+    if (count > SIZE_MAX / (width * sizeof(T)))
+      refuse("count is " + std::to_string(count) + ", more than memory can hold");
     Idle(simulator)->setTransforms(array(instances, count, "instances"), array(values, width * count, "values"));
   });
 }

@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <gnosphere/vulkan.hpp>
+#include <memory>
+#include <mutex>
+#include <tuple>
+#include <vector>
 
 #include "c/handles.hpp"
 
@@ -57,19 +61,59 @@ vulkan::DeviceRange rangeOf(const gno_vulkan_range& range) {
   return {range.address, range.bytes};
 }
 
+// A device that a simulator in C has adopted.
+struct Adopted {
+  gno_vulkan_adopted_device given;
+  vulkan::Requirements enabled;
+  std::weak_ptr<const vulkan::AdoptedDevice> device;
+};
+
+bool areEqual(const vulkan::Requirements& a, const vulkan::Requirements& b) {
+  // In each structure the features are VkBool32 from the first member to the last one.
+  const auto equal = [](const VkBool32* first, const VkBool32* last, const VkBool32* other) {
+    return std::equal(first, last + 1, other);
+  };
+  return equal(&a.features.robustBufferAccess, &a.features.inheritedQueries, &b.features.robustBufferAccess) &&
+         equal(&a.features12.samplerMirrorClampToEdge, &a.features12.subgroupBroadcastDynamicId,
+               &b.features12.samplerMirrorClampToEdge) &&
+         equal(&a.subgroupSizeControl.subgroupSizeControl, &a.subgroupSizeControl.computeFullSubgroups,
+               &b.subgroupSizeControl.subgroupSizeControl);
+}
+
+bool isSame(const Adopted& known, const gno_vulkan_adopted_device& given, const vulkan::Requirements& enabled) {
+  const auto members = [](const gno_vulkan_adopted_device& of) {
+    return std::tie(of.get_instance_proc_addr, of.instance, of.physical_device, of.device, of.queue_family, of.allocate,
+                    of.release, of.user);
+  };
+  return members(known.given) == members(given) && areEqual(known.enabled, enabled);
+}
+
 }  // namespace
 
+// Simulators on the same device of the caller share what is compiled for it, so that device is adopted once.
 DeviceChoice deviceOf(const gno_vulkan_adopted_device& given) {
+  static std::mutex mutex;
+  static auto& known = *new std::vector<Adopted>;
   const gno_vulkan_adopted_device device = sized(&given, GNO_TYPE(gno_vulkan_adopted_device));
+  const vulkan::Requirements enabled = featuresOf(device.enabled);
+  const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const Adopted& one) { return one.device.expired(); });
+  for (const Adopted& one : known) {
+    DeviceChoice choice;
+    if (isSame(one, device, enabled)) choice.adopted = one.device.lock();
+    if (choice.adopted) return choice;
+  }
   vulkan::AdoptedDevice adopted;
   adopted.getInstanceProcAddr = device.get_instance_proc_addr;
   adopted.instance = device.instance;
   adopted.physicalDevice = device.physical_device;
   adopted.device = device.device;
   adopted.queueFamily = device.queue_family;
-  adopted.enabled = featuresOf(device.enabled);
+  adopted.enabled = enabled;
   adopted.allocator = allocatorOf(device);
-  return vulkan::adopt(adopted);
+  const DeviceChoice choice = vulkan::adopt(adopted);
+  known.push_back({device, enabled, choice.adopted});
+  return choice;
 }
 
 }  // namespace gnosphere::c
@@ -103,6 +147,14 @@ gno_status gno_vulkan_add_features(const gno_vulkan_requirements* requirements, 
                                    VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroup_size_control) {
   return guard([&] { featuresOf(requirements).addTo(features, features12, subgroup_size_control); });
 }
+
+#ifdef VK_VERSION_1_3
+gno_status gno_vulkan_add_features13(const gno_vulkan_requirements* requirements, VkPhysicalDeviceFeatures* features,
+                                     VkPhysicalDeviceVulkan12Features* features12,
+                                     VkPhysicalDeviceVulkan13Features* features13) {
+  return guard([&] { featuresOf(requirements).addTo(features, features12, features13); });
+}
+#endif
 
 gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight, gno_vulkan_recorder* recorder) {
   return giveHandle(recorder, "recorder", [&] {

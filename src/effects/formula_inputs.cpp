@@ -98,9 +98,10 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.intensitySigma = float(effects.intensityNoise.sigma);
 
   const double horizontal = horizontalSpread(effects, sensor), vertical = verticalSpread(effects, sensor);
-  if (planned & gpu::kDivergence) {
-    p.tanHorizontal = float(std::tan(horizontal / 2));
-    p.tanVertical = float(std::tan(vertical / 2));
+  if (p.subRays > 1) {
+    const double perRay = 1 / std::sqrt(double(p.subRays));  // sub-rays stand for equal areas
+    p.cellHorizontal = float(std::tan(horizontal / 2) * perRay);
+    p.cellVertical = float(std::tan(vertical / 2) * perRay);
   }
   p.spreadHorizontal = float(horizontal > 0 || vertical > 0 ? horizontal : kUsualSpread);
   p.spreadVertical = float(horizontal > 0 || vertical > 0 ? vertical : kUsualSpread);
@@ -111,7 +112,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
 WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& sensor) {
   if (detection.range > 0) return {detection.reflectance, detection.range, false};
   if (sensor.rangeAt10Percent > 0) return {0.1, sensor.rangeAt10Percent, true};
-  return {detection.reflectance, sensor.rangeMax, false};
+  return {detection.reflectance, sensor.rangeMax > 0 ? sensor.rangeMax : widestWindow(sensor).most, false};
 }
 
 uint32_t keyOfFrame(uint64_t frame) {

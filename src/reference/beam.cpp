@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/beam.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "base/vector.hpp"
@@ -21,19 +23,34 @@ constexpr double kFarthestLaser = 0.52;
 /// One hit of one sub-ray.
 struct Piece {
   double range;
+  Bounded reach;  ///< metres: how far the surface goes on in front and behind, where the sub-ray stands for its light
   Bounded energy;
   size_t order;  ///< position in the order layer by layer, then sub-ray by sub-ray
   Hit hit;
 };
+
+/// The light of a sub-ray that comes to a surface, or to the end of the world.
+struct Step {
+  double range;
+  Bounded light;
+};
+using Path = std::vector<Step>;
 
 /// Shares of the incident energy: reflected (`back`), and transmitted to what lies behind (`on`).
 struct Shares {
   Bounded back = 1, on = 0;
 };
 
-/// Cosine of the angle of incidence. Moving corners by d tilts a triangle of height h by at most 2 d / h, and the cross
-/// product of two edges has an error of 10 u times the product of their lengths.
-Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
+/// How a sub-ray meets the plane of a triangle.
+struct Incidence {
+  Vec3 normal;     ///< unit vector, in the sensor's frame
+  double tilt;     ///< bound of the error of its direction, in radians
+  Bounded cosine;  ///< of the angle of incidence
+};
+
+/// Moving corners by d tilts a triangle of height h by at most 2 d / h, and the cross product of two edges has an error
+/// of 10 u times the product of their lengths.
+Incidence incidenceOf(const View& view, const Line& line, const Triangle& triangle) {
   const Vec3 corners[3] = {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
                            line.frame.toSensor(triangle.corners[2])};
   const double longest = std::max(
@@ -43,9 +60,20 @@ Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
   const double farthest = std::max({lengthOf(corners[0]), lengthOf(corners[1]), lengthOf(corners[2])});
   const double tilt = (2 * (error.relative * farthest + error.absolute) + 10 * kUnitRoundoff * longest) / height +
                       kDirectionError + line.astray;
-  const double cosine = std::abs(dot(normalTowardsOrigin(corners), line.direction));
+  const Vec3 normal = normalTowardsOrigin(corners);
+  const double cosine = std::abs(dot(normal, line.direction));
   const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
-  return rounded(cosine, std::min(sine * tilt + tilt * tilt / 2, 1.0), 8 * kUnitRoundoff);
+  return {normal, tilt, rounded(cosine, std::min(sine * tilt + tilt * tilt / 2, 1.0), 8 * kUnitRoundoff)};
+}
+
+/// How far the part of the footprint that a sub-ray stands for reaches on the plane of the surface, in front of its hit
+/// and behind it. On a slope neighbouring sub-rays may lie farther apart than the separation of echoes, but the light
+/// between them fills the gap. The part is an ellipse whose half axes have the tangents of `cell`.
+Bounded reachOf(const Beam& beam, const std::array<double, 2>& cell, const Incidence& incidence, double range) {
+  const double across = dot(incidence.normal, beam.left), upwards = dot(incidence.normal, beam.up);
+  const double error = std::max(cell[0], cell[1]) * incidence.tilt;
+  const Bounded slope = rounded(lengthOf(across * cell[0], upwards * cell[1]), error, 8 * kUnitRoundoff);
+  return given(range) * slope / max(incidence.cosine, 1e-6);
 }
 
 /// Energy that a surface reflects, as a multiple of what a white Lambertian surface at normal incidence reflects: the
@@ -61,33 +89,54 @@ Bounded reflected(const Optics& optics, const Bounded& cosine) {
   return result + Bounded(double{optics.gloss}) * (square / (Bounded(4) * t * t * shadowing));
 }
 
-Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, const Hit& hit) {
-  const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
+Triangle triangleOf(const View& view, const Line& line, const Hit& hit) {
+  return view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
+}
+
+Shares sharesOf(const View& view, const BeamEffects& effects, const Triangle& triangle, const Bounded& cosine) {
   const Optics& optics = effects.optics[materialOf(view.scene, triangle)];
   Shares shares;
-  if (effects.plan.looksAtMaterials) shares.back = reflected(optics, cosineOf(view, line, triangle));
+  if (effects.plan.looksAtMaterials) shares.back = reflected(optics, cosine);
   // Light passes the surface twice, on its way there and back.
   if (effects.plan.has(gpu::kTransmission)) shares.on = Bounded(double{optics.transmission} * optics.transmission);
   return shares;
 }
 
 /// Follows a sub-ray through all surfaces that let light pass.
-void trace(const View& view, const Line& line, const BeamEffects& effects, size_t subRay, std::vector<Piece>& pieces,
-           BeamDoubt& doubt) {
+Path trace(const View& view, const Beam& beam, const Line& line, const BeamEffects& effects, size_t subRay,
+           std::vector<Piece>& pieces, BeamDoubt& doubt) {
   std::vector<Hit> hits;
+  Path path;
   Bounded energy = effects.footprint[subRay].weight;
   while (energy.value > 0 && hits.size() < kLayers) {
     const Hit hit = nearest(view, line, hits.empty() ? 0 : hits.back().range);
     if (hit.triangle == kNobody) break;
-    const Shares shares = sharesOf(view, line, effects, hit);
+    const Triangle triangle = triangleOf(view, line, hit);
+    const Incidence incidence = incidenceOf(view, line, triangle);
+    const Shares shares = sharesOf(view, effects, triangle, incidence.cosine);
+    path.push_back({hit.range, energy});
     const Bounded back = shares.back.error > 0 ? energy * shares.back : Bounded(energy.value * shares.back.value);
     energy = shares.on.value > 0 ? energy * shares.on : Bounded(0);
     // A surface that lets all light pass gives no echo.
     if (back.value > 0 || energy.value == 0)
-      pieces.push_back({hit.range, back, hits.size() * effects.footprint.size() + subRay, hit});
+      pieces.push_back({hit.range, reachOf(beam, effects.cell, incidence, hit.range), back,
+                        hits.size() * effects.footprint.size() + subRay, hit});
     hits.push_back(hit);
   }
-  doubt.tie |= inDoubt(view, line, hits, energy.value > 0 && hits.size() < kLayers, doubt.tolerance);
+  const bool unmet = energy.value > 0 && hits.size() < kLayers;
+  if (unmet) path.push_back({std::numeric_limits<double>::infinity(), energy});
+  doubt.tie |= inDoubt(view, line, hits, unmet, doubt.tolerance);
+  return path;
+}
+
+/// Returns the share of a beam's light that surfaces nearer than `range` leave.
+Bounded lightTo(double range, const std::vector<Path>& paths) {
+  Bounded light = 0;
+  for (const Path& path : paths) {
+    const auto next = std::find_if(path.begin(), path.end(), [&](const Step& step) { return step.range >= range; });
+    if (next != path.end()) light = light + next->light;
+  }
+  return light;
 }
 
 Line lineOf(const Beam& beam, double u, double v) {
@@ -95,8 +144,8 @@ Line lineOf(const Beam& beam, double u, double v) {
   return {beam.axis.frame, (1 / lengthOf(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
 }
 
-/// Merges sorted pieces that follow each other within the separation. If pieces of two surfaces are equally strong, it
-/// is in doubt which surface represents the echo.
+/// Merges sorted pieces. If pieces of two surfaces are equally strong, it is in doubt which of them represents the
+/// echo.
 Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
   Bounded energy = 0;
@@ -122,22 +171,44 @@ Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) 
           strongest->hit};
 }
 
-std::vector<Echo> gather(std::vector<Piece>& pieces, const Effects& request, BeamDoubt& doubt) {
+/// A piece belongs to the echo of those before it if the surface around it begins no farther than the separation behind
+/// the surfaces around them.
+std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const Effects& request,
+                         BeamDoubt& doubt) {
   std::sort(pieces.begin(), pieces.end(),
             [](const Piece& a, const Piece& b) { return std::pair(a.range, a.order) < std::pair(b.range, b.order); });
-  const auto within = [&](size_t i) {
-    const Bounded before(pieces[i - 1].range, doubt.tolerance), range(pieces[i].range, doubt.tolerance);
-    return !less(before + given(request.returns.separation), range, doubt.tie);
-  };
+  const auto behind = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) + piece.reach; };
+  const auto before = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) - piece.reach; };
   std::vector<Echo> echoes;
   size_t first = 0;
   while (first < pieces.size() && echoes.size() < kEchoes) {
     size_t end = first + 1;
-    while (end < pieces.size() && within(end)) ++end;
+    Bounded last = behind(pieces[first]);
+    for (size_t i = end; i < pieces.size(); ++i) {
+      if (less(last + given(request.returns.separation), before(pieces[i]), doubt.tie)) continue;
+      while (end <= i) last = max(last, behind(pieces[end++]));  // with all that lie between
+    }
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
+    if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);
     first = end;
   }
   return echoes;
+}
+
+/// Tangents of half the angles of the footprint, to the left and up.
+std::array<double, 2> halfAxesOf(const SensorPlan& plan) {
+  const Effects::Divergence& asked = plan.effects.divergence;
+  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
+  return {std::tan((stated ? asked.horizontal : plan.sensor.divergenceHorizontal) / 2),
+          std::tan((stated ? asked.vertical : plan.sensor.divergenceVertical) / 2)};
+}
+
+/// Half axes of the part of the footprint that a sub-ray stands for; 0 for a beam that is a line.
+std::array<double, 2> cellOf(const SensorPlan& plan) {
+  if (!plan.has(gpu::kDivergence) || plan.effects.divergence.subRays < 2) return {0, 0};
+  const auto [left, up] = halfAxesOf(plan);
+  const double share = 1 / std::sqrt(double(plan.effects.divergence.subRays));
+  return {left * share, up * share};
 }
 
 /// Sub-rays that represent equal areas of the unit disc, each from the middle of its area: rings of 6, 12, 18 ...
@@ -146,9 +217,7 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const Effects& request, Bea
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;
-  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
-  const double left = std::tan((stated ? asked.horizontal : plan.sensor.divergenceHorizontal) / 2);
-  const double up = std::tan((stated ? asked.vertical : plan.sensor.divergenceVertical) / 2);
+  const auto [left, up] = halfAxesOf(plan);
   const uint32_t count = asked.subRays;
   std::vector<FootprintRay> rays;
   double sum = 0;
@@ -175,7 +244,7 @@ std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
 }  // namespace
 
 BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const MaterialTable& materials) {
-  return {plan, opticsOf(scene, materials, plan.effects.intensity.wavelength), footprintOf(plan)};
+  return {plan, opticsOf(scene, materials, plan.effects.intensity.wavelength), footprintOf(plan), cellOf(plan)};
 }
 
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index) {
@@ -217,17 +286,20 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& ligh
     const bool met = hit.triangle != kNobody;
     doubt.tie = inDoubt(view, beam.axis, {&hit, met ? 1u : 0u}, !met, doubt.tolerance);
     if (!met) return {};
-    const Bounded energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : Bounded(1);
+    const Triangle triangle = triangleOf(view, beam.axis, hit);
+    const Bounded cosine = incidenceOf(view, beam.axis, triangle).cosine;
+    const Bounded energy = plan.looksAtMaterials ? sharesOf(view, effects, triangle, cosine).back : Bounded(1);
     return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
   std::vector<Piece> pieces;
+  std::vector<Path> paths;
   for (size_t i = 0; i < effects.footprint.size(); ++i) {
     const FootprintRay& ray = effects.footprint[i];
     Line line = lineOf(beam, ray.left + light.left, ray.up + light.up);
     line.astray = light.astray;
-    trace(view, line, effects, i, pieces, doubt);
+    paths.push_back(trace(view, beam, line, effects, i, pieces, doubt));
   }
-  return gather(pieces, plan.effects, doubt);
+  return gather(pieces, paths, plan.effects, doubt);
 }
 
 }  // namespace gnosphere::reference

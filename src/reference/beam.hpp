@@ -2,6 +2,8 @@
 // A beam of a sensor, its sub-rays and their echoes, in double.
 #pragma once
 
+#include <array>
+
 #include "reference/receiver.hpp"
 
 namespace gnosphere::reference {
@@ -17,6 +19,7 @@ struct BeamEffects {
   SensorPlan plan;
   std::vector<Optics> optics;  ///< per material
   std::vector<FootprintRay> footprint;
+  std::array<double, 2> cell = {};  ///< tangents of half axes: the part of the footprint that one sub-ray stands for
 };
 
 BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const MaterialTable& materials);

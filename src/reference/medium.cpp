@@ -37,7 +37,8 @@ Bounded received(const Bounded& energy, const Bounded& range, const Bounded& dep
 double thresholdOf(const Effects& effects, const Sensor& sensor) {
   const Effects::Detection& detection = effects.detection;
   const bool stated = !(detection.range > 0) && sensor.rangeAt10Percent > 0;
-  const double range = stated ? sensor.rangeAt10Percent : detection.range > 0 ? detection.range : sensor.rangeMax;
+  const double farthest = sensor.rangeMax > 0 ? sensor.rangeMax : widestWindow(sensor).most;
+  const double range = stated ? sensor.rangeAt10Percent : detection.range > 0 ? detection.range : farthest;
   return std::max((stated ? 0.1 : detection.reflectance) / (range * range), 1e-30);
 }
 
@@ -235,11 +236,14 @@ std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& 
 }
 
 std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& nearest,
-                                      const Bounded& far, bool& doubt) const {
+                                      const Bounded& far, const std::vector<Echo>& surfaces, bool& doubt) const {
   std::optional<Echo> best;
   Bounded most = 0;
-  const auto consider = [&](const std::optional<Echo>& echo) {
+  const auto consider = [&](std::optional<Echo> echo) {
     if (!echo) return;
+    size_t behind = 0;
+    while (behind < surfaces.size() && !less(echo->range, surfaces[behind].range, doubt)) ++behind;
+    if (behind > 0 && behind < surfaces.size()) echo->energy = echo->energy * surfaces[behind].light;
     const Bounded power = received(echo->energy, echo->range, depthTo(line, echo->range));
     if (!less(most, power, doubt)) return;
     best = echo;

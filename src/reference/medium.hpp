@@ -14,7 +14,8 @@ struct Echo {
   Bounded range;
   Bounded energy = 1;  ///< share of the beam's energy that arrives, times the share that the surface reflects
   double width = 0;
-  Hit hit = {};  ///< the strongest hit if there are several; none: the echo is the medium's
+  Hit hit = {};       ///< the strongest hit if there are several; none: the echo is the medium's
+  Bounded light = 1;  ///< share of the beam's light that nearer surfaces leave
 };
 
 /// Received power relative to a Lambertian target of reflectance 1 at 1 m and normal incidence: the lidar equation for
@@ -32,9 +33,9 @@ class Medium {
 
   /// Returns the optical depth along a line up to a range.
   Bounded depthTo(const Line& line, const Bounded& range) const;
-  /// Returns the medium's strongest echo between `nearest` and `far`.
+  /// Returns the medium's strongest echo between `nearest` and `far`; `surfaces` has the beam's other echoes.
   std::optional<Echo> strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& nearest,
-                                const Bounded& far, bool& doubt) const;
+                                const Bounded& far, const std::vector<Echo>& surfaces, bool& doubt) const;
 
  private:
   /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor, with

@@ -140,7 +140,7 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
     const Bounded separation = given(plan_.effects.returns.separation);
     Bounded far = given(axis.window.most);
     if (!surfaces.empty()) far = surfaces.back().range - separation;
-    const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, doubt);
+    const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, surfaces, doubt);
     const auto merges = [&](const Echo& surface) {
       return !less(separation, max(scatter->range - surface.range, surface.range - scatter->range), doubt);
     };

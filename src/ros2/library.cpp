@@ -19,7 +19,7 @@ struct Library {
 // was built with.
 Library load() {
   const char* chosen = std::getenv("GNOSPHERE_ROS2_LIBRARY");
-  const std::string name = chosen ? chosen : GNOSPHERE_ROS2_LIBRARY;
+  const std::string name = chosen && *chosen ? chosen : GNOSPHERE_ROS2_LIBRARY;
   void* const handle = os::openLibrary(name, true);
   if (!handle)
     return {nullptr,

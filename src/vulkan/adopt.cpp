@@ -30,6 +30,16 @@ void Requirements::addTo(VkPhysicalDeviceFeatures* toFeatures, VkPhysicalDeviceV
                 &subgroupSizeControl.subgroupSizeControl);
 }
 
+#ifdef VK_VERSION_1_3
+void Requirements::addTo(VkPhysicalDeviceFeatures* toFeatures, VkPhysicalDeviceVulkan12Features* to12,
+                         VkPhysicalDeviceVulkan13Features* to13) const {
+  addTo(toFeatures, to12, static_cast<VkPhysicalDeviceSubgroupSizeControlFeaturesEXT*>(nullptr));
+  if (!to13) return;
+  to13->subgroupSizeControl |= subgroupSizeControl.subgroupSizeControl;
+  to13->computeFullSubgroups |= subgroupSizeControl.computeFullSubgroups;
+}
+#endif
+
 Requirements requirementsOf(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance,
                             VkPhysicalDevice physical) {
   if (!getInstanceProcAddr || !instance || !physical)

@@ -26,8 +26,7 @@ Recorder::Recorder(Simulator& simulator, size_t framesInFlight) : simulator_(sim
   if (framesInFlight == 0 || framesInFlight > limits::kFrames.most)
     throw Error(ErrorCode::invalidArgument, "a recorder has 1 to " + std::to_string(limits::kFrames.most) +
                                                 " frames in flight, not " + std::to_string(framesInFlight));
-  Recording nothing;
-  simulator_.record(nothing);
+  only_ = simulator_.lendToRecorder();
   frames_ = framesInFlight;
 }
 

@@ -165,6 +165,65 @@ TEST_CASE("fog hides a wall beyond the range that Koschmieder's law gives") {
   CHECK((share < 1 ? solid : attenuated) > 9 * 21 / 4);
 }
 
+// The random draws of a beam are the same with and without what stands before the fog.
+TEST_CASE("behind glass or an edge fog scatters back what light they leave") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool glass = GENERATE(true, false);
+  const uint32_t subRays = GENERATE(1, 7);
+  if (!glass && subRays == 1) return;
+  CAPTURE(glass, subRays);
+  Scene open = platesOf({{60, 60, 0.5f}}), covered = open;
+  covered.materials.push_back(lambertian(0.5f));
+  covered.materials[1].transmission = glass ? 0.2f : 0.0f;
+  MeshBuilder builder;
+  builder.quad({5, 10, -10}, {0, glass ? -20.0 : -9.99, 0}, {0, 0, 20});
+  covered.meshes.push_back(builder.take());
+  covered.meshes[1].parts[0].material = 1;
+  covered.instances.push_back({"", 1, {}});
+  const Sensor sensor = fan(3600, 40, 0.2, 100);
+  const auto scanOf = [&](const Scene& scene) {
+    Setup setup(device, scene, sensor);
+    setup.effects.fog = {EffectUse::on, 200};
+    setup.effects.detection = {EffectUse::on, 0.001, 100000, 0};
+    setup.effects.returns.use = EffectUse::on;
+    setup.effects.transmission.use = EffectUse::automatic;
+    setup.effects.returns.count = 5;
+    setup.effects.intensity.scale = Effects::Intensity::Scale::raw;
+    if (subRays > 1)
+      setup.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::uniform, 0.01, 0.01};
+    setup.fields = {Field::intensity, Field::label};
+    return setup.scan();
+  };
+  const Scan all = scanOf(open), part = scanOf(covered);
+  const auto fogOf = [&](const Scan& scan, size_t beam) -> size_t {
+    for (size_t i = scan.returns * beam; i < scan.returns * (beam + 1); ++i)
+      if (scan.column<uint8_t>(Field::label)[i] == uint8_t(Label::scatter)) return i;
+    return scan.ranges.size();
+  };
+  // Of seven sub-rays two are so far to the left of the axis that they meet the plate.
+  size_t compared = 0;
+  for (size_t channel = 0; channel < 40; ++channel) {
+    const size_t beam = ahead(sensor, channel), before = fogOf(all, beam), behind = fogOf(part, beam);
+    if (behind == part.ranges.size() || part.ranges[behind] < 5.5) continue;
+    ++compared;
+    CHECK(part.ranges[behind] == Approx(all.ranges[before]).epsilon(1e-5));
+    const double share =
+        part.column<float>(Field::intensity)[behind] / double(all.column<float>(Field::intensity)[before]);
+    CHECK(share == Approx(glass ? 0.04 : 5 / 7.0).epsilon(1e-4));
+  }
+  CHECK(compared > 20);
+}
+
+TEST_CASE("fog hides no near wall from beams that have a range of their own alone") {
+  const std::string device = ON_EVERY_DEVICE;
+  Sensor sensor = fan(360, 4, 0.2, 0);
+  for (Channel& channel : sensor.channels) channel.rangeMax = 100;
+  Setup setup(device, platesOf({{20, 10, 0.5f}}), sensor);
+  setup.effects.fog = {EffectUse::on, 200};
+  const Scan scan = setup.scan();
+  for (size_t channel = 0; channel < 4; ++channel) CHECK(scan.hit(ahead(sensor, channel)));
+}
+
 TEST_CASE("an edge splits a footprint in two, and each part gets the energy of its area") {
   const std::string device = ON_EVERY_DEVICE;
   // The left edge of the near plate is at half the radius of the footprint: a segment of the disc passes it.
@@ -209,6 +268,51 @@ TEST_CASE("a slanted plate makes an echo longer") {
   const double width = std::sqrt(pulse * pulse + std::pow(2 * std::sqrt(2 * std::log(2.0)) * deviation, 2));
   CHECK(scan.ranges[ahead(setup.sensor)] == Approx(20).margin(0.1));
   CHECK(scan.column<float>(Field::width)[ahead(setup.sensor)] == Approx(width).epsilon(0.03));
+}
+
+// The footprint is up to 7 m long on the ground, with sub-rays farther apart than the separation of echoes. Small
+// triangles share a footprint, large ones hold it.
+TEST_CASE("the ground at a grazing angle is one echo on the ground, whatever its triangles are") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double size = GENERATE(200, 3.1);
+  const uint32_t subRays = GENERATE(7, 19);
+  CAPTURE(size, subRays);
+  MeshBuilder builder;
+  for (double x = 0; x < 100; x += size)
+    for (double y = -15; y < 15; y += size) builder.quad({x, y, -1.8}, {size, 0, 0}, {0, size, 0});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.5f);
+  Sensor sensor = gridSensor(360, 4, -4, -1.8, 200);
+  Setup setup(device, scene, sensor);
+  setup.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, 0.00534, 0.00534};
+  setup.effects.returns.use = EffectUse::on;
+  setup.effects.returns.count = 3;
+  const Scan scan = setup.scan();
+  for (size_t channel = 0; channel < 4; ++channel)
+    for (size_t turn = 0; turn < 9; ++turn) {
+      const size_t beam = ahead(sensor, channel) + turn - 4;
+      CHECK(scan.hit(3 * beam));
+      CHECK(!scan.hit(3 * beam + 1));
+      const double elevation = sensor.channels[channel].elevationDeg * std::numbers::pi / 180;
+      CHECK(scan.ranges[3 * beam] * std::sin(-elevation) == Approx(1.8).margin(0.02));
+    }
+}
+
+// The edge of a post and the ground beyond it stay two echoes, though the ground is long.
+TEST_CASE("a post before the ground is an echo of its own") {
+  const std::string device = ON_EVERY_DEVICE;
+  MeshBuilder builder;
+  builder.quad({20, 0.02, -1.8}, {0, -2, 0}, {0, 0, 3});
+  builder.quad({0, -20, -1.8}, {100, 0, 0}, {0, 40, 0});
+  Setup setup(device, sceneOf(builder.take()), gridSensor(3600, 1, -2.5, -2.5, 200));
+  setup.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::gaussian, 0.006, 0.006};
+  setup.effects.returns.use = EffectUse::on;
+  setup.effects.returns.count = 3;
+  const Scan scan = setup.scan();
+  const size_t first = 3 * ahead(setup.sensor);
+  CHECK(scan.ranges[first] == Approx(20).margin(0.05));
+  CHECK(scan.ranges[first + 1] == Approx(1.8 / std::sin(2.5 * std::numbers::pi / 180)).epsilon(0.03));
+  CHECK(!scan.hit(first + 2));
 }
 
 TEST_CASE("a pane of glass and the wall behind it share a beam") {

@@ -239,7 +239,7 @@ TEST_CASE("dust attenuates light along its path in the box, for any sensor posit
     CHECK(beam.depthOf(p, {0, 0, 1}, 50) == Approx(place.first > 0 ? 0 : 0.4).margin(1e-5));
     int echoes = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
-      const gpu::Echo echo = beam.mediumEcho(p, i, {1, 0, 0}, 50);
+      const gpu::Echo echo = beam.mediumEcho(p, i, {1, 0, 0}, 50, 0);
       if (echo.range == gpu::kNever) continue;
       ++echoes;
       CHECK(echo.range >= place.first - 1e-4);

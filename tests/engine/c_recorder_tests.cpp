@@ -338,6 +338,8 @@ TEST_CASE("C: misuse of adopted devices and recorders is an error that says so")
   CHECK(refused(gno_vulkan_recorder_create(simulator, 99, &recorder), "1 to 16 frames"));
   CHECK(refused(gno_vulkan_recorder_create(simulator, 1, nullptr), "recorder is null"));
   REQUIRE(gno_vulkan_recorder_create(simulator, 1, &recorder) == GNO_OK);
+  gno_vulkan_recorder second = nullptr;
+  CHECK(refused(gno_vulkan_recorder_create(simulator, 1, &second), "has a recorder already"));
   VulkanApp::Frame frame(app);
   const VkCommandBuffer commands = frame.begin();
   const VulkanApp::Buffer records(app, 4096), header(app, sizeof(gno_vulkan_record_header));

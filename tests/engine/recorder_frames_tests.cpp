@@ -446,6 +446,21 @@ TEST_CASE("a limit of buffers holds for those that carry the host's data, and on
   vk.vkCreateBuffer = createBuffer;
 }
 
+#ifdef VK_VERSION_1_3
+TEST_CASE("required features go into the structure of Vulkan 1.3 as into those of the extension") {
+  vulkan::Requirements needed;
+  needed.features12.scalarBlockLayout = needed.subgroupSizeControl.computeFullSubgroups = VK_TRUE;
+  VkPhysicalDeviceVulkan12Features features12 = {};
+  VkPhysicalDeviceVulkan13Features features13 = {};
+  features13.synchronization2 = VK_TRUE;
+  needed.addTo(nullptr, &features12, &features13);
+  CHECK(features12.scalarBlockLayout);
+  CHECK(features13.computeFullSubgroups);
+  CHECK(!features13.subgroupSizeControl);
+  CHECK(features13.synchronization2);
+}
+#endif
+
 TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
   needVulkan();
   VulkanApp app;
@@ -479,6 +494,7 @@ TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
   broken.layout.values[0] = {Field::tie, 0, 0, ValueType::u8};
   CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("only the device 'reference'"));
   CHECK_THROWS_WITH(vulkan::Recorder(recorded.simulator(), 0), ContainsSubstring("1 to 16 frames"));
+  CHECK_THROWS_WITH(vulkan::Recorder(recorded.simulator()), ContainsSubstring("has a recorder already"));
 
   const size_t plain = recorded.simulator().addSensor({sensor, Effects::none()});
   const VulkanApp::Buffer records(app, 1 << 16), header(app, sizeof(RecordHeader));

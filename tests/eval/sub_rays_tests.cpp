@@ -39,8 +39,7 @@ SubRayOptions quick() {
   return options;
 }
 
-/// Posts in a room: some footprints lie on a wall, others in part on a post. No beam meets a surface at so grazing an
-/// angle that neighbouring sub-rays end farther apart than the separation of echoes.
+/// Posts in a room: some footprints lie on a wall, others in part on a post.
 Scene posts() {
   MeshBuilder builder;
   builder.box({-22, -17, -9}, {25, 19, 9}, 3);
@@ -80,7 +79,7 @@ TEST_CASE("more sub-rays are nearer to the reference with many, where footprints
   }
 }
 
-TEST_CASE("few sub-rays make several echoes of one surface at a grazing angle") {
+TEST_CASE("few sub-rays make one echo of a surface at a grazing angle, as many do") {
   needVulkan();
   Sensor sensor = gridSensor(90, 1, -3, -3, 100);
   sensor.divergenceHorizontal = sensor.divergenceVertical = 0.01;
@@ -91,7 +90,7 @@ TEST_CASE("few sub-rays make several echoes of one surface at a grazing angle") 
   options.sample = 0;
   const SubRayReport report = measureSubRays(sceneOf(builder.take()), {sensor}, {Pose{}}, options);
   CHECK(report.rows[1].wrongReturns == 0);
-  CHECK(report.rows[2].wrongReturns == 1);
+  CHECK(report.rows[2].wrongReturns == 0);
 }
 
 TEST_CASE("random errors of the range are those of the reference, so they are no error of a footprint") {

@@ -94,11 +94,12 @@ const Layouts kShared = {
     STRUCT(EffectParameters, rain, snow, seedLow, seedHigh, sensor, frame, subRays, volumeCount, deadBeams, returnsMode,
            returnsPerBeam, intensityModel, intensityScale, angleNoiseAt, attenuation, threshold, softness, dropRate,
            dropLimit, dropSlope, dropAtZero, rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep, azimuthSigma,
-           elevationSigma, intensitySigma, extinction, fogExtinction, fogScatter, separation, pulseWidth, tanHorizontal,
-           tanVertical, spreadHorizontal, spreadVertical, rangeMin, rangeMax, hidesNear, padding0, padding1),
+           elevationSigma, intensitySigma, extinction, fogExtinction, fogScatter, separation, pulseWidth,
+           cellHorizontal, cellVertical, spreadHorizontal, spreadVertical, rangeMin, rangeMax, hidesNear, padding0,
+           padding1),
     STRUCT(Optics4, reflection, passage, alphaImage),
     STRUCT(VolumeBox, row0, row1, row2, extinction, scatter, padding0, padding1),
-    STRUCT(Echo, range, energy, width, cosIncidence, index),
+    STRUCT(Echo, range, energy, width, light, index),
     STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count, cause),
 };
 

@@ -67,7 +67,10 @@ std::string numberText(const char* format, uint64_t number) {
 }
 
 int64_t unixNanoseconds(const Drive& drive, double time) {
-  return std::llround(drive.epoch * 1e9) + std::llround(time * 1e9);
+  // Doubles near today's Unix time are 2.4e-7 s apart, and products of them with 1e9 are 256 ns apart.
+  const double seconds = std::floor(drive.epoch);
+  return static_cast<int64_t>(seconds) * 1'000'000'000 + std::llround((drive.epoch - seconds) * 1e9) +
+         std::llround(time * 1e9);
 }
 
 std::string dateText(int64_t nanoseconds) {
