@@ -15,6 +15,7 @@ struct Vec {
   friend Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend Vec operator*(const Vec& a, float s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend bool operator==(const Vec& a, const Vec& b) = default;
 };
 
 inline float dot(const Vec& a, const Vec& b) {
@@ -104,19 +105,27 @@ inline Mat inverse(const Mat& a) {
   return result;
 }
 
-/// Whether a map keeps lengths and handedness, so that it is a pose.
-inline bool isRigid(const Mat& a) {
-  double det = 0;
+/// The scale of a map that turns, moves and scales alike in all directions, within rounding; 0 for any other map.
+inline double scaleOf(const Mat& a) {
+  double products[3][3] = {}, det = 0;  // of the columns
   for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j) {
-      double sum = 0;
-      for (int k = 0; k < 3; ++k) sum += double{a.m[k][i]} * a.m[k][j];
-      if (std::abs(sum - (i == j)) > 2e-6) return false;
-    }
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) products[i][j] += double{a.m[k][i]} * a.m[k][j];
+  const double square = (products[0][0] + products[1][1] + products[2][2]) / 3;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (!(std::abs(products[i][j] - (i == j ? square : 0)) <= 2e-6 * square)) return 0;
   for (int j = 0; j < 3; ++j)
     det += a.m[0][j] *
            (double{a.m[1][(j + 1) % 3]} * a.m[2][(j + 2) % 3] - double{a.m[1][(j + 2) % 3]} * a.m[2][(j + 1) % 3]);
-  return det > 0;
+  return det > 0 ? std::sqrt(square) : 0;
+}
+
+/// The map with its matrix divided by a scale; its translation stays.
+inline Mat withoutScale(Mat a, float scale) {
+  for (auto& row : a.m)
+    for (int j = 0; j < 3; ++j) row[j] /= scale;
+  return a;
 }
 
 }  // namespace gnosphere::rgl

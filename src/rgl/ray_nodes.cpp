@@ -23,9 +23,10 @@ class FromMatricesNode : public RaysNode {
   void set(const rgl_mat3x4f* rays, int32_t count) {
     auto matrices = std::make_shared<Matrices>(count);
     std::transform(rays, rays + count, matrices->begin(), matOf);
+    const uint64_t version = rays_.base && *rays_.base == *matrices ? rays_.baseVersion : nextVersion();
     rays_ = {};
     rays_.base = rays_.world = matrices;
-    rays_.baseVersion = nextVersion();
+    rays_.baseVersion = version;
   }
   void validate() override {}
   void run() override {}
@@ -75,8 +76,9 @@ class OffsetsNode : public RaysFilter {
   static constexpr const char* kName = "SetTimeOffsetsRaysNode";
   const char* name() const override { return kName; }
   void set(const float* offsets, int32_t count) {
-    offsets_ = std::make_shared<std::vector<float>>(offsets, offsets + count);
-    version_ = nextVersion();
+    auto given = std::make_shared<std::vector<float>>(offsets, offsets + count);
+    if (!offsets_ || *offsets_ != *given) version_ = nextVersion();
+    offsets_ = std::move(given);
   }
   void validate() override {
     RaysFilter::validate();
@@ -122,6 +124,7 @@ class AngularRayNoiseNode : public RaysFilter {
     axis_ = axis;
   }
   void run() override {
+    const std::shared_ptr<const Matrices> former = rays_.base;
     rays_ = input_->rays();
     auto base = std::make_shared<Matrices>(rays_.count());
     auto world = std::make_shared<Matrices>(rays_.count());
@@ -130,14 +133,16 @@ class AngularRayNoiseNode : public RaysFilter {
       (*base)[i] = rotation(axis_, mean_ + normal(random_) * deviation_) * (*rays_.base)[i];
       (*world)[i] = rays_.transform * (*base)[i];
     }
+    if (!former || *former != *base) version_ = nextVersion();
     rays_.base = base;
     rays_.world = world;
-    rays_.baseVersion = nextVersion();
+    rays_.baseVersion = version_;
   }
 
  private:
   float mean_ = 0, deviation_ = 0;
   rgl_axis_t axis_ = RGL_AXIS_X;
+  uint64_t version_ = 0;
   std::mt19937_64 random_ = randomSource();
 };
 

@@ -37,9 +37,11 @@ RGL_API rgl_status_t rgl_node_raytrace_configure_velocity(rgl_node_t node, const
                    [&](RaytraceNode& raytrace) {
                      RGL_CHECK(linear_velocity != nullptr);
                      RGL_CHECK(angular_velocity != nullptr);
-                     raytrace.linearVelocity = vecOf(*linear_velocity);
-                     raytrace.angularVelocity = vecOf(*angular_velocity);
-                     if (raytrace.distortion) raytrace.settingsVersion = nextVersion();
+                     const Vec linear = vecOf(*linear_velocity), angular = vecOf(*angular_velocity);
+                     const bool same = linear == raytrace.linearVelocity && angular == raytrace.angularVelocity;
+                     if (raytrace.distortion && !same) raytrace.settingsVersion = nextVersion();
+                     raytrace.linearVelocity = linear;
+                     raytrace.angularVelocity = angular;
                    });
 }
 
@@ -71,9 +73,11 @@ RGL_API rgl_status_t rgl_node_raytrace_configure_beam_divergence(rgl_node_t node
                    [&](RaytraceNode& raytrace) {
                      RGL_CHECK((horizontal_beam_divergence > 0.0f && vertical_beam_divergence > 0.0f) ||
                                (horizontal_beam_divergence == 0.0f && vertical_beam_divergence == 0.0f));
+                     const bool same = horizontal_beam_divergence == raytrace.divergenceHorizontal &&
+                                       vertical_beam_divergence == raytrace.divergenceVertical;
+                     if (!same) raytrace.settingsVersion = nextVersion();
                      raytrace.divergenceHorizontal = horizontal_beam_divergence;
                      raytrace.divergenceVertical = vertical_beam_divergence;
-                     raytrace.settingsVersion = nextVersion();
                    });
 }
 

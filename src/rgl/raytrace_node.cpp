@@ -109,37 +109,58 @@ Ray RaytraceNode::worldRay(const Run& run, size_t ray, size_t sample) const {
 }
 
 std::vector<Ray> RaytraceNode::tracedRays(const Run& run) const {
-  const bool inWorld = !isRigid(run.rays.transform);
   std::vector<Ray> result(run.rays.count() * run.samples.size());
   for (size_t i = 0; i < result.size(); ++i) {
     const size_t ray = i / run.samples.size(), sample = i % run.samples.size();
-    result[i] = inWorld ? worldRay(run, ray, sample) : sensorRay(run, ray, sample);
+    result[i] = run.scale == 0 ? worldRay(run, ray, sample) : sensorRay(run, ray, sample);
+    if (run.scale != 0) result[i].origin = result[i].origin * run.scale;
   }
   return result;
+}
+
+// The scale of the rays that are traced in the sensor's frame: the last one as long as the pose has another only by
+// rounding, which differs with each rotation. 0 if the pose is no rotation with a scale.
+float RaytraceNode::keptScale(const Mat& transform) {
+  constexpr double kRounding = 1e-6;
+  const double scale = scaleOf(transform);
+  if (std::abs(scale - 1) <= kRounding)
+    scale_ = 1;
+  else if (!(std::abs(scale - scale_) <= kRounding * scale))
+    scale_ = static_cast<float>(scale);
+  return scale_;
+}
+
+// The greatest distance in the world at which a ray may hit. It follows from the rays in the sensor's frame if they are
+// traced there, because their lengths in the world differ with each rotation by rounding.
+float RaytraceNode::rangeOf(const Run& run) const {
+  constexpr float kNoLimit = std::numeric_limits<float>::max();
+  const Rays& rays = run.rays;
+  if (!rays.ranges) return kNoLimit;
+  const std::vector<Mat>& matrices = run.scale == 0 ? *rays.world : *rays.base;
+  float range = 0;
+  for (size_t i = 0; i < rays.count(); ++i) {
+    const float length = rgl::length({matrices[i].m[0][2], matrices[i].m[1][2], matrices[i].m[2][2]});
+    range = std::max(range, (*rays.ranges)[rays.ranges->size() == 1 ? 0 : i].value[1] * length);
+  }
+  if (run.scale != 0) range *= run.scale;
+  return std::isfinite(range) ? range * 1.001f + 1e-3f : kNoLimit;
 }
 
 void RaytraceNode::run() {
   const Rays& rays = input_->rays();
   if (distortion && !rays.offsets)
     throw Failure(RGL_INVALID_PIPELINE, std::string(kName) + ": velocity distortion requires time offsets of the rays");
-  Run run{rays, beamSamples(divergenceHorizontal > 0), nullptr, inverse(rays.transform), scene().timeStep()};
-
-  float range = 0;
-  if (!rays.ranges) range = std::numeric_limits<float>::max();
-  for (size_t i = 0; rays.ranges && i < rays.count(); ++i) {
-    const Mat& matrix = (*rays.world)[i];
-    const float reach = (*rays.ranges)[rays.ranges->size() == 1 ? 0 : i].value[1] *
-                        length({matrix.m[0][2], matrix.m[1][2], matrix.m[2][2]});
-    range = std::max(range, reach);
-  }
-  Tracer::Key key{rays.baseVersion,
-                  distortion ? rays.offsetsVersion : 0,
-                  settingsVersion,
-                  std::isfinite(range) ? range * 1.001f + 1e-3f : std::numeric_limits<float>::max(),
-                  {}};
-  const bool rigid = isRigid(rays.transform);
-  if (!rigid) key.transform = rays.transform;
-  run.hits = &tracer_.trace(key, rigid ? rays.transform : Mat(), sensorId, [&] { return tracedRays(run); });
+  Run run{rays,
+          beamSamples(divergenceHorizontal > 0),
+          nullptr,
+          inverse(rays.transform),
+          scene().timeStep(),
+          keptScale(rays.transform)};
+  const bool inWorld = run.scale == 0;
+  const Tracer::Key key{rays.baseVersion, distortion ? rays.offsetsVersion : 0, settingsVersion, rangeOf(run),
+                        run.scale,        inWorld ? rays.transform : Mat()};
+  const Mat pose = inWorld ? Mat() : withoutScale(rays.transform, run.scale);
+  run.hits = &tracer_.trace(key, pose, sensorId, [&] { return tracedRays(run); });
 
   chosen_.clear();
   for (const GraphNode* output : outputs)

@@ -59,6 +59,7 @@ class RaytraceNode : public PointsNode {
     const std::vector<Hit>* hits = nullptr;
     Mat toSensor;
     std::optional<double> timeStep;
+    float scale = 0;  ///< that the traced rays have from the pose; 0 if they are traced in the world
   };
   /// The columns that are wanted; null pointers for the others.
   struct Columns {
@@ -74,6 +75,8 @@ class RaytraceNode : public PointsNode {
     bool surfaces;  ///< whether a column needs more of the surface than its distance
   };
 
+  float keptScale(const Mat& transform);
+  float rangeOf(const Run& run) const;
   Mat motionAt(const Rays& rays, size_t ray) const;
   std::vector<Ray> tracedRays(const Run& run) const;
   Ray sensorRay(const Run& run, size_t ray, size_t sample) const;
@@ -92,6 +95,7 @@ class RaytraceNode : public PointsNode {
   RaysNode* input_ = nullptr;
   std::set<rgl_field_t> fields_;
   Tracer tracer_;
+  float scale_ = 1;                            ///< of the pose
   std::map<rgl_return_mode_t, Cloud> chosen_;  ///< beside those of returnMode
 };
 

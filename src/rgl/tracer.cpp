@@ -26,10 +26,6 @@ Vec3 unitOf(const Vec& v) {
   return {v.x / norm, v.y / norm, v.z / norm};
 }
 
-bool same(const Vec& a, const Vec& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 /// The pose of a map that is rigid but for rounding.
 Pose poseOf(const Mat& a, const Vec& centre) {
   const auto m = [&](int i, int j) { return double{a.m[i][j]}; };
@@ -74,16 +70,16 @@ void Tracer::addSensor(Simulator& simulator, Part& part, const std::vector<Ray>&
     low = {std::min(low.x, o.x), std::min(low.y, o.y), std::min(low.z, o.z)};
     high = {std::max(high.x, o.x), std::max(high.y, o.y), std::max(high.z, o.z)};
   }
-  part.centre = same(low, high) ? low : (low + high) * 0.5f;
+  part.centre = low == high ? low : (low + high) * 0.5f;
   BeamList beams;
   for (size_t k = 0; k < part.rays.size(); ++k) {
     const Ray& ray = rays[part.rays[k]];
-    const bool repeated = k > 0 && same(ray.origin, rays[part.rays[k - 1]].origin) &&
-                          same(ray.direction, rays[part.rays[k - 1]].direction);
+    const bool repeated =
+        k > 0 && ray.origin == rays[part.rays[k - 1]].origin && ray.direction == rays[part.rays[k - 1]].direction;
     if (!repeated) {
       beams.directions.push_back(unitOf(ray.direction));
       const Vec& o = ray.origin;
-      if (!same(low, high))
+      if (low != high)
         beams.origins.push_back(
             {double{o.x} - part.centre.x, double{o.y} - part.centre.y, double{o.z} - part.centre.z});
     }
@@ -128,6 +124,7 @@ void Tracer::build(Simulator& simulator, const Key& key, const std::vector<Ray>&
   rayCount_ = rays.size();
   key_ = key;
   built_ = true;
+  if (logs(RGL_LOG_LEVEL_DEBUG)) log(RGL_LOG_LEVEL_DEBUG, std::to_string(rays.size()) + " rays are sorted anew");
 }
 
 const std::vector<Hit>& Tracer::trace(const Key& key, const Mat& transform, int32_t sensorId,

@@ -27,7 +27,8 @@ class Tracer {
   struct Key {
     uint64_t rays = 0, offsets = 0, settings = 0;
     float range = 0;
-    Mat transform;  ///< of rays that are not traced in the sensor's frame
+    float scale = 0;  ///< of rays that are traced in the sensor's frame
+    Mat transform;    ///< of rays that are not
     bool operator==(const Key&) const = default;
   };
 
