@@ -125,7 +125,7 @@ class RadarPostprocessNode : public PointsFilter {
     auto* rcs = cloud_.write<float>(RGL_FIELD_RCS_F32);
     auto* noise = cloud_.write<float>(RGL_FIELD_NOISE_F32);
     auto* snr = cloud_.write<float>(RGL_FIELD_SNR_F32);
-    std::normal_distribution<float> normal(settings_.noiseMean, std::max(settings_.noiseDeviation, 0.f));
+    std::normal_distribution<float> normal;
     for (size_t k = 0; k < clusters.size(); ++k) {
       std::complex<double> sum = 0;
       double distance = 0;
@@ -139,7 +139,7 @@ class RadarPostprocessNode : public PointsFilter {
       rcs[k] = static_cast<float>(10 * std::log10(section));
       power[k] = static_cast<float>(settings_.power + settings_.gain + 20 * std::log10(wavelength) + rcs[k] -
                                     30 * std::log10(4 * M_PI) - 40 * std::log10(distance));
-      noise[k] = settings_.noiseDeviation > 0 ? normal(random_) : settings_.noiseMean;
+      noise[k] = settings_.noiseMean + normal(random_) * std::max(settings_.noiseDeviation, 0.f);
       snr[k] = power[k] - noise[k];
     }
   }

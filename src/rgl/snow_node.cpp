@@ -41,13 +41,14 @@ class SnowNode : public PointsFilter {
     const double diameter = snow.diameter, share = snow.rate / 3.6e6 / (double{snow.density} * snow.speed);
     const double perVolume = share / (M_PI * diameter * diameter * diameter);
     extinction_ = perVolume * M_PI / 2 * diameter * diameter;
+    const double growth = perVolume * M_PI / 4 * snow.divergence * snow.divergence,
+                 decay = std::sqrt(double{snow.threshold}) * snow.divergence / diameter;
+    const auto perMetre = [&](double range) { return growth * range * range * std::exp(-decay * range); };
+    end_ = std::min(double{snow.most}, endOfFlakes(snow.least, growth, decay));
     expected_[0] = 0;
-    const auto perMetre = [&](double range) {
-      const double beam = snow.divergence * range;
-      return perVolume * std::exp(-std::sqrt(double{snow.threshold}) * beam / diameter) * M_PI / 4 * beam * beam;
-    };
     for (int i = 0; i < kSteps; ++i)
-      expected_[i + 1] = expected_[i] + (perMetre(rangeOf(i)) + perMetre(rangeOf(i + 1))) / 2 * stepLength();
+      expected_[i + 1] =
+          expected_[i] + (perMetre(rangeOf(i)) + perMetre(rangeOf(i + 1))) / 2 * (rangeOf(i + 1) - rangeOf(i));
   }
 
  protected:
@@ -106,13 +107,25 @@ class SnowNode : public PointsFilter {
     uint8_t* intensity8 = nullptr;
   };
 
-  double stepLength() const { return (double{snow_.most} - snow_.least) / kSteps; }
-  double rangeOf(int step) const { return snow_.least + step * stepLength(); }
+  /// The range beyond which no beam meets its first flake, where a beam meets growth * r^2 * exp(-decay * r) per metre.
+  static double endOfFlakes(double least, double growth, double decay) {
+    // As long as decay * r < 1, a beam meets more than growth / e / 3 * (r^3 - least^3) flakes. No number that is drawn
+    // is greater than 40: its probability is exp(-40).
+    const double certain = std::cbrt(least * least * least + 3 * M_E * 40 / growth);
+    if (decay * certain < 1) return certain;
+    return least + 60 / decay;  // what is left there is exp(-60) of the flakes
+  }
+  /// Steps grow with the range, so that they are small wherever between the two ranges the first flakes are.
+  double rangeOf(int step) const {
+    const double share = static_cast<double>(step) / kSteps;
+    return snow_.least + (end_ - snow_.least) * share * share * share;
+  }
   /// Up to where a beam meets so many flakes on average; infinity if it never does.
   double rangeOfExpected(double number) const {
     const double* next = std::upper_bound(expected_, expected_ + kSteps + 1, number);
     if (next == expected_ + kSteps + 1) return std::numeric_limits<double>::infinity();
-    return rangeOf(static_cast<int>(next - expected_) - 1) + (number - next[-1]) / (next[0] - next[-1]) * stepLength();
+    const int step = static_cast<int>(next - expected_) - 1;
+    return rangeOf(step) + (number - next[-1]) / (next[0] - next[-1]) * (rangeOf(step + 1) - rangeOf(step));
   }
   double transmission(double range) const { return std::exp(-2 * extinction_ * std::max(0.0, range - snow_.least)); }
 
@@ -132,13 +145,14 @@ class SnowNode : public PointsFilter {
     for (Vec* vectors : {to.normal, to.velocity, to.relative})
       if (vectors) vectors[i] = {none, none, none};
     if (to.incident) to.incident[i] = none;
-    if (to.entity) to.entity[i] = 0;
+    if (to.entity) to.entity[i] = RGL_DEFAULT_ENTITY_ID;  // 0 would say that the ray hits nothing
     for (float* values : {to.retro, to.radialSpeed, to.reflectivity})
       if (values) values[i] = 0;
   }
 
   Snow snow_{};
-  double extinction_ = 0, expected_[kSteps + 1] = {};  // flakes that a beam meets up to the end of each step
+  double extinction_ = 0, end_ = 0;
+  double expected_[kSteps + 1] = {};  // flakes that a beam meets up to the end of each step
   std::mt19937_64 random_ = randomSource();
 };
 

@@ -55,7 +55,9 @@ TEST_CASE("RGL: snow gives flakes before walls and in the sky, as many as its fo
   rgl_texture_t texture = nullptr;
   OK(rgl_mesh_set_texture_coords(wall, uvs, 4));
   OK(rgl_texture_create(&texture, &white, 1, 1));
-  OK(rgl_entity_set_intensity_texture(place(wall, matrix(0, 0, 10)), texture));
+  const rgl_entity_t entity = place(wall, matrix(0, 0, 10));
+  OK(rgl_entity_set_intensity_texture(entity, texture));
+  OK(rgl_entity_set_id(entity, 7));
   // Half of the rays meet the wall at 10 m, half look into the sky. The sensor stands beside the origin.
   constexpr int kRays = 20'000;
   std::vector<rgl_mat3x4f> rays(kRays / 2, matrix(0, 0, 0));
@@ -89,7 +91,7 @@ TEST_CASE("RGL: snow gives flakes before walls and in the sky, as many as its fo
     int flakes = 0, near = 0;
     double nearest = 1e9;
     for (int i = half * kRays / 2; i < (half + 1) * kRays / 2; ++i) {
-      const bool flake = hits[i] && entities[i] == 0;
+      const bool flake = hits[i] && entities[i] == RGL_DEFAULT_ENTITY_ID;
       flakes += flake;
       near += flake && distances[i] < 0.7f;
       if (hits[i]) nearest = std::min(nearest, double{distances[i]});
@@ -123,6 +125,43 @@ TEST_CASE("RGL: snow gives flakes before walls and in the sky, as many as its fo
                "num_channels > 0"));
   CHECK(failed(rgl_node_points_simulate_snow(nullptr, 0, 1, 1, 1, 1, 1, 1, 1, true, 0.5f), RGL_INVALID_ARGUMENT,
                "node != nullptr"));
+  unsetenv("GNOSPHERE_RGL_SEED");
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: snow is there whatever the greatest range is") {
+  setenv("GNOSPHERE_RGL_SEED", "5", 1);
+  place(squareMesh(), matrix(0, 0, -1));  // behind the sensor
+  constexpr int kRays = 5'000;
+  Lidar lidar(std::vector(kRays, matrix(0, 0, 0)),
+              {RGL_FIELD_IS_HIT_I32, RGL_FIELD_DISTANCE_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32});
+  rgl_node_t snow = nullptr;
+  // Distances of the flakes, in order.
+  const auto flakes = [&](float most, float threshold) {
+    OK(rgl_node_points_simulate_snow(&snow, 0, most, 20, 0.003f, 1.6f, 0.07f, 16, 0.003f, true, threshold));
+    if (!lidar.last) lidar.append(snow);
+    lidar.run();
+    std::vector<float> distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+    std::erase_if(distances, [](float distance) { return std::isinf(distance); });
+    std::sort(distances.begin(), distances.end());
+    return distances;
+  };
+  // A beam meets growth * r^2 * exp(-decay * r) flakes per metre, so 2 growth / decay^3 of them altogether.
+  const double growth = 20 / 3.6e6 / (0.07 * 1.6) / (std::numbers::pi * 2.7e-8) * std::numbers::pi / 4 * 9e-6;
+  const auto near = [](double number) { return Approx(number).margin(4 * std::sqrt(number)); };
+  for (const float most : {100.0f, 1'000.0f, 1e6f, std::numeric_limits<float>::max()}) {
+    INFO(most);
+    const auto some = flakes(most, 0.2f);
+    CHECK(some.size() == near(kRays * (1 - std::exp(-2 * growth / std::pow(0.2, 1.5)))));
+    REQUIRE(some.size() > 100);
+    CHECK(some[some.size() / 2] ==
+          Approx(2.674 / std::sqrt(0.2)).epsilon(0.1));  // the median of r^2 * exp(-r) is 2.674
+    // Without a threshold, a beam meets growth * r^3 / 3 flakes up to r; half of the beams have met one of log 2.
+    const auto all = flakes(most, 0);
+    REQUIRE(all.size() == kRays);
+    CHECK(all[kRays / 2] == Approx(std::cbrt(3 * std::log(2) / growth)).epsilon(0.02));
+    CHECK(all[kRays / 100] == Approx(std::cbrt(3 * -std::log(0.99) / growth)).epsilon(0.2));
+  }
   unsetenv("GNOSPHERE_RGL_SEED");
   OK(rgl_cleanup());
 }
@@ -239,6 +278,9 @@ TEST_CASE("RGL: radar detections are clusters, and objects keep their ids") {
   REQUIRE(power.size() == 2);
   for (int i = 0; i < 2; ++i) CHECK(snr[i] == Approx(power[i] - noise[i]));
   CHECK(std::min(distance[0], distance[1]) == Approx(20).margin(0.5));
+  OK(rgl_node_points_radar_postprocess(&radar, &scope, 1, 0.015f, 0.01f, 79e9f, 31, 27, 60, 0));
+  lidar.run();
+  CHECK(lidar.get<float>(RGL_FIELD_NOISE_F32) == std::vector<float>{60, 60});  // no deviation
   lidar.last = objects;
   const auto first = lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32);
   CHECK(first.size() == 2);
