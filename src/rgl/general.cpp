@@ -26,6 +26,16 @@ Log& theLog() {
   return log;
 }
 
+// Of weather there is snow, for which programs ask by the extension; rain and fog are not implemented.
+bool isAvailable(rgl_extension_t extension) {
+  switch (extension) {
+    case RGL_EXTENSION_PCL:
+    case RGL_EXTENSION_WEATHER: return true;
+    case RGL_EXTENSION_ROS2: return gnosphere::ros2::unavailable().empty();
+    default: return false;
+  }
+}
+
 }  // namespace
 
 std::recursive_mutex& callMutex() {
@@ -107,12 +117,12 @@ RGL_API rgl_status_t rgl_get_version_info(int32_t* out_major, int32_t* out_minor
 }
 
 RGL_API rgl_status_t rgl_get_extension_info(rgl_extension_t extension, int32_t* out_available) {
-  return call(__func__, taped(extension, 0), [&] {
+  int32_t told = 0;
+  return call(__func__, taped(extension, told), [&] {
     RGL_CHECK(out_available != nullptr);
     RGL_CHECK(extension >= 0);
     RGL_CHECK(extension < RGL_EXTENSION_COUNT);
-    *out_available =
-        extension == RGL_EXTENSION_PCL || (extension == RGL_EXTENSION_ROS2 && gnosphere::ros2::unavailable().empty());
+    *out_available = told = isAvailable(extension);
   });
 }
 

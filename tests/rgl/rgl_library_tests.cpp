@@ -39,11 +39,15 @@ TEST_CASE("RGL: a tape makes the calls again") {
     Lidar lidar(raysAround(8, 20), kBasic);
     OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, false));
     lidar.run();
+    int32_t available = 0;
+    OK(rgl_get_extension_info(RGL_EXTENSION_PCL, &available));
     (void)lidar.get<float>(RGL_FIELD_DISTANCE_F32);
     OK(rgl_graph_write_pcd_file(lidar.yield, pcd.c_str()));
   }
   OK(rgl_cleanup());
   OK(rgl_tape_record_end());
+  const std::string calls = bytesOf(path + ".yaml"), info = calls.substr(calls.find("rgl_get_extension_info"));
+  CHECK(info.substr(0, info.find('\n')).ends_with("a: [0, 1]}"));  // the result, which RGL compares
   const std::string expected = bytesOf(pcd);
   std::filesystem::remove(pcd);
   OK(rgl_tape_play(path.c_str()));
@@ -197,6 +201,10 @@ TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence
   int32_t available = -1;
   OK(rgl_get_extension_info(RGL_EXTENSION_UDP, &available));
   CHECK(available == 0);
+  for (const rgl_extension_t extension : {RGL_EXTENSION_PCL, RGL_EXTENSION_WEATHER}) {
+    OK(rgl_get_extension_info(extension, &available));
+    CHECK(available == 1);
+  }
   CHECK(failed(rgl_configure_logging(RGL_LOG_LEVEL_INFO, "/no/such/folder/log", false), RGL_LOGGING_ERROR, "/no/such"));
   OK(rgl_cleanup());  // a failure leaves the library usable
 }
