@@ -130,8 +130,8 @@ float RaytraceNode::keptScale(const Mat& transform) {
   return scale_;
 }
 
-// The greatest distance in the world at which a ray may hit. It follows from the rays in the sensor's frame if they are
-// traced there, because their lengths in the world differ with each rotation by rounding.
+// The greatest distance in the world at which a ray may hit. Rays that are traced in the sensor's frame are measured
+// there, because their lengths in the world differ with each rotation by rounding.
 float RaytraceNode::rangeOf(const Run& run) const {
   constexpr float kNoLimit = std::numeric_limits<float>::max();
   const Rays& rays = run.rays;

@@ -52,8 +52,8 @@ ptrdiff_t threads() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
 }
 
-/// Opens and closes the library in a thread that ends. What a thread has of a library keeps the library until then; the
-/// next time that it is closed, it may go.
+/// Opens and closes the library in a thread that ends. A thread that has variables of the library keeps the library
+/// until the thread ends; when the library is closed the next time, the loader may take it out.
 void scanInThread() {
   bool good = false;
   std::thread([&] { good = scanOnce(); }).join();

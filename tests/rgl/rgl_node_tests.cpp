@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 #include "folder.hpp"

@@ -19,7 +19,7 @@ class SortedRays {
  public:
   SortedRays() { OK(rgl_configure_logging(RGL_LOG_LEVEL_DEBUG, (folder_ / "log").string().c_str(), false)); }
   ~SortedRays() { (void)rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false); }
-  /// Since the last call.
+  /// Counts those since the last call.
   int count() {
     int all = 0;
     std::ifstream log(folder_ / "log");
