@@ -117,8 +117,9 @@ GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
 /// Values for what a sensor file leaves open.
 struct SensorFileOptions {
-  /// Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels also the
-  /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
+  /// Name of a built-in sensor. Calibration files state angles only, so they take its ranges, divergence and returns; of
+  /// a grid with as many channels also the columns, the rotation, the firing times, and the origins if they have none;
+  /// of a list the beams per scan. Other files take the range at 10 % and the divergence that they do not state.
   std::string head;
   /// One of several that a file describes: a lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner
   /// (HELIOS++), with ":RATE" for its pulses a second if wanted, or of a lidar (CARLA), an operational state (firing

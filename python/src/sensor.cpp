@@ -203,8 +203,10 @@ void bindSensorFiles(nb::module_& m) {
           "head"_a = "", "mode"_a = "", "scan_rate"_a = 0.0, "columns"_a = 0, "beams_per_scan"_a = 0,
           "fire_times"_a = "")
       .def_rw("head", &SensorFileOptions::head,
-              "Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels "
-              "also the columns, the rotation and the firing times, of a list the beams per scan.")
+              "Name of a built-in sensor. Calibration files state angles only, so they take its ranges, divergence and "
+              "returns; of a grid with as many channels also the columns, the rotation, the firing times, and the "
+              "origins if they have none; of a list the beams per scan. Other files take the range at 10 % and the "
+              "divergence that they do not state.")
       .def_rw("mode", &SensorFileOptions::mode,
               "One of several that a file describes: a lidar mode (Ouster), the id of a scanner (HELIOS++), with "
               "':RATE' for its pulses a second if wanted, a sensor's id (CARLA), an operational state (firing times of "

@@ -518,8 +518,8 @@ inline constexpr HeadFigures kHeads[] = {
    "Isaac Sim profile SICK_tim781.json: 270 degrees in 811 beams, 15 Hz, 0.05 to 25 m; telegrams of the TiM state "
    "16,200 measurements a second, 61.728 us apart, because the mirror goes on for 90 degrees without one",
    "One layer; it turns counter-clockwise, as SICK's drivers count. The Isaac Sim profile spreads the beams over the "
-   "whole turn. Range at 10 %: not stated (5 m at 5 %). Divergence: not stated there.",
-   "811x15", 61.7283950617284, -135, 270.333333333333, 0.05, 25, 0, "", 1, false,
+   "whole turn. Range at 10 %: of the 5 m at 5 % that the profile states. Divergence: not stated there.",
+   "811x15", 61.7283950617284, -135, 270.333333333333, 0.05, 25, 7.07, "", 1, false,
    "0",
    "",
    "",

@@ -115,6 +115,7 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);
   CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-9);
   CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 / 16200.0) < 1e-12);
+  CHECK(std::abs(builtinSensor("TiM781").rangeAt10Percent - 5 * std::sqrt(0.1 / 0.05)) < 0.005);
   // A range image of Waymo's has the azimuth pi (1 - (2 c + 1) / columns) in column c.
   const Sensor waymo = builtinSensor("Waymo-Top");
   for (const size_t c : {0, 1324, 1325, 2649})

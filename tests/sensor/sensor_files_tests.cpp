@@ -64,7 +64,8 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   CHECK(file.sensor.channels[3].timeOffset == head.channels[3].timeOffset);
   CHECK(file.sensor.channels[3].azimuthOffsetDeg == head.channels[3].azimuthOffsetDeg);
   CHECK(file.sensor.maxReturns == 2);
-  CHECK(file.assumed.empty());
+  REQUIRE(file.assumed.size() == 1);
+  CHECK_THAT(file.assumed[0], ContainsSubstring("a target of 10 % is seen up to the largest range"));
   std::vector<double> angles(2 * 20000);
   const Sensor livox = readSensorFile(npy("<f4", false, {20000, 2}, angles), "mid40.npy", {.head = "Mid-40"}).sensor;
   CHECK(livox.patterns.size() == 2);
@@ -91,6 +92,48 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   CHECK(timed.channels[0].timeOffset == 0);
   CHECK_THAT(timed.channels[5].timeOffset, WithinAbs(5e-6, 1e-18));
   CHECK_THROWS_WITH(readSensorFile(angleTable, "p.csv", {.mode = "2"}), ContainsSubstring("--fire-times"));
+}
+
+TEST_CASE("a head states its range at 10 % and its divergence for files of every family that do not") {
+  const Sensor head = builtinSensor("OS1-128");
+  for (const Sample& sample : samples()) {
+    INFO(sample.name);
+    const SensorFile plain = readSensorFile(sample.bytes, sample.name);
+    const bool assumed = lists(plain.assumed, "a target of 10 % is seen up to the largest range");
+    CHECK(assumed == (plain.sensor.rangeAt10Percent == 0 && plain.family != "GnoSphere sensor"));
+    if (plain.family == "Velodyne calibration" || plain.family == "VeloView calibration" ||
+        plain.family == "Hesai angle correction" || plain.family == "RoboSense angles")
+      continue;  // of two channels, which are not those of the head
+    const SensorFile file = readSensorFile(sample.bytes, sample.name, {.head = "OS1-128"});
+    CHECK(file.sensor.rangeAt10Percent == 90);
+    CHECK(file.sensor.divergenceVertical > 0);
+    CHECK_FALSE(lists(file.assumed, "a target of 10 %"));
+    CHECK_FALSE(lists(file.assumed, "a largest range"));
+    if (lists(plain.assumed, "a largest range")) CHECK(file.sensor.rangeMax == head.rangeMax);
+    CHECK(file.sensor.beamCount() == plain.sensor.beamCount());
+  }
+  // What the file states counts.
+  const std::string dark = replaced(kIsaacRotary, "\"wavelengthNm\"",
+                                    "\"minReflectance\": 0.4, \"minReflectanceRange\": 120, \"wavelengthNm\"");
+  CHECK(readSensorFile(dark, "i.json", {.head = "OS1-128"}).sensor.rangeAt10Percent == 60);
+}
+
+TEST_CASE("a head starts the beams of a calibration that states no origins, and its lens turns with no correction") {
+  const Sensor head = builtinSensor("RS-Helios-1615");
+  std::string angles;
+  for (int i = 0; i < 32; ++i) angles += std::to_string(15 - i) + "," + (i == 31 ? "30" : "0") + "\n";
+  const Sensor sensor = readSensorFile(angles, "rs.csv", {.head = "RS-Helios-1615"}).sensor;
+  for (size_t row = 1; row < 32; ++row) checkOrigin(sensor.channels[row].origin, head.channels[row].origin);
+  CHECK(std::abs(sensor.channels[31].origin.x - 0.03498) < 1e-12);
+  // The lowest laser points 30 degrees to the right of where the lens is.
+  for (const size_t column : {0, 450}) checkOrigin(originOf(sensor, column), originOf(head, column));
+  CHECK_THAT(azimuthDeg(sensor, 0) - azimuthDeg(head, 0), WithinAbs(-30, 1e-9));
+
+  std::string yaml = "lasers:\n";
+  for (int id = 0; id < 16; ++id)
+    yaml += "- {laser_id: " + std::to_string(id) + ", vert_correction: " + std::to_string(0.035 * id - 0.26) +
+            ", vert_offset_correction: 0.5}\n";
+  CHECK(readSensorFile(yaml, "puck.yaml", {.head = "Puck"}).sensor.channels[7].origin.z > 0.4);
 }
 
 TEST_CASE("the built-in HDL-64E-S2 starts its beams where the calibration that it comes from starts them") {

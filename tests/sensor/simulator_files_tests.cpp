@@ -3,6 +3,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 
 #include "gnosphere/sensor.hpp"
 #include "sensor/beams.hpp"
@@ -34,6 +35,25 @@ TEST_CASE("Isaac Sim: a rotary profile is a grid at exact firing times") {
 
   const std::string turned = replaced(kIsaacRotary, "\"CW\"", "\"CCW\"");
   CHECK_THAT(azimuthDeg(readSensorFile(turned, "i.json").sensor, 10), WithinAbs(6.5 + 36000.0 / 3333, 1e-12));
+}
+
+TEST_CASE("Isaac Sim: the range of the weakest target is that of one of 10 %, because power falls with its square") {
+  const auto reach = [](const std::string& stated) {
+    return readSensorFile(replaced(kIsaacRotary, "\"wavelengthNm\"", stated + "\"wavelengthNm\""), "i.json");
+  };
+  const SensorFile file = reach(R"("minReflectance": 0.1, "minReflectanceRange": 90.0, )");
+  CHECK(file.sensor.rangeAt10Percent == 90);
+  CHECK_FALSE(lists(file.ignored, "minReflectance"));
+  CHECK_FALSE(lists(file.assumed, "10 %"));
+  CHECK_THAT(reach(R"("minReflectance": 0.05, "minReflectanceRange": 5, )").sensor.rangeAt10Percent,
+             WithinAbs(5 * std::sqrt(2.0), 1e-12));
+  const SensorFile half = reach(R"("minReflectance": 0.1, )");
+  CHECK(half.sensor.rangeAt10Percent == 0);
+  CHECK(lists(half.ignored, "minReflectance"));
+  CHECK_THAT(problemOf(replaced(kIsaacRotary, "\"wavelengthNm\"",
+                                "\"minReflectance\": 10, \"minReflectanceRange\": 90, \"wavelengthNm\""),
+                       "i.json"),
+             ContainsSubstring("'minReflectance' is 10, expected is more than 0 and at most 1"));
 }
 
 TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan to scan") {

@@ -95,6 +95,11 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
     CHECK_THAT(timeOf(sensor, 512 + 1), WithinAbs(0.05 / 512, 1e-15));
     CHECK(sensor.maskedBeams.empty());
     CHECK(sensor.rangeMax == 170);
+    CHECK(sensor.rangeAt10Percent == 90);
+    CHECK(sensor.divergenceHorizontal == 5.34e-3);
+    CHECK(lists(file.assumed,
+                "a largest range of 170 m, 90 m at 10 % and a divergence of 5.34 mrad, as the catalogue's "
+                "OS1-32 has them"));
   }
   CHECK(readSensorFile(kOusterNested, "os.json").sensor.maxReturns == 2);
   std::string mounted(kOusterNested);
@@ -105,6 +110,29 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
   mounted.replace(mounted.find("[0,-1"), mounted.find("3, 0,0,0,1]") + 11 - mounted.find("[0,-1"), "null");
   CHECK(lists(readSensorFile(mounted, "os.json").ignored, "the extrinsic"));
   CHECK(lists(file.ignored, "return_order"));
+}
+
+TEST_CASE("Ouster metadata: the product has the figures of its head in the catalogue, or of the head that is named") {
+  const auto ofProduct = [](const char* product, const SensorFileOptions& options = {}) {
+    return readSensorFile(replaced(kOusterNested, "OS-1-2", product), "os.json", options);
+  };
+  const SensorFile far = ofProduct("OS-2-128-U1");
+  CHECK(far.sensor.rangeAt10Percent == builtinSensor("OS2-128").rangeAt10Percent);
+  CHECK(far.sensor.divergenceVertical == builtinSensor("OS2-128").divergenceVertical);
+  CHECK(far.sensor.rangeMax == builtinSensor("OS2-128").rangeMax);
+  CHECK(lists(far.assumed, "as the catalogue's OS2-128 has them"));
+  CHECK_FALSE(lists(far.assumed, "data sheet"));
+  const SensorFile dome = ofProduct("OS-DOME-128");
+  CHECK(dome.sensor.rangeMax == 45);
+  CHECK(dome.sensor.rangeAt10Percent == 0);
+  CHECK(lists(dome.assumed, "a target of 10 % is seen up to the largest range"));
+  CHECK(ofProduct("OS-").sensor.rangeMax == 170);
+  const SensorFile named = ofProduct("OS-1-64", {.head = "OS0-64"});
+  CHECK(named.sensor.rangeAt10Percent == 35);
+  CHECK(named.sensor.rangeMax == 75);
+  CHECK(named.sensor.divergenceVertical == builtinSensor("OS0-64").divergenceVertical);
+  CHECK_FALSE(lists(named.assumed, "OS1-64"));
+  CHECK(named.sensor.columns == 512);  // which the metadata state
 }
 
 TEST_CASE("Ouster metadata: every mode, and windows of columns are masked beams") {
@@ -210,7 +238,7 @@ TEST_CASE("Hesai angle correction: rows in any order, clockwise azimuths, a chec
   CHECK(file.sensor.channels[0].elevationDeg == 14.25);
   CHECK_THAT(azimuthDeg(file.sensor, 360), WithinAbs(1.042, 1e-12));
   CHECK(file.sensor.rotationPeriod == 0.05);
-  CHECK(file.assumed.size() == 1);  // the range
+  CHECK(file.assumed.size() == 2);  // the largest range, and that at 10 %  // the range
   CHECK_THAT(readSensorFile("EEFF,1,1\nLaser id,Azimuth,Elevation\n1,2,3\n", "q.csv").sensor.channels[0].elevationDeg,
              WithinAbs(3, 0));
 }

@@ -37,7 +37,7 @@ const json& choose(SensorSource& source, const std::vector<const json*>& lidars)
     ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
   }
   if (!source.options.mode.empty()) source.refuse("has no lidar '" + source.options.mode + "', but " + ids);
-  if (lidars.size() > 1) source.assume("the first of the lidars " + ids + "; --mode takes another");
+  if (lidars.size() > 1) source.assume("the first of the lidars " + ids + "; `gnosphere sensors --mode` takes another");
   return *lidars[0];
 }
 

@@ -114,7 +114,7 @@ Scanner chooseScanner(SensorSource& source, const pugi::xml_document& document) 
   if (scanner.pulseRate == 0) {
     scanner.pulseRate = attributeOf(source, scanner.node, "pulseFreqs_Hz", 0);
     if (rates.find(',') != rates.npos)
-      source.assume("the first of the pulse rates " + rates + "; --mode ID:RATE takes another");
+      source.assume("the first of the pulse rates " + rates + "; `gnosphere sensors --mode ID:RATE` takes another");
   }
   if (!(scanner.pulseRate > 0)) source.refuse("'pulseFreqs_Hz' is missing, or not more than 0");
   scanner.headSpeed = attributeOf(source, scanner.node, "headRotatePerSecMax_deg", 0);
@@ -155,7 +155,7 @@ double turnsOf(SensorSource& source, const Scanner& scanner) {
   checkHeadAxis(source, scanner);
   const double turns = source.options.scanRate > 0 ? source.options.scanRate : scanner.headSpeed / 360;
   if (!(turns > 0)) source.refuse("'headRotatePerSecMax_deg' is missing, and --rate is not given");
-  if (source.options.scanRate == 0) source.assume("the head's largest speed; --rate sets another");
+  if (source.options.scanRate == 0) source.assume("the head's largest speed; `gnosphere sensors --rate` sets another");
   return turns;
 }
 
@@ -222,7 +222,8 @@ double mirrorRateOf(SensorSource& source, const Scanner& scanner, double asked) 
                most = attributeOf(source, scanner.node, "scanFreqMax_Hz", 0);
   if (asked == 0 && !(most > 0)) source.refuse("'scanFreqMax_Hz' is missing, and --columns is not given");
   if (asked == 0) {
-    source.assume("the mirror's largest frequency, " + shownNumber(most) + " Hz; --columns sets another");
+    source.assume("the mirror's largest frequency, " + shownNumber(most) +
+                  " Hz; `gnosphere sensors --columns` sets another");
     return most;
   }
   if ((most > 0 && asked > most * (1 + 1e-9)) || asked < least * (1 - 1e-9))
@@ -282,7 +283,7 @@ void readLines(SensorSource& source, const Scanner& scanner) {
                   " beams in a scan; at most 10 million are read, so take a larger --rate");
   source.assume("scans of " + shownNumber(periods * period) + " s, " + shownNumber(periods) +
                 " of the mirror's periods; " + shownNumber(1 / (periods * period)) +
-                " scans a second leave no gap, and --rate sets another number");
+                " scans a second leave no gap, and `gnosphere sensors --rate` sets another number");
   BeamList list;
   list.width = static_cast<uint32_t>(pulses.size());
   list.height = static_cast<uint32_t>(periods) * static_cast<uint32_t>(beams.size());

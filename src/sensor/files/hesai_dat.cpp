@@ -114,7 +114,8 @@ void readMirrors(SensorSource& source, Bytes& bytes, bool fine) {
       list.times.push_back(kStepDeg / 2 * column / headSpeed);
     });
   }
-  if (source.options.scanRate == 0) source.assume("10 scans per second, three to a turn; --rate sets another number");
+  if (source.options.scanRate == 0)
+    source.assume("10 scans per second, three to a turn; `gnosphere sensors --rate` sets another number");
 }
 
 void readParity(SensorSource& source, Bytes& bytes, int version) {

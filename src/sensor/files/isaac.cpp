@@ -120,6 +120,16 @@ class Firing {
   bool origins_ = false, ranges_ = false;
 };
 
+/// Reads how far a dark target is detected. The power of a return falls with the square of the range.
+void readReach(SensorSource& source, const json& profile) {
+  if (!profile.contains("minReflectance") || !profile.contains("minReflectanceRange")) return;
+  const double reflectance = numberIn(source, profile, "minReflectance");
+  const double range = numberIn(source, profile, "minReflectanceRange");
+  if (!(reflectance > 0 && reflectance <= 1))
+    source.refuse("'minReflectance' is " + numberText(reflectance) + ", expected is more than 0 and at most 1");
+  source.file.sensor.rangeAt10Percent = range * std::sqrt(0.1 / reflectance);
+}
+
 void placeSolidState(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
                      const std::vector<Window>& windows) {
   // Lines of equal lengths are rows of the organised cloud, and rings.
@@ -244,6 +254,7 @@ void readIsaac(SensorSource& source, const json& root) {
   const double returns = numberIn(source, profile, "maxReturns", 1);
   if (!(returns >= 1 && returns <= 5)) source.refuse("'maxReturns' is " + numberText(returns) + ", expected is 1..5");
   sensor.maxReturns = static_cast<uint32_t>(returns);
+  readReach(source, profile);
   const std::vector<Window> windows = readRanges(source, profile);
   const std::string scanType = textIn(profile, "scanType");
   if (sameWord(scanType, "rotary"))
@@ -259,9 +270,10 @@ void readIsaac(SensorSource& source, const json& root) {
       "ranges",           "rangeCount",           "numLines",           "numRaysPerLine",      "startAzimuthDeg",
       "endAzimuthDeg",    "validStartAzimuthDeg", "validEndAzimuthDeg", "patternFiringRateHz", "upElevationDeg",
       "downElevationDeg", "numberOfChannels"});
+  const bool reaches = sensor.rangeAt10Percent > 0;
   for (const auto& [key, value] : profile.items()) {
-    const bool comment = key.find("omment") != key.npos;
-    if (!known.contains(key) && !comment && value != json(0.0)) source.ignore(key);
+    const bool comment = key.find("omment") != key.npos, used = reaches && key.starts_with("minReflectance");
+    if (!known.contains(key) && !comment && !used && value != json(0.0)) source.ignore(key);
   }
 }
 

@@ -9,6 +9,8 @@
 #include "base/json_text.hpp"
 #include "base/path.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
+#include "base/vector.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -24,6 +26,8 @@ constexpr size_t kMaxFileBytes = size_t{1} << 30;
 constexpr size_t kMostBeams = 100'000'000;
 constexpr uint32_t kMostColumns = 1'000'000;
 
+/// Options that a reader takes. Of a head that completes a file, families without `head` take the figures that a file
+/// of angles and times may lack; see completeFigures().
 enum Option : unsigned { head = 1, mode = 2, scanRate = 4, columns = 8, beamsPerScan = 16, fireTimes = 32 };
 
 /// A family of sensor files. JSON is parsed once, for all of its families.
@@ -224,8 +228,7 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
 
 void checkOptions(const SensorSource& source, const Family& family) {
   const SensorFileOptions& options = source.options;
-  const std::pair<unsigned, const char*> given[] = {{options.head.empty() ? 0u : head, "--head"},
-                                                    {options.mode.empty() ? 0u : mode, "--mode"},
+  const std::pair<unsigned, const char*> given[] = {{options.mode.empty() ? 0u : mode, "--mode"},
                                                     {options.scanRate == 0 ? 0u : scanRate, "--rate"},
                                                     {options.columns == 0 ? 0u : columns, "--columns"},
                                                     {options.beamsPerScan == 0 ? 0u : beamsPerScan, "--beams-per-scan"},
@@ -251,6 +254,43 @@ void maskRestingLasers(Sensor& sensor, const Sensor& from) {
         sensor.maskedBeams.push_back(static_cast<uint32_t>(row * sensor.columns + column));
 }
 
+/// The azimuth offset of a channel without the angle by which the head turns on until the laser fires, in degrees.
+double correctionDeg(const Sensor& sensor, size_t row) {
+  const Channel& channel = sensor.channels[row];
+  const double speed = sensor.rotationPeriod > 0 ? sensor.azimuthSpanDeg / sensor.rotationPeriod : 0;
+  return channel.azimuthOffsetDeg - speed * channel.timeOffset;
+}
+
+/// Starts the beams of a file that states no origins where those of a head start. A lens is fixed to the head, so it
+/// does not turn with the azimuth correction of its laser.
+void takeOrigins(Sensor& sensor, const Sensor& from) {
+  const auto isPlaced = [](const Channel& channel) { return lengthOf(channel.origin) > 0; };
+  if (std::any_of(sensor.channels.begin(), sensor.channels.end(), isPlaced)) return;
+  for (size_t row = 0; row < sensor.channels.size(); ++row) {
+    const double turn = kDegree * (correctionDeg(from, row) - correctionDeg(sensor, row));
+    const double c = std::cos(turn), s = std::sin(turn);
+    const Vec3& origin = from.channels[row].origin;
+    sensor.channels[row].origin = {c * origin.x - s * origin.y, s * origin.x + c * origin.y, origin.z};
+  }
+}
+
+/// Drops the note of a largest range that was assumed. Returns whether there was one.
+bool dropAssumedRange(SensorFile& file) {
+  return std::erase_if(file.assumed, [](const std::string& text) { return text.starts_with("a largest range"); }) > 0;
+}
+
+/// Takes from a built-in head the range at 10 % and the divergence, as far as a file does not state them, and the
+/// largest range instead of one that is assumed.
+void completeFigures(SensorSource& source, const Sensor& from) {
+  Sensor& sensor = source.file.sensor;
+  if (sensor.rangeAt10Percent == 0) sensor.rangeAt10Percent = from.rangeAt10Percent;
+  if (sensor.divergenceHorizontal == 0 && sensor.divergenceVertical == 0) {
+    sensor.divergenceHorizontal = from.divergenceHorizontal;
+    sensor.divergenceVertical = from.divergenceVertical;
+  }
+  if (dropAssumedRange(source.file)) sensor.rangeMax = from.rangeMax;
+}
+
 /// Applies the values of a built-in head that a calibration or a pattern does not state.
 void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   Sensor& sensor = source.file.sensor;
@@ -258,6 +298,7 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
     if (from.channels.size() != sensor.channels.size())
       source.refuse("has " + std::to_string(sensor.channels.size()) + " channels, the head '" + from.name + "' has " +
                     std::to_string(from.channels.size()));
+    takeOrigins(sensor, from);
     if (sameTurn) {
       sensor.azimuthStartDeg = from.azimuthStartDeg;
       sensor.azimuthSpanDeg = from.azimuthSpanDeg;
@@ -279,7 +320,14 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   sensor.divergenceVertical = from.divergenceVertical;
   sensor.maxReturns = from.maxReturns;
   sensor.nearHits = from.nearHits;
-  std::erase_if(source.file.assumed, [](const std::string& text) { return text.starts_with("a largest range"); });
+  dropAssumedRange(source.file);
+}
+
+/// Says how far a dark target is seen if no range at 10 % is known. Our own files state what they mean.
+void noteUnknownReach(SensorSource& source, bool isOurs) {
+  const Sensor& sensor = source.file.sensor;
+  if (isOurs || sensor.rangeAt10Percent > 0) return;
+  source.assume("that a target of 10 % is seen up to the largest range, because its range at 10 % is not stated");
 }
 
 }  // namespace
@@ -288,11 +336,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   SensorFile file;
   SensorFileOptions settings = options;
   Sensor from;
-  if (!options.head.empty()) {
-    from = builtinSensor(options.head);
-    if (settings.columns == 0) settings.columns = from.columns;
-    if (settings.beamsPerScan == 0 && !from.isGrid()) settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
-  }
+  if (!options.head.empty()) from = builtinSensor(options.head);
   SensorSource source{bytes, name, settings, file};
   json root = json::value_t::discarded;
   std::string problem;
@@ -305,9 +349,13 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   file.family = family.name;
   SensorSource asked{bytes, name, options, file};
   checkOptions(asked, family);
+  const bool completes = !options.head.empty() && (family.options & head);
+  if (completes && settings.columns == 0) settings.columns = from.columns;
+  if (completes && settings.beamsPerScan == 0 && !from.isGrid())
+    settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
   // The columns of a head need not fill a whole turn, but its scan takes all the time of a list of beams.
   const bool turns = (family.options & beamsPerScan) == 0;
-  if (settings.scanRate == 0 && from.rotationPeriod > 0)
+  if (completes && settings.scanRate == 0 && from.rotationPeriod > 0)
     settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / from.rotationPeriod;
   source.rateAsked = options.scanRate > 0;
   family.read(source, root);
@@ -315,7 +363,11 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
     if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())
       source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
                     " columns; at most 100 million are read");
-  if (!options.head.empty()) applyHead(source, from, options.columns == 0 && options.scanRate == 0);
+  if (completes)
+    applyHead(source, from, options.columns == 0 && options.scanRate == 0);
+  else if (!options.head.empty())
+    completeFigures(source, from);
+  noteUnknownReach(source, &family == &families().front());
   if (file.sensor.name.empty()) file.sensor.name = pathOf(name).stem().string();
   try {
     validate(file.sensor);

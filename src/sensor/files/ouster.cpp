@@ -230,15 +230,39 @@ void maskRows(const PixelAngles& angles, uint32_t columns, std::vector<bool>& ma
     if (angles.isZero(row)) std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * columns), columns, true);
 }
 
+/// Returns the head of the catalogue that has the figures of a product such as OS-1-64-U1, or null. The heads of a line
+/// differ in their number of lasers only.
+const CatalogueHead* headOf(const std::string& product) {
+  if (!product.starts_with("OS-") || product.size() < 5) return nullptr;
+  const std::string line = std::string("OS") + product[3] + "-", name = line + std::to_string(lasersOf(product));
+  const CatalogueHead* head = nullptr;
+  for (const CatalogueHead& candidate : sensorCatalogue())
+    if (candidate.name == name || (!head && candidate.name.starts_with(line))) head = &candidate;
+  return head;
+}
+
+/// Takes the figures of the catalogue for a product. Metadata tell neither them nor the generation of the head. A head
+/// that the caller names states them itself.
+void assumeFigures(SensorSource& source, const std::string& product) {
+  const CatalogueHead* const head = headOf(product);
+  if (!head || !source.options.head.empty())
+    return assumeRange(source, product.starts_with("OS-DOME") ? 45 : 170,
+                       product.starts_with("OS-DOME") ? ", as the data sheet of the OSDome has it" : "");
+  const Sensor figures = builtinSensor(head->name);
+  Sensor& sensor = source.file.sensor;
+  sensor.rangeAt10Percent = figures.rangeAt10Percent;
+  sensor.divergenceHorizontal = figures.divergenceHorizontal;
+  sensor.divergenceVertical = figures.divergenceVertical;
+  assumeRange(source, figures.rangeMax,
+              ", " + shownNumber(figures.rangeAt10Percent) + " m at 10 % and a divergence of " +
+                  shownNumber(std::round(1e5 * figures.divergenceHorizontal) / 100) + " mrad, as the catalogue's " +
+                  head->name + " has them");
+}
+
 void readRanges(SensorSource& source, const Metadata& metadata, const std::string& product) {
   if (const double centimetres = metadata.number("min_range_threshold_cm", 0); centimetres > 0)
     source.file.sensor.rangeMin = centimetres / 100;
-  const double sheet = product.starts_with("OS-0-")     ? 75
-                       : product.starts_with("OS-1-")   ? 170
-                       : product.starts_with("OS-2-")   ? 350
-                       : product.starts_with("OS-DOME") ? 45
-                                                        : 170;
-  assumeRange(source, sheet, product.empty() ? "" : ", as the data sheet of " + product + " states");
+  assumeFigures(source, product);
   source.ignore(
       "that Ouster counts ranges from the lidar's axis: they are larger than ours by the radius of the origins");
 }

@@ -19,8 +19,9 @@ using nlohmann::json;
 void setTurn(SensorSource& source, double startDeg) {
   Sensor& sensor = source.file.sensor;
   const SensorFileOptions& options = source.options;
-  if (options.columns == 0) source.assume("1800 columns in a turn; --columns sets another number");
-  if (options.scanRate == 0) source.assume("10 turns per second; --rate sets another number");
+  if (options.columns == 0)
+    source.assume("1800 columns in a turn of 360 degrees; `gnosphere sensors --columns` sets another number");
+  if (options.scanRate == 0) source.assume("10 turns per second; `gnosphere sensors --rate` sets another number");
   sensor.columns = options.columns > 0 ? options.columns : 1800;
   sensor.rotationPeriod = 1 / (options.scanRate > 0 ? options.scanRate : 10);
   sensor.azimuthStartDeg = startDeg;
@@ -107,7 +108,8 @@ void setBeams(SensorSource& source, BeamList list) {
   const bool timed = !list.times.empty();
   if (timed) ignoreRate(source);
   const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
-  if (source.options.scanRate == 0 && !timed) source.assume("10 scans per second; --rate sets another number");
+  if (source.options.scanRate == 0 && !timed)
+    source.assume("10 scans per second; `gnosphere sensors --rate` sets another number");
   for (size_t first = 0; first + size <= count; first += size) {
     BeamList& part = source.file.sensor.patterns.emplace_back();
     const auto cut = [&](auto& to, const auto& from) {

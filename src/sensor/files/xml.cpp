@@ -20,7 +20,8 @@ pugi::xml_node chooseXml(SensorSource& source, const std::vector<pugi::xml_node>
     names.append(names.empty() ? "" : ", ").append(node.attribute(attribute).value());
   }
   if (!value.empty()) source.refuse("has no lidar '" + value + "', but " + names);
-  if (nodes.size() > 1) source.assume("the first of the lidars " + names + "; --mode takes another");
+  if (nodes.size() > 1)
+    source.assume("the first of the lidars " + names + "; `gnosphere sensors --mode` takes another");
   return nodes[0];
 }
 
