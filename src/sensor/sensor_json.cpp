@@ -143,6 +143,15 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
   return channels;
 }
 
+/// A whole number from 0 to `most`, also one that is written as 100.0.
+uint32_t whole(const Source& source, const json& value, const std::string& what, uint32_t most, uint32_t least = 0) {
+  const double number = value.is_number() ? value.get<double>() : -1;
+  if (!(number >= least && number <= most) || number != std::floor(number))
+    source.refuse("'" + what + "' must be a whole number from " + std::to_string(least) + " to " +
+                  std::to_string(most));
+  return static_cast<uint32_t>(number);
+}
+
 /// Reads the optional properties beyond geometry.
 void readPulses(const Source& source, const json& root, Sensor& sensor) {
   if (const auto divergence = root.find("divergence_mrad"); divergence != root.end()) {
@@ -150,24 +159,13 @@ void readPulses(const Source& source, const json& root, Sensor& sensor) {
     sensor.divergenceHorizontal = angles[0] / kMilliPerUnit;
     sensor.divergenceVertical = angles[1] / kMilliPerUnit;
   }
-  if (const auto returns = root.find("max_returns"); returns != root.end()) {
-    if (!returns->is_number_unsigned() || returns->get<uint64_t>() > 5) {
-      source.refuse("'max_returns' must be a whole number from 1 to 5");
-    }
-    sensor.maxReturns = returns->get<uint32_t>();
-  }
+  if (const auto returns = root.find("max_returns"); returns != root.end())
+    sensor.maxReturns = whole(source, *returns, "max_returns", 5, 1);
   if (const auto period = root.find("rotation_period"); period != root.end()) {
     sensor.rotationPeriod = number(source, *period, "rotation_period");
   }
   if (const auto range = root.find("range_at_10_percent"); range != root.end())
     sensor.rangeAt10Percent = number(source, *range, "range_at_10_percent");
-}
-
-/// A whole number from 0 to `most`.
-uint32_t whole(const Source& source, const json& value, const std::string& what, uint32_t most) {
-  if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
-    source.refuse("'" + what + "' must be a whole number from 0 to " + std::to_string(most));
-  return value.get<uint32_t>();
 }
 
 template <typename T>
@@ -244,12 +242,12 @@ void readSector(const Source& source, const json& root, Sensor& sensor) {
 
 /// Reads columns and channels of a grid.
 void readGrid(const Source& source, const json& root, Sensor& sensor) {
-  const json& columns = member(source, root, "the sensor", "columns");
-  if (!columns.is_number_unsigned() || columns.get<uint64_t>() > 0xffffffffu) {
-    source.refuse("'columns' must be a whole number from 1 to 4294967295");
-  }
-  sensor.columns = columns.get<uint32_t>();
-  sensor.channels = root.contains("channels") ? channelsFromObjects(source, root) : channelsFromLists(source, root);
+  sensor.columns = whole(source, member(source, root, "the sensor", "columns"), "columns", 0xffffffffu);
+  const bool asObjects = root.contains("channels");
+  sensor.channels = asObjects ? channelsFromObjects(source, root) : channelsFromLists(source, root);
+  if (sensor.channels.empty())
+    source.refuse(std::string("'") + (asObjects ? "channels" : "elevation_deg") +
+                  "' is empty; a sensor has one channel at least");
 }
 
 Sensor sensorFromRoot(const Source& source, const json& root) {

@@ -38,9 +38,14 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuseIts("time offset", "within -1..1 s, is " + numberText(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})
     if (!(range >= 0) || !std::isfinite(range)) refuseIts("range", "finite and at least 0, is " + numberText(range));
-  if (channel.rangeMax > 0 && channel.rangeMin > channel.rangeMax)
-    refuseIts("range min",
-              "at most its range max, " + numberText(channel.rangeMax) + ", is " + numberText(channel.rangeMin));
+  if (sensor.rotationPeriod > 0 && std::abs(channel.timeOffset) > sensor.rotationPeriod)
+    refuseIts("time offset", "within the rotation period, " + numberText(sensor.rotationPeriod) + " s, is " +
+                                 numberText(channel.timeOffset));
+  const bool hasOwn = channel.rangeMin > 0 || channel.rangeMax > 0;
+  const double least = channel.rangeMin > 0 ? channel.rangeMin : sensor.rangeMin;
+  const double most = channel.rangeMax > 0 ? channel.rangeMax : sensor.rangeMax;
+  if (hasOwn && most > 0 && least >= most)
+    refuseIts("range min", "less than its range max, " + numberText(most) + ", is " + numberText(least));
 }
 
 void checkGrid(const Sensor& sensor) {

@@ -83,12 +83,33 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
   CHECK(rangeWindowOf(file.sensor, 0, 0).least == 5);
   CHECK(rangeWindowOf(file.sensor, 0, 1).most == 70);
   CHECK(file.sensor.rangeMax == 70);
-  CHECK(file.ignored == std::vector<std::string>{"the column 'foo'"});
+  REQUIRE(file.ignored.size() == 2);
+  CHECK(file.ignored[0] == "the column 'foo'");
+  CHECK(file.ignored[1] == "the index: the beams make one row of a cloud, in which masked beams have no place");
+  CHECK(lists(file.assumed, "1 return a beam"));
   CHECK_THAT(problemOf("azimuth,elevation,origin_x\n0,0,0\n", "b.csv"), ContainsSubstring("origin_y and origin_z"));
   CHECK_THAT(problemOf("azimuth,elevation,range_max\n0,0,0\n", "b.csv"), ContainsSubstring("range_min and range_max"));
   CHECK_THAT(problemOf("azimuth,elevation,range_min,range_max\n0,0,60,50\n", "b.csv"),
              ContainsSubstring("range min of beam 0 must be at most its range max, 50, is 60"));
   CHECK_THAT(problemOf("azimuth,elevation,pattern\n0,0,1\n", "b.csv"), ContainsSubstring("directions are empty"));
+}
+
+TEST_CASE("beam tables: a first column of another name than channel or laser makes no Hesai head") {
+  const char* rows = "0,10,5\n1,20,-5\n";
+  for (const char* header : {"ring,azimuth_deg,elevation_deg", "channel,azimuth_deg,elevation_deg",
+                             "ring,azimuth,elevation", "beam,azimuth,elevation"}) {
+    INFO(header);
+    const SensorFile file = readSensorFile(std::string(header) + "\n" + rows, "t.csv");
+    CHECK(file.family == "beam table");
+    REQUIRE(file.sensor.beamCount() == 2);
+    CHECK_THAT(azimuthDeg(file.sensor, 1), WithinAbs(20, 1e-12));
+    CHECK_THAT(elevationDeg(file.sensor, 1), WithinAbs(-5, 1e-12));
+    CHECK(ringOf(file.sensor, 1) == (header[0] == 'r' ? 1 : 0));
+  }
+  for (const char* header : {"Channel,Elevation,Azimuth", "Laser id,Elevation,Azimuth", "laser,azimuth,elevation"}) {
+    INFO(header);
+    CHECK(readSensorFile(std::string(header) + "\n1,10,5\n2,20,-5\n", "t.csv").family == "Hesai angle correction");
+  }
 }
 
 TEST_CASE("NumPy arrays: angles, directions and poses, in either order of bytes and of indices") {

@@ -165,7 +165,7 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
   Sensor sensor = small();
   sensor.divergenceHorizontal = 3e-3;
   sensor.maxReturns = 3;
-  sensor.rotationPeriod = 0.1;
+  sensor.rotationPeriod = 0.4;
   sensor.channels[0].origin = {1.0 / 3, -0.0, 5e-324};
   sensor.channels[1].timeOffset = -1.0 / 3;
   for (double mrad : {0.0, 1.5, 1.0 / 3, 100.0 / 3, 1e-6, 100.0}) {
@@ -175,7 +175,7 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
     CHECK(bits(back.divergenceHorizontal) == bits(3e-3));
     CHECK(bits(back.divergenceVertical) == bits(mrad / 1000));
     CHECK(back.maxReturns == 3);
-    CHECK(bits(back.rotationPeriod) == bits(0.1));
+    CHECK(bits(back.rotationPeriod) == bits(0.4));
     CHECK(bits(back.channels[0].origin.x) == bits(1.0 / 3));
     CHECK(bits(back.channels[0].origin.y) == bits(-0.0));
     CHECK(bits(back.channels[0].origin.z) == bits(5e-324));
@@ -285,11 +285,28 @@ TEST_CASE("channels may be written as objects instead of lists") {
   CHECK(sensor.rangeMin == 0);
 }
 
-TEST_CASE("a sensor without channels has no beams") {
-  const Sensor sensor =
-      sensorFromJson(R"({"name": "none", "columns": 8, "range": {"max": 5}, "elevation_deg": []})", "test");
+TEST_CASE("a sensor without channels has no beams, and a file of one is refused") {
+  Sensor sensor = small();
+  sensor.channels.clear();
+  CHECK_NOTHROW(validate(sensor));
   CHECK(sensor.beamCount() == 0);
-  CHECK(sensorFromJson(toJson(sensor), "test").channels.empty());
+  CHECK_THAT(problemOf(toJson(sensor)), ContainsSubstring("'elevation_deg' is empty; a sensor has one channel"));
+  CHECK_THAT(problemOf(R"({"name": "none", "columns": 8, "range": {"max": 5}, "channels": []})"),
+             ContainsSubstring("'channels' is empty"));
+}
+
+TEST_CASE("a whole number of a sensor file may be written with a point") {
+  const Sensor sensor = sensorFromJson(
+      R"({"name": "a", "columns": 100.0, "range": {"max": 5}, "elevation_deg": [1], "max_returns": 2.0,
+          "masked_beams": [3.0]})",
+      "test");
+  CHECK(sensor.columns == 100);
+  CHECK(sensor.maxReturns == 2);
+  CHECK(sensor.maskedBeams == std::vector<uint32_t>{3});
+  for (const char* bad : {"4294967296", "1e300", "-1.0", "0.5", "\"8\"", "true"})
+    CHECK_THAT(
+        problemOf(R"({"name": "a", "range": {"max": 5}, "elevation_deg": [1], "columns": )" + std::string(bad) + "}"),
+        ContainsSubstring("'columns' must be a whole number from 0 to 4294967295"));
 }
 
 TEST_CASE("an invalid sensor file is refused with the cause") {
@@ -362,6 +379,33 @@ TEST_CASE("validate refuses invalid sensors") {
   sensor = small();
   sensor.channels[1].timeOffset = bad;
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+}
+
+TEST_CASE("validate refuses channels that measure nothing or fire in another turn") {
+  const auto mistake = [](double least, double most, double time) {
+    Sensor sensor = small();  // of 10 m
+    sensor.rangeMin = 2;
+    sensor.rotationPeriod = 0.1;
+    sensor.channels[1].rangeMin = least;
+    sensor.channels[1].rangeMax = most;
+    sensor.channels[1].timeOffset = time;
+    return test::problemOf([&] { validate(sensor); }, ErrorCode::invalidArgument);
+  };
+  for (const double least : {10.0, 12.0})
+    CHECK_THAT(mistake(least, 0, 0), ContainsSubstring("range min of channel 1 must be less than its range max, 10,"));
+  CHECK_THAT(mistake(5, 5, 0), ContainsSubstring("must be less than its range max, 5, is 5"));
+  CHECK_THAT(mistake(0, 1, 0), ContainsSubstring("must be less than its range max, 1, is 2"));
+  CHECK_THAT(mistake(0, 0, -0.11),
+             ContainsSubstring("time offset of channel 1 must be within the rotation period, 0.1 s, is -0.11"));
+  Sensor sensor = small();
+  sensor.channels[1].rangeMin = 12;
+  sensor.channels[1].rangeMax = 20;
+  sensor.rotationPeriod = 0.1;
+  sensor.channels[1].timeOffset = -0.1;
+  CHECK_NOTHROW(validate(sensor));
+  sensor.rotationPeriod = 0;
+  sensor.channels[1].timeOffset = 0.5;
+  CHECK_NOTHROW(validate(sensor));
 }
 
 TEST_CASE("a sensor whose range is not set is refused, unless each laser has its own") {

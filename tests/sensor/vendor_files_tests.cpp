@@ -102,6 +102,8 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
                 "OS1-32 has them"));
   }
   CHECK(readSensorFile(kOusterNested, "os.json").sensor.maxReturns == 2);
+  CHECK(lists(readSensorFile(kOusterNested, "os.json").assumed, "returns.mode=strongest-second-strongest"));
+  CHECK_FALSE(lists(readSensorFile(kOusterFlat, "os.json").assumed, "echoes"));
   std::string mounted(kOusterNested);
   mounted.insert(mounted.rfind('}'),
                  R"(, "ouster-sdk": {"extrinsic": [0,-1,0,1, 1,0,0,2, 0,0,1,3, 0,0,0,1]}, "return_order": "x")");

@@ -98,7 +98,7 @@ void describe(const SensorFile& file) {
   std::string beams =
       grouped(all.fired) + " in a cloud of " + grouped(sensor.width()) + " x " + grouped(sensor.height());
   if (sensor.patterns.size() > 1) beams += formatted(", %zu patterns in turn", sensor.patterns.size());
-  if (!sensor.maskedBeams.empty()) beams += ", " + grouped(sensor.maskedBeams.size()) + " masked";
+  if (const size_t masked = sensor.beamCount() - all.fired; masked > 0) beams += ", " + grouped(masked) + " masked";
   say("beams", beams);
   if (sensor.isGrid()) say("turn", turnText(sensor));
   say("rings", all.ring.text(""));

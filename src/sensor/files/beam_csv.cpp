@@ -21,29 +21,36 @@ struct Place {
 
 /// The columns of a table, of which azimuth and zenith or elevation must be there.
 struct Columns {
-  std::optional<Place> time, azimuth, zenith, elevation, ring, pattern, originX, originY, originZ, least, most;
+  std::optional<Place> time, azimuth, zenith, elevation, ring, pattern, originX, originY, originZ, least, most, index;
   size_t count = 0;
 
   Columns(SensorSource& source, const std::vector<std::string_view>& header) : count(header.size()) {
     const std::pair<const char*, std::optional<Place>*> names[] = {
         {"origin_x", &originX}, {"origin_y", &originY}, {"origin_z", &originZ}, {"range_min", &least},
         {"range_max", &most},   {"azimuth", &azimuth},  {"zenith", &zenith},    {"elevation", &elevation},
-        {"time", &time},        {"ring", &ring},        {"pattern", &pattern}};
+        {"time", &time},        {"ring", &ring},        {"pattern", &pattern},  {"index", &index}};
     for (size_t i = 0; i < header.size(); ++i) {
       const auto name = std::find_if(std::begin(names), std::end(names),
                                      [&](const auto& each) { return containsWord(header[i], each.first); });
       if (name != std::end(names) && !*name->second)
         *name->second = Place{i, unitOf(header[i], name->first)};
-      else if (!sameWord(header[i], "index") && !header[i].empty())
+      else if (!header[i].empty())
         source.ignore("the column '" + std::string(header[i]) + "'");
     }
     if (!azimuth || (!zenith && !elevation))
       source.refuse("line 1 is '" + std::string(linesOf(source.bytes)[0].substr(0, 80)) +
                     "', expected is a header such as Time/s,Azimuth/deg,Zenith/deg");
+    if (index) noteIndex(source);
     if (zenith && elevation) source.ignore("the elevations, because there are zenith angles");
     if (originX.has_value() != originY.has_value() || originX.has_value() != originZ.has_value())
       source.refuse("has not all of the columns origin_x, origin_y and origin_z");
     if (least.has_value() != most.has_value()) source.refuse("has only one of the columns range_min and range_max");
+  }
+
+  /// Says what a table that `gnosphere sensors --beams` has written does not bring back.
+  static void noteIndex(SensorSource& source) {
+    source.ignore("the index: the beams make one row of a cloud, in which masked beams have no place");
+    source.assume("1 return a beam");
   }
 
   static double unitOf(std::string_view header, std::string_view column) {

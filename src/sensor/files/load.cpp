@@ -55,14 +55,15 @@ std::string_view firstLine(std::string_view bytes) {
   return bytes.substr(0, std::min({bytes.find('\n'), bytes.size(), size_t{1000}}));
 }
 
-/// Returns whether the header of a CSV file is that of an angle correction, which has a channel and its angles.
+/// Returns whether the header of a CSV file is that of an angle correction, which has a channel and its angles. The
+/// header of a beam table names what such a file lacks: units, rings, times.
 bool isAngleTable(std::string_view bytes) {
-  const std::string_view line = firstLine(bytes), channel = cellsOf(line)[0];
+  const std::string_view line = firstLine(bytes), first = cellsOf(line)[0];
   const auto has = [&](const char* word) { return containsWord(line, word); };
   const bool angles =
-      has("elevation") && has("azimuth") && !containsWord(channel, "elevation") && !containsWord(channel, "azimuth");
-  return (angles && !has("time") && !has("origin") && !has("range_") && !has("pattern")) ||
-         (containsWord(line, "eeff") && containsWord(bytes.substr(0, 2000), "elevation"));
+      (containsWord(first, "channel") || containsWord(first, "laser")) && has("elevation") && has("azimuth");
+  const bool ofBeams = has("_deg") || has("ring") || has("time") || has("origin") || has("range_") || has("pattern");
+  return (angles && !ofBeams) || (containsWord(line, "eeff") && containsWord(bytes.substr(0, 2000), "elevation"));
 }
 
 bool isRayTable(std::string_view bytes) {

@@ -285,7 +285,12 @@ void readOuster(SensorSource& source, const json& root) {
   for (size_t beam = 0; beam < masked.size(); ++beam)
     if (masked[beam]) sensor.maskedBeams.push_back(static_cast<uint32_t>(beam));
 
-  if (metadata.text("udp_profile_lidar").ends_with("_DUAL")) sensor.maxReturns = 2;
+  if (metadata.text("udp_profile_lidar").ends_with("_DUAL")) {
+    sensor.maxReturns = 2;
+    source.assume(
+        "the two nearest echoes of a beam; the effect returns.mode=strongest-second-strongest gives the two strongest, "
+        "as Ouster's dual return is");
+  }
   readRanges(source, metadata, product);
   for (const char* key :
        {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier", "return_order", "azimuth_window"})
