@@ -502,6 +502,33 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
   for (uint32_t i = 0; i < width; ++i) CHECK(cdr.substr(data + 28 * i, 16) == points.substr(16 * i, 16));
 }
 
+TEST_CASE("MCAP: the folder is a bag of rosbag2, whose metadata count the messages of the file") {
+  using Catch::Matchers::ContainsSubstring;
+  const std::string text = made().get("out/mcap/metadata.yaml"), mcap = made().get("out/mcap/drive.mcap");
+  const auto part = [&](const std::string& topic) {
+    const size_t begin = text.find("name: " + topic + "\n"), end = text.find("message_count: ", begin);
+    REQUIRE(end != text.npos);
+    return text.substr(begin, text.find('\n', end) - begin);
+  };
+  CHECK_THAT(text,
+             Catch::Matchers::StartsWith("rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"));
+  CHECK_THAT(text, ContainsSubstring("  message_count: 117\n  topics_with_message_count:\n"));
+  CHECK_THAT(text, ContainsSubstring("\n  relative_file_paths:\n    - drive.mcap\n"));
+  CHECK(part("/tf").ends_with("message_count: 101"));
+  CHECK(part("/tf_static").ends_with("message_count: 1"));
+  CHECK_THAT(part("/tf_static"), ContainsSubstring("durability: 1"));
+  CHECK_THAT(part("/top/points"), ContainsSubstring("type: sensor_msgs/msg/PointCloud2\n"));
+  CHECK(part("/top/points").ends_with("message_count: 10"));
+  // The statistics of the file have the times of its first and its last message.
+  size_t p = 8;
+  while (at<uint8_t>(mcap, p) != 0x0b) p += 9 + at<uint64_t>(mcap, p + 1);
+  CHECK(at<uint64_t>(mcap, p + 9) == 117);
+  const auto begin = at<uint64_t>(mcap, p + 9 + 26), end = at<uint64_t>(mcap, p + 9 + 34);
+  CHECK_THAT(text,
+             ContainsSubstring("      starting_time:\n        nanoseconds_since_epoch: " + std::to_string(begin)));
+  CHECK_THAT(text, ContainsSubstring("      duration:\n        nanoseconds: " + std::to_string(end - begin) + "\n"));
+}
+
 TEST_CASE("MCAP: intensities are 0 to 1 whatever the scale, and a drive without them has no such field") {
   Json json = smallDrive();
   json["sensors"][0]["effects"] = {{"intensity", {{"scale", "byte"}}}};

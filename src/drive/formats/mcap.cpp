@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // drive.mcap: ROS 2 messages, sensor_msgs/PointCloud2 on /NAME/points and tf2_msgs/TFMessage on /tf and /tf_static.
+// metadata.yaml beside it makes the folder a bag of rosbag2, version 5 of its format (ROS 2 Humble and later).
+#include <map>
+
+#include "base/json_text.hpp"
 #include "drive/formats/cdr.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/formats/mcap_file.hpp"
@@ -110,6 +114,7 @@ class Mcap : public Format {
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     const std::string bag = path("drive.mcap");
     files.addMade(bag, [&] { writeBag(frames.size(), files); });
+    files.write(path("metadata.yaml"), metadata(frames));
   }
 
  private:
@@ -117,9 +122,44 @@ class Mcap : public Format {
   void writeBag(uint64_t frameCount, const FinalFiles& files) const {
     std::vector<std::filesystem::path> chunks;
     for (uint64_t frame = 0; frame < frameCount; ++frame) chunks.push_back(files / chunkPath(frame));
+    writeMcap(files / path("drive.mcap"), schemas(), channels(), chunks);
+  }
+
+  std::vector<McapChannel> channels() const {
     std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
     for (size_t sensor : output_.sensors) channels.push_back({2, topicOf(drive_.sensors[sensor], "/points"), false});
-    writeMcap(files / path("drive.mcap"), schemas(), channels, chunks);
+    return channels;
+  }
+
+  /// Returns what rosbag2 wants to know of a bag before it opens its file.
+  std::string metadata(const std::vector<FrameSummary>& frames) const {
+    // The first and the last message are poses of the vehicle.
+    const std::vector<double> last = poseTimes(drive_, frames.size() - 1, true);
+    const int64_t begin = timeOf(drive_.start), duration = timeOf(last.back()) - begin;
+    std::map<uint16_t, uint64_t> counts = {{kTf, (frames.size() - 1) * posesPerFrame(drive_) + last.size()},
+                                           {kTfStatic, 1}};
+    eachScan(frames, [&](const ScanSummary& scan) { ++counts[channelOf(scan.planned.sensor)]; });
+    uint64_t messages = 0;
+    std::string topics;
+    const std::vector<McapChannel> all = channels();
+    for (size_t i = 0; i < all.size(); ++i) {
+      const uint64_t count = counts[static_cast<uint16_t>(i + 1)];
+      messages += count;
+      topics += "    - topic_metadata:\n        name: " + all[i].topic +
+                "\n        type: " + schemas()[all[i].schema - 1].name +
+                "\n        serialization_format: cdr\n        offered_qos_profiles: " +
+                jsonText(nlohmann::json(qosOf(all[i]))) + "\n      message_count: " + std::to_string(count) + "\n";
+    }
+    const auto span = [&](const std::string& indent) {
+      return indent + "duration:\n" + indent + "  nanoseconds: " + std::to_string(duration) + "\n" + indent +
+             "starting_time:\n" + indent + "  nanoseconds_since_epoch: " + std::to_string(begin) + "\n" + indent +
+             "message_count: " + std::to_string(messages) + "\n";
+    };
+    return "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n" + span("  ") +
+           "  topics_with_message_count:\n" + topics +
+           "  compression_format: \"\"\n  compression_mode: \"\"\n  relative_file_paths:\n    - drive.mcap\n  "
+           "files:\n" +
+           "    - path: drive.mcap\n" + span("      ");
   }
 
   int64_t timeOf(double time) const { return unixNanoseconds(drive_, time); }

@@ -59,19 +59,13 @@ std::string schemaRecord(const McapSchema& schema, uint16_t number) {
 }
 
 std::string channelRecord(const McapChannel& channel, uint16_t number) {
-  // rosbag2 keeps the quality of service of a topic as YAML. Zeros are durations without a limit.
-  const std::string profile = std::string("- history: 1\n  depth: 10\n  reliability: 1\n  durability: ") +
-                              (channel.latched ? "1" : "2") +
-                              "\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: "
-                              "9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    "
-                              "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false\n";
   std::string content, metadata;
   append(content, number);
   append(content, channel.schema);
   appendText(content, channel.topic);
   appendText(content, "cdr");
   appendText(metadata, "offered_qos_profiles");
-  appendText(metadata, profile);
+  appendText(metadata, qosOf(channel));
   appendText(content, metadata);
   return recordOf(kChannel, content);
 }
@@ -141,6 +135,14 @@ std::string statisticsRecord(const std::vector<ChunkSummary>& chunks, const std:
 }
 
 }  // namespace
+
+std::string qosOf(const McapChannel& channel) {
+  // Durations of the most seconds are without a limit.
+  return std::string("- history: 1\n  depth: 10\n  reliability: 1\n  durability: ") + (channel.latched ? "1" : "2") +
+         "\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: "
+         "9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    "
+         "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false\n";
+}
 
 std::string mcapChunk(std::vector<McapMessage> messages) {
   std::stable_sort(messages.begin(), messages.end(), [](const auto& a, const auto& b) { return a.time < b.time; });

@@ -18,6 +18,9 @@ struct McapChannel {
   std::string topic;
   bool latched = false;  ///< whether late subscribers get the last message, as of /tf_static
 };
+/// Returns the quality of service of a channel as rosbag2 keeps it, which is YAML.
+std::string qosOf(const McapChannel& channel);
+
 struct McapMessage {
   uint16_t channel = 1;  ///< number of the channel, from 1 on
   uint32_t sequence = 0;
