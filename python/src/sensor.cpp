@@ -191,6 +191,25 @@ std::filesystem::path fileOrNone(std::filesystem::path file) {
   return file == "." ? std::filesystem::path() : file;
 }
 
+/// Reads a sensor file, and warns of what it leaves open and of what it states in vain.
+Sensor loadTold(const std::filesystem::path& path, std::string head, std::string mode, double scanRate,
+                uint32_t columns, uint32_t beamsPerScan, std::filesystem::path fireTimes) {
+  const SensorFileOptions options = {std::move(head), std::move(mode), scanRate,
+                                     columns,         beamsPerScan,    fileOrNone(std::move(fireTimes))};
+  SensorFile file;
+  {
+    const ReleasedGil released;
+    file = readSensorFile(path, options);
+  }
+  const auto warn = [&](const char* what, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts)
+      if (PyErr_WarnEx(PyExc_UserWarning, (path.string() + what + text).c_str(), 1) != 0) throw nb::python_error();
+  };
+  warn(": assumed: ", file.assumed);
+  warn(": ignored: ", file.ignored);
+  return std::move(file.sensor);
+}
+
 void bindSensorFiles(nb::module_& m) {
   nb::class_<SensorFileOptions>(m, "SensorFileOptions", "What a sensor file leaves open.")
       .def(
@@ -242,7 +261,11 @@ void bindSensorFiles(nb::module_& m) {
       "file"_a, "options"_a = SensorFileOptions(), WithoutGil(),
       "Reads a sensor file of any family that docs/sensors.md lists. The content decides which family it is. Raises "
       "Error(file) if it cannot be read, and Error(format) if its content is bad or belies the ending of its name.");
-  m.def("load_sensor", &loadSensor, "file"_a, WithoutGil(), "Returns the sensor of read_sensor_file().");
+  m.def(
+      "load_sensor", &loadTold, "file"_a, nb::kw_only(), "head"_a = "", "mode"_a = "", "scan_rate"_a = 0.0,
+      "columns"_a = 0, "beams_per_scan"_a = 0, "fire_times"_a = "",
+      "Returns the sensor of read_sensor_file() with these SensorFileOptions. A UserWarning tells each value that was "
+      "assumed, and each that the file states and a Sensor does not hold.");
   m.def(
       "to_json", [](const Sensor& of) { return toJson(of); }, "sensor"_a,
       "Writes a sensor as JSON that sensor_from_json() reads.");

@@ -4,6 +4,7 @@
 import gc
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +165,30 @@ def test_the_options_of_a_sensor_file():
     options.fire_times = Path("times.csv")
     with refused(ErrorCode.invalid_argument, "--fire-times does not apply"):
         gnosphere.read_sensor_file(scanner, "a.xml", options)
+
+
+def test_a_sensor_file_tells_what_it_leaves_open(tmp_path):
+    angles = tmp_path / "angles.csv"
+    angles.write_text("Channel,Elevation,Azimuth\n" + "".join(f"{row},{10 - row},0\n" for row in range(1, 129)))
+    with pytest.warns(UserWarning) as told:
+        assert gnosphere.load_sensor(angles).columns == 1800
+    texts = [str(warning.message) for warning in told]
+    assert f"{angles}: assumed: 1800 columns in a turn of 360 degrees" in texts[0]
+    assert all(warning.filename == __file__ for warning in told)
+    with pytest.warns(UserWarning, match="a largest range"):
+        sensor = gnosphere.load_sensor(angles, columns=90, scan_rate=20)
+    assert (sensor.columns, sensor.rotation_period) == (90, 0.05)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sensor = gnosphere.load_sensor(angles, head="AT128")
+        assert (sensor.azimuth_span_deg, sensor.range_at10_percent) == (-120, 200)
+        own = tmp_path / "own.json"
+        own.write_text(gnosphere.to_json(gnosphere.builtin_sensor("VLP-16")))
+        assert gnosphere.load_sensor(own).name == "VLP-16"
+        with pytest.raises(UserWarning, match="a turn of 360 degrees"):
+            gnosphere.load_sensor(angles)
+    with refused(ErrorCode.invalid_argument, "--mode is an operational state"):
+        gnosphere.load_sensor(angles, mode="2")
 
 
 def test_files_that_cannot_be_read(tmp_path, simulator, pose):

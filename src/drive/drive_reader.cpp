@@ -159,6 +159,7 @@ Sensor DriveReader::sensor(const json& value, const std::string& path) {
   const auto load = [&](const fs::path& file) {
     SensorFile read = readSensorFile(file);
     for (const std::string& text : read.assumed) drive_.warnings.push_back(path + ": assumed: " + text);
+    for (const std::string& text : read.ignored) drive_.warnings.push_back(path + ": ignored: " + text);
     return std::move(read.sensor);
   };
   attempt(path, [&] {

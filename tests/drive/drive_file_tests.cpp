@@ -334,8 +334,15 @@ TEST_CASE("a list of beams is not fired again before its last beam, and what a s
       "rangeMax_m='900' maxNOR='1'/></document>");
   sensor["sensor"] = "als.xml";
   const std::vector<std::string> warnings = folder.read(json).warnings;
-  REQUIRE(warnings.size() == 2);
+  REQUIRE(warnings.size() == 3);
   CHECK_THAT(warnings[0], ContainsSubstring("sensors[0].sensor: assumed: the mirror's largest frequency, 10 Hz"));
+  CHECK_THAT(warnings[2], ContainsSubstring("a target of 10 % is seen up to the largest range"));
+
+  put(folder / "two.yaml",
+      "lasers:\n- {laser_id: 0, vert_correction: 0.1, focal_slope: 2}\n- {laser_id: 1, vert_correction: 0}\n");
+  sensor["sensor"] = "two.yaml";
+  sensor["rate"] = 10;
+  CHECK(folder.read(json).warnings.back() == "sensors[0].sensor: ignored: focal_slope of the lasers");
 }
 
 TEST_CASE("no scan starts at the end of a drive or later, although its last frame lasts longer") {

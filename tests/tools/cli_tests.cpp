@@ -278,6 +278,26 @@ TEST_CASE("a printed sensor is a valid file for --sensor") {
   CHECK(place.run("scan floor.obj --device reference --sensor TiM781").status == 0);
 }
 
+TEST_CASE("every command that takes a sensor file tells what the file leaves open") {
+  const Workplace place;
+  place.put("at.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.25\n2,-3.5,1.25\n");
+  place.put("lasers.yaml",
+            "lasers:\n- {laser_id: 0, vert_correction: 0.1, focal_slope: 2}\n- {laser_id: 1, vert_correction: 0}\n");
+  for (const char* command : {"scan floor.obj --device reference", "plan floor.obj --device reference",
+                              "accuracy floor.obj --device cuda:99"}) {
+    INFO(command);
+    const Result result = place.run(std::string(command) + " --sensor at.csv");
+    CHECK_THAT(result.err,
+               ContainsSubstring("gnosphere: warning: at.csv: assumed: 1800 columns in a turn of 360 degrees; "
+                                 "`gnosphere sensors --columns` sets another number\n") &&
+                   ContainsSubstring("at.csv: assumed: a largest range of 200 m\n"));
+  }
+  CHECK_THAT(place.run("scan floor.obj --device reference --sensor lasers.yaml").err,
+             ContainsSubstring("warning: lasers.yaml: ignored: focal_slope of the lasers\n"));
+  place.put("own.json", place.run("sensors VLP-16 --json").out);
+  CHECK(place.run("scan floor.obj --device reference --sensor own.json").err.find("assumed") == std::string::npos);
+}
+
 TEST_CASE("sensors tells how a file was understood, writes its beams and draws them") {
   const Workplace place;
   place.put("two.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.25\n2,-3.5,1.25\n");
@@ -291,6 +311,9 @@ TEST_CASE("sensors tells how a file was understood, writes its beams and draws t
                         "1,0,-88.750000000,14.500000000,0.000000000,0.000000000,0.000000000,12500.000000,0,200\n"));
   CHECK(bytesOf(place / "p.png").starts_with("\x89PNG"));
   CHECK_THAT(place.run("sensors two.csv --json").err, ContainsSubstring("assumed: "));
+  place.put("twice.json", R"({"name": "a", "columns": 8, "range": {"max": 5}, "elevation_deg": [1],
+                             "masked_beams": [3, 3]})");
+  CHECK_THAT(place.run("sensors twice.json").out, ContainsSubstring("7 in a cloud of 8 x 1, 1 masked\n"));
   CHECK_THAT(place.run("sensors os1-64:2048x10").out, ContainsSubstring("131,072") && ContainsSubstring("data sheet"));
   CHECK_THAT(place.run("sensors vlp-16").out, ContainsSubstring("Table 2 of the GnoSphere360 paper"));
   checkRefused("sensors OS1-64:7", 2, "has no mode '7', but 1024x10, 512x10");

@@ -156,8 +156,20 @@ void checkScanning(const ScanningOptions& options) {
   if (!options.pose.empty()) parsePose(options.pose);
 }
 
+namespace {
+
+/// Reads a sensor file, and tells what it leaves open and what it states in vain.
+Sensor loadTold(const std::filesystem::path& path) {
+  SensorFile file = readSensorFile(path);
+  for (const std::string& text : file.assumed) complain("warning: " + path.string() + ": assumed: " + text);
+  for (const std::string& text : file.ignored) complain("warning: " + path.string() + ": ignored: " + text);
+  return std::move(file.sensor);
+}
+
+}  // namespace
+
 Sensor sensorOf(const std::string& nameOrFile) {
-  return namedOrLoaded(nameOrFile, builtinSensor, loadSensor);
+  return namedOrLoaded(nameOrFile, builtinSensor, loadTold);
 }
 
 BuiltInHead builtInHead(const std::string& name) {

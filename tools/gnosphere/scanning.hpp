@@ -57,7 +57,7 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
   }
   return load(pathOf(nameOrFile));
 }
-/// The sensor that --sensor names.
+/// The sensor that --sensor names. Warns of what a file leaves open, and of what it states and a sensor does not hold.
 Sensor sensorOf(const std::string& nameOrFile);
 
 /// A head that is built in: an ideal one of the paper, or a real one of the catalogue; or neither of them.
