@@ -169,14 +169,15 @@ def test_the_options_of_a_sensor_file():
 
 def test_a_sensor_file_tells_what_it_leaves_open(tmp_path):
     angles = tmp_path / "angles.csv"
-    angles.write_text("Channel,Elevation,Azimuth\n" + "".join(f"{row},{10 - row},0\n" for row in range(1, 129)))
+    angles.write_text("Channel,Elevation,Azimuth\n" + "".join(f"{row},{64 - row},0\n" for row in range(1, 129)))
     with pytest.warns(UserWarning) as told:
         assert gnosphere.load_sensor(angles).columns == 1800
     texts = [str(warning.message) for warning in told]
     assert f"{angles}: assumed: 1800 columns in a turn of 360 degrees" in texts[0]
     assert all(warning.filename == __file__ for warning in told)
-    with pytest.warns(UserWarning, match="a largest range"):
+    with pytest.warns(UserWarning) as told:
         sensor = gnosphere.load_sensor(angles, columns=90, scan_rate=20)
+    assert len(told) == len(texts) - 2
     assert (sensor.columns, sensor.rotation_period) == (90, 0.05)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
