@@ -94,6 +94,37 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
   CHECK_THAT(problemOf("azimuth,elevation,pattern\n0,0,1\n", "b.csv"), ContainsSubstring("directions are empty"));
 }
 
+TEST_CASE("beam tables: the index and the ring bring back the organised cloud and its masked beams") {
+  const std::string header = "index,ring,azimuth_deg,elevation_deg,time_us,range_min,range_max\n";
+  // 3 rows of 4; the first column of the middle row and the last of the lowest rest.
+  std::string rows;
+  for (const int i : {0, 1, 2, 3, 5, 6, 7, 8, 9, 10})
+    rows += std::to_string(i) + "," + std::to_string(i / 4) + "," + std::to_string(10 * (i % 4)) + "," +
+            std::to_string(5 - 5 * (i / 4)) + "," + std::to_string(i) + ",1,60\n";
+  const SensorFile file = readSensorFile(header + rows, "b.csv");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.width() == 4);
+  CHECK(sensor.height() == 3);
+  CHECK(sensor.maskedBeams == std::vector<uint32_t>{4, 11});
+  CHECK_THAT(azimuthDeg(sensor, 6), WithinAbs(20, 1e-12));
+  CHECK_THAT(elevationDeg(sensor, 10), WithinAbs(-5, 1e-12));
+  CHECK_THAT(timeOf(sensor, 10), WithinAbs(1e-5, 1e-18));
+  CHECK(ringOf(sensor, 8) == 2);
+  CHECK(file.ignored.empty());
+  CHECK(lists(file.assumed, "1 return a beam"));
+  const auto isOneRow = [&](const std::string& text, size_t beams, const SensorFileOptions& options = {}) {
+    const SensorFile read = readSensorFile(header + text, "b.csv", options);
+    return read.sensor.height() == 1 && read.sensor.beamCount() == beams && read.sensor.maskedBeams.empty() &&
+           lists(read.ignored, "the index: the beams make one row");
+  };
+  CHECK(isOneRow("0,1,0,0,0,1,60\n1,0,1,0,0,1,60\n", 2));                  // rings are no rows
+  CHECK(isOneRow("0,0,0,0,0,1,60\n5,1,1,0,0,1,60\n", 2));                  // the width may be 1 to 5
+  CHECK(isOneRow("0,0,0,0,0,1,60\n1,1,0,0,0,1,60\n1,1,1,0,0,1,60\n", 3));  // an index twice
+  CHECK(isOneRow("1999,0,0,0,0,1,60\n2000,1,1,0,0,1,60\n", 2));            // hardly a beam of the cloud is there
+  CHECK(isOneRow(rows, 5, {.beamsPerScan = 5}));
+  CHECK_THAT(problemOf(header + "-1,0,0,0,0,1,60\n", "b.csv"), ContainsSubstring("the index -1 is not a whole number"));
+}
+
 TEST_CASE("beam tables: a first column of another name than channel or laser makes no Hesai head") {
   const char* rows = "0,10,5\n1,20,-5\n";
   for (const char* header : {"ring,azimuth_deg,elevation_deg", "channel,azimuth_deg,elevation_deg",

@@ -311,6 +311,9 @@ TEST_CASE("sensors tells how a file was understood, writes its beams and draws t
                         "1,0,-88.750000000,14.500000000,0.000000000,0.000000000,0.000000000,12500.000000,0,200\n"));
   CHECK(bytesOf(place / "p.png").starts_with("\x89PNG"));
   CHECK_THAT(place.run("sensors two.csv --json").err, ContainsSubstring("assumed: "));
+  CHECK(place.run("sensors b.csv --beams again.csv").status == 0);
+  CHECK(bytesOf(place / "again.csv") == bytesOf(place / "b.csv"));
+  CHECK_THAT(place.run("sensors b.csv").out, ContainsSubstring("8 in a cloud of 4 x 2\n"));
   place.put("twice.json", R"({"name": "a", "columns": 8, "range": {"max": 5}, "elevation_deg": [1],
                              "masked_beams": [3, 3]})");
   CHECK_THAT(place.run("sensors twice.json").out, ContainsSubstring("7 in a cloud of 8 x 1, 1 masked\n"));
