@@ -389,7 +389,7 @@ typedef struct gno_sensor_size {
 /* What a sensor file leaves open; null and 0 mean what the file states, or else a default. */
 typedef struct gno_sensor_file_options {
   size_t struct_size;
-  const char* head; /* a built-in sensor whose ranges, divergence and returns apply */
+  const char* head; /* a built-in sensor that states what the file does not */
   const char* mode; /* one of several that the file describes */
   double scan_rate; /* scans per second */
   uint32_t columns; /* of a turn */

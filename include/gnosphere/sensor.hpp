@@ -90,9 +90,10 @@ GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
 /// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
-/// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s, lists of unequal lengths, patterns of
-/// unequal sizes or without beams, organised clouds of another size, or more than 2,147,483,647 beams. Zero
-/// channels are allowed: the cloud is then empty.
+/// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s or a rotation period, a channel whose own
+/// range window is empty, lists of unequal lengths, patterns of unequal sizes or without beams, organised clouds of
+/// another size, or more than 2,147,483,647 beams. Zero channels are allowed, but not in a file: the cloud is then
+/// empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// Returns the five models of Table 2 of the GnoSphere360 paper.
@@ -117,9 +118,9 @@ GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
 /// Values for what a sensor file leaves open.
 struct SensorFileOptions {
-  /// Name of a built-in sensor. Calibration files state angles only, so they take its ranges, divergence and returns; of
-  /// a grid with as many channels also the columns, the rotation, the firing times, and the origins if they have none;
-  /// of a list the beams per scan. Other files take the range at 10 % and the divergence that they do not state.
+  /// Name of a built-in sensor. Calibration files state angles only, so they take its ranges, divergence and returns;
+  /// of a grid with as many channels also the columns, the rotation, the firing times, and the origins if they have
+  /// none; of a list the beams per scan. Other files take the range at 10 % and the divergence that they do not state.
   std::string head;
   /// One of several that a file describes: a lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner
   /// (HELIOS++), with ":RATE" for its pulses a second if wanted, or of a lidar (CARLA), an operational state (firing

@@ -134,8 +134,8 @@ bool isRayMatrices(std::string_view bytes) {
 
 [[noreturn]] void refuseFireTimes(SensorSource& source, const json&) {
   source.refuse(
-      "is a Hesai file of firing times, which has no angles: read the angle correction file, and name this one with "
-      "--fire-times");
+      "is a Hesai file of firing times, which has no angles: read the angle correction file by `gnosphere sensors`, "
+      "and name this one with --fire-times");
 }
 
 const std::vector<Family>& families() {
