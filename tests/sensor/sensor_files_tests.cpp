@@ -112,7 +112,7 @@ TEST_CASE("a head states its range at 10 % and its divergence for files of every
     if (lists(plain.assumed, "a largest range")) CHECK(file.sensor.rangeMax == head.rangeMax);
     CHECK(file.sensor.beamCount() == plain.sensor.beamCount());
   }
-  // What the file states counts.
+  // A figure of the file counts more than that of the head.
   const std::string dark = replaced(kIsaacRotary, "\"wavelengthNm\"",
                                     "\"minReflectance\": 0.4, \"minReflectanceRange\": 120, \"wavelengthNm\"");
   CHECK(readSensorFile(dark, "i.json", {.head = "OS1-128"}).sensor.rangeAt10Percent == 60);

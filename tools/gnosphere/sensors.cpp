@@ -219,8 +219,7 @@ Action addSensors(CLI::App& app) {
   app.add_flag("--json", options->json, "Print the sensor as JSON that `gnosphere scan --sensor FILE` reads");
   app.add_option("--beams", options->beams, "Write every beam that fires as a row of this CSV file");
   app.add_option("--image", options->image, "Draw the beams of the first scan to this PNG file");
-  app.add_option("--head", options->file.head,
-                 "The built-in sensor that states what a calibration or pattern does not");
+  app.add_option("--head", options->file.head, "The built-in sensor that states what the file does not");
   app.add_option("--mode", options->file.mode,
                  "A lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner (HELIOS++, with :RATE for "
                  "its pulses a second if wanted) or lidar (CARLA), an operational state (firing times of Hesai)");
