@@ -43,15 +43,28 @@ struct Surface {
   uint material;
 };
 
-// Returns the barycentric weights of the second and third corner (Ericson, Real-Time Collision Detection, 3.4).
+// Returns the barycentric weights of the second and third corner, which are never negative and together at most 1. They
+// are the areas of the three parts into which the point divides the triangle, seen along the axis that the triangle
+// faces most. Corners are taken relative to the point, so the errors of long and narrow triangles grow as their length
+// over their height, and not as its square.
 vec2 barycentricsOf(Corners t, vec3 p) {
-  GNO_PRECISE vec3 u = t.b - t.a;
-  GNO_PRECISE vec3 v = t.c - t.a;
-  GNO_PRECISE vec3 w = p - t.a;
-  GNO_PRECISE float uu = dotOf(u, u), uv = dotOf(u, v), vv = dotOf(v, v), wu = dotOf(w, u), wv = dotOf(w, v);
-  GNO_PRECISE float area = uu * vv - uv * uv;
-  GNO_PRECISE float second = vv * wu - uv * wv, third = uu * wv - uv * wu;
-  return area > 0.0 ? vec2(quotient(second, area), quotient(third, area)) : vec2(0.0);
+  GNO_PRECISE vec3 a = t.a - p;
+  GNO_PRECISE vec3 b = t.b - p;
+  GNO_PRECISE vec3 c = t.c - p;
+  vec3 first = crossOf(b, c), second = crossOf(c, a), third = crossOf(a, b);
+  GNO_PRECISE vec3 normal = first + second + third;
+  vec3 size = abs(normal), parts = vec3(first.z, second.z, third.z);
+  float whole = normal.z;
+  if (size.x >= max(size.y, size.z)) {
+    parts = vec3(first.x, second.x, third.x);
+    whole = normal.x;
+  } else if (size.y >= size.z) {
+    parts = vec3(first.y, second.y, third.y);
+    whole = normal.y;
+  }
+  parts = max(whole < 0.0 ? -parts : parts, vec3(0.0));
+  GNO_PRECISE float area = parts.x + parts.y + parts.z;
+  return area > 0.0 ? vec2(quotient(parts.y, area), quotient(parts.z, area)) : vec2(0.0);
 }
 
 Surface noSurface() {
