@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/finite.hpp"
+#include "base/quaternion.hpp"
 #include "gnosphere/error.hpp"
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
@@ -22,8 +23,7 @@ void validate(const Pose& pose, const std::string& which) {
   const auto& [p, q] = pose;
   if (!allFinite(std::array{p.x, p.y, p.z, q.x, q.y, q.z, q.w}))
     throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
-  if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
-    throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
+  if (isZero(q)) throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
 }
 
 void validate(const Transform& transform, size_t instance, const std::string& which) {

@@ -2,6 +2,7 @@
 // Operations on quaternions, which use only + - * / and square roots, so they give the same bits on every machine.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/vector.hpp"
@@ -19,6 +20,21 @@ inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
 inline Vec3 operator*(const Quaternion& q, const Vec3& v) {
   const Vec3 u = {q.x, q.y, q.z}, t = 2.0 * cross(u, v);
   return v + q.w * t + cross(u, t);
+}
+
+/// True for a quaternion of length 0, which has no direction.
+inline bool isZero(const Quaternion& q) {
+  return q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0;
+}
+
+/// Returns a quaternion of the same direction whose squared length neither overflows nor underflows. Unless it is
+/// extremely long or short, that is the quaternion itself, so that the usual ones keep their bits. One of length 0
+/// stays.
+inline Quaternion withUsableLength(const Quaternion& q) {
+  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  if ((square > 1e-200 && square < 1e200) || isZero(q)) return q;
+  const double largest = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z), std::abs(q.w)});
+  return {q.x / largest, q.y / largest, q.z / largest, q.w / largest};
 }
 
 inline double normOf(const Quaternion& q) {

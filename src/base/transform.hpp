@@ -4,13 +4,15 @@
 
 #include <cstring>
 
+#include "base/quaternion.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
 
 /// Composes translation * rotation * scale. The quaternion may have any length, because it may be quantised.
-inline Transform composed(const Vec3& t, const Quaternion& q, const Vec3& s) {
+inline Transform composed(const Vec3& t, const Quaternion& rotation, const Vec3& s) {
+  const Quaternion q = withUsableLength(rotation);
   const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
   const double k = norm > 0 ? 2 / norm : 0;
   return {{(1 - k * (q.y * q.y + q.z * q.z)) * s.x, k * (q.x * q.y - q.z * q.w) * s.y,

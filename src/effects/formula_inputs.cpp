@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/quaternion.hpp"
 #include "effects/particles.hpp"
 
 namespace gnosphere {
@@ -116,8 +117,11 @@ WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& s
 }
 
 uint32_t keyOfFrame(uint64_t frame) {
-  constexpr uint32_t kGolden = 0x9e3779b9;  // 2^32 divided by the golden ratio, which spreads numbers that follow
-  return uint32_t(frame) ^ uint32_t(frame >> 32) * kGolden;
+  // Every bit of the high half changes about half of the key's bits (the finaliser of MurmurHash3); 0 changes none.
+  uint32_t high = uint32_t(frame >> 32);
+  high = (high ^ high >> 16) * 0x85ebca6b;
+  high = (high ^ high >> 13) * 0xc2b2ae35;
+  return uint32_t(frame) ^ high ^ high >> 16;
 }
 
 std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32_t planned) {
@@ -155,7 +159,7 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
 }
 
 std::vector<gpu::VolumeBox> volumeBoxes(const Effects& effects, const Pose& pose) {
-  const Quaternion& q = pose.orientation;
+  const Quaternion q = withUsableLength(pose.orientation);
   // Rows of the rotation from the sensor to the world frame. The factor 2 / |q|^2 normalises the quaternion.
   const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   const Vec3 turn[3] = {{1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y - q.w * q.z), s * (q.x * q.z + q.w * q.y)},

@@ -24,7 +24,7 @@ struct WeakestTarget {
 WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& sensor);
 
 /// Returns the part of the key of the random numbers that the number of a scan gives: the number itself up to 32
-/// bits.
+/// bits. Longer numbers share their keys with others, but not with those that differ in a single bit.
 uint32_t keyOfFrame(uint64_t frame);
 
 /// One sub-ray of a footprint: the tangents of its angles to the beam's axis, `u` to the left and `v` up.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/quaternion.hpp"
 #include "base/vector.hpp"
 
 namespace gnosphere {
@@ -27,8 +28,8 @@ Quaternion unit(const Quaternion& q) {
 
 /// Spherical interpolation after Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985); q and -q are
 /// the same rotation.
-Quaternion slerp(const Quaternion& from, const Quaternion& to, double share) {
-  const Quaternion a = unit(from);
+Quaternion slerp(const Quaternion& first, const Quaternion& second, double share) {
+  const Quaternion from = withUsableLength(first), to = withUsableLength(second), a = unit(from);
   const Quaternion b = dot(from, to) < 0 ? scaled(unit(to), -1) : unit(to);
   // The angle is computed from the difference, because that is accurate for small angles.
   const Quaternion half = sum(b, scaled(a, -1));
@@ -75,7 +76,7 @@ Vec3 angularVelocityAt(const SensorMotion& motion, double time) {
   const std::span<const Stamp> interval = intervalAt(motion, time);
   if (interval.empty()) return {};
   const Stamp &a = interval[0], &b = interval[1];
-  const Quaternion p = unit(a.pose.orientation), q = unit(b.pose.orientation);
+  const Quaternion p = unit(withUsableLength(a.pose.orientation)), q = unit(withUsableLength(b.pose.orientation));
   // The rotation conj(p) q leads from the one pose to the other along the shorter arc.
   const Vec3 axis = {p.w * q.x - p.x * q.w - p.y * q.z + p.z * q.y, p.w * q.y + p.x * q.z - p.y * q.w - p.z * q.x,
                      p.w * q.z - p.x * q.y + p.y * q.x - p.z * q.w};

@@ -5,13 +5,14 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/quaternion.hpp"
 #include "gnosphere/scan.hpp"
 
 namespace gnosphere {
 
 /// The rotation from the frame of the pose to the world.
 inline glm::dquat rotationOf(const Pose& pose) {
-  const Quaternion& q = pose.orientation;
+  const Quaternion q = withUsableLength(pose.orientation);
   return glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/quaternion.hpp"
 #include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 // A quaternion without length becomes a transform that is not finite.
 template <typename T>
 Transform transformOfPose(const T* values) {
-  const double x = values[3], y = values[4], z = values[5], w = values[6];
+  const auto [x, y, z, w] = withUsableLength({values[3], values[4], values[5], values[6]});
   const double s = 2 / (x * x + y * y + z * z + w * w);
   const double xx = s * x * x, yy = s * y * y, zz = s * z * z;
   const double xy = s * x * y, xz = s * x * z, yz = s * y * z, wx = s * w * x, wy = s * w * y, wz = s * w * z;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/quaternion.hpp"
 #include "base/threads.hpp"
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
@@ -181,8 +182,7 @@ void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const 
 void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const Clock::time_point start = Clock::now();
   const Pose& pose = shot.pose;
-  const Quaternion& q = pose.orientation;
-  if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 0))
+  if (isZero(pose.orientation))
     throw Error(ErrorCode::invalidArgument, "the pose's orientation has no length; use 0 0 0 1 for no rotation");
   BeamEffects effects = *sensors_[shot.sensor];
   effects.plan.effects = effectsOf(effects.plan, shot);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/quaternion.hpp"
 #include "base/vector.hpp"
 #include "gnosphere/scan.hpp"
 
@@ -24,7 +25,7 @@ inline bool before(const Vec3& a, const Vec3& b) {
 /// only the rounding error of its own coordinates.
 struct SensorFrame {
   explicit SensorFrame(const Pose& pose) : position(pose.position) {
-    const Quaternion& q = pose.orientation;
+    const Quaternion q = withUsableLength(pose.orientation);
     const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);  // Shoemake 1985; also normalises
     axes[0] = {1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y + q.w * q.z), s * (q.x * q.z - q.w * q.y)};
     axes[1] = {s * (q.x * q.y - q.w * q.z), 1 - s * (q.x * q.x + q.z * q.z), s * (q.y * q.z + q.w * q.x)};

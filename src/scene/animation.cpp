@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/nearest_text.hpp"
+#include "base/quaternion.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/error.hpp"
 
@@ -20,6 +21,8 @@ double length(const Values& q) {
 }
 
 void normalize(Values& q) {
+  const Quaternion usable = withUsableLength({q[0], q[1], q[2], q[3]});
+  q = {usable.x, usable.y, usable.z, usable.w};
   const double l = length(q);
   for (double& value : q) value = l > 0 ? value / l : 0;
   if (l == 0) q[3] = 1;

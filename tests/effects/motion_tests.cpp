@@ -5,7 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/transform.hpp"
 #include "effects/trajectory.hpp"
+#include "geometry/transform_rows.hpp"
+#include "reference/hit.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -68,6 +71,28 @@ TEST_CASE("stamps at the ends of a scan do not stop the sensor there") {
   CHECK(velocityAt(drive(), 1).z == Approx(20));
   CHECK(angularVelocityAt(drive(), 0).z == Approx(10));
   CHECK(angularVelocityAt(drive(), 1).z == 0);
+}
+
+TEST_CASE("a quaternion of any length but 0 is the rotation of its direction") {
+  const double angle = 0.7, c = std::cos(angle), s = std::sin(angle);
+  const auto isTurned = [&](const Transform& t) {
+    const auto& m = t.rows;
+    return m[0] == Approx(c) && m[1] == Approx(-s) && m[4] == Approx(s) && m[5] == Approx(c) && m[10] == Approx(1);
+  };
+  for (const double length : {1.0, 1e-7, 1e-160, 1e-300, 1e-310, 1e7, 1e154, 1e160, 1e308}) {
+    INFO("length " << length);
+    const Quaternion unit = yaw(angle), q = {0, 0, length * unit.z, length * unit.w};
+    CHECK(isTurned(composed({}, q, {1, 1, 1})));
+    const Vec3 axis = reference::SensorFrame({{}, q}).axes[0];
+    CHECK((axis.x == Approx(c) && axis.y == Approx(s)));
+    std::vector<Transform> transforms;
+    const double numbers[7] = {1, 2, 3, q.x, q.y, q.z, q.w};
+    readTransforms(std::span<const double>(numbers), 1, transforms);
+    CHECK(isTurned(transforms[0]));
+    const SensorMotion motion = {{{0, {{}, q}}, {1, {{}, {0, 0, 0, length}}}}};
+    CHECK(yawOf(poseAt(motion, {}, 0.5).orientation) == Approx(angle / 2));
+    CHECK(angularVelocityAt(motion, 0.5).z == Approx(-angle));
+  }
 }
 
 TEST_CASE("the angular velocity is that of the shorter arc, in the frame of the sensor") {

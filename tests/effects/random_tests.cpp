@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/effects/random.h"
+#include "effects/formula_inputs.hpp"
 
 using namespace gnosphere;
 
@@ -30,6 +31,14 @@ double unevenness(const std::vector<double>& counts) {
 }
 
 }  // namespace
+
+TEST_CASE("numbers of frames up to 32 bits are their own keys, and longer ones that differ in one or two bits differ") {
+  for (const uint64_t frame : {0u, 1u, 7u, 1u << 31, 0xffffffffu}) CHECK(keyOfFrame(frame) == frame);
+  std::set<uint32_t> keys = {keyOfFrame(0)};
+  for (int a = 0; a < 64; ++a)
+    for (int b = a; b < 64; ++b) keys.insert(keyOfFrame(uint64_t{1} << a | uint64_t{1} << b));
+  CHECK(keys.size() == 1 + 64 * 65 / 2);
+}
 
 // Test vectors: kat_vectors of Random123 1.14, philox4x32 with 10 rounds.
 TEST_CASE("Philox gives the published words") {
