@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/parameter_text.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include "base/decimal_point.hpp"
@@ -29,6 +30,11 @@ std::string listed(const std::vector<ChoiceWord>& words) {
 
 std::string quoted(const char* word) {
   return std::string("\"").append(word).append("\"");
+}
+
+void checkSize(double value, const std::string& what) {
+  if (value != 0 && std::abs(value) < kLeastSize)
+    refuseArgument(what + " must be 0 or at least " + numberText(kLeastSize) + " in size, is " + numberText(value));
 }
 
 double numberOf(const json& value, const std::string& what, const std::string& allowed) {
@@ -86,6 +92,7 @@ void checkBoxes(const std::vector<Effects::Volume>& boxes, const std::string& wh
     if (!(extinction >= 0 && extinction <= kMaxExtinction))
       refuseArgument(box + ".extinction must be 0.." + numberText(kMaxExtinction) + " 1/m, is " +
                      numberText(extinction));
+    checkSize(extinction, box + ".extinction");
   }
 }
 

@@ -17,6 +17,8 @@ namespace gnosphere {
 
 /// Largest extinction of a box of Effects::Volumes in 1/m; with it the visible depth is about a millimetre.
 inline constexpr double kMaxExtinction = 1000;
+/// Least size of a number that is not 0. Formulas in single precision divide by such numbers.
+inline constexpr double kLeastSize = 1e-20;
 
 [[noreturn]] void refuseArgument(const std::string& why);
 /// Returns "0..500 mm/h", without the unit if it is empty.
@@ -25,6 +27,8 @@ std::string rangeText(double min, double max, bool endsOnly, const char* unit);
 std::string listed(const std::vector<ChoiceWord>& words);
 std::string quoted(const char* word);
 
+/// Refuses a number that is not 0, but too small to count with.
+void checkSize(double value, const std::string& what);
 double numberOf(const nlohmann::json& value, const std::string& what, const std::string& allowed);
 uint64_t wholeNumberOf(const nlohmann::json& value, uint64_t max, const std::string& what, const std::string& allowed);
 std::vector<Effects::Volume> boxesOf(const nlohmann::json& list, const std::string& what);
@@ -106,6 +110,7 @@ void checkValue(const Parameter<Owner>& parameter, Owner& owner, const std::stri
                 const double value = n.of(owner);
                 const bool between = value >= n.min && value <= n.max;
                 if (!between || (n.endsOnly && value != n.min && value != n.max)) refuse(numberText(value));
+                checkSize(value, what);
               },
               [&](const CountParameter<Owner>& n) {
                 const uint64_t value = n.get(owner);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
@@ -37,7 +38,7 @@ void checkChannel(const Sensor& sensor, size_t j) {
   if (!(std::abs(channel.timeOffset) <= 1))
     refuseIts("time offset", "within -1..1 s, is " + numberText(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})
-    if (!(range >= 0) || !std::isfinite(range)) refuseIts("range", "finite and at least 0, is " + numberText(range));
+    if (!(range >= 0) || !isFiniteFloat(range)) refuseIts("range", "finite and at least 0, is " + numberText(range));
   if (sensor.rotationPeriod > 0 && std::abs(channel.timeOffset) > sensor.rotationPeriod)
     refuseIts("time offset", "within the rotation period, " + numberText(sensor.rotationPeriod) + " s, is " +
                                  numberText(channel.timeOffset));
@@ -138,9 +139,10 @@ void validate(const Sensor& sensor) {
     if (beam >= sensor.beamCount())
       refuse(sensor, "masked beam " + std::to_string(beam) + " does not exist, there are " +
                          std::to_string(sensor.beamCount()));
-  if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
-  if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
-  if (!std::isfinite(sensor.rangeAt10Percent) || sensor.rangeAt10Percent < 0)
+  if (!isFiniteFloat(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
+  if (!isFiniteFloat(sensor.rangeMax))
+    refuse(sensor, "range max must be finite in single precision, is " + numberText(sensor.rangeMax));
+  if (!isFiniteFloat(sensor.rangeAt10Percent) || sensor.rangeAt10Percent < 0)
     refuse(sensor, "range at 10 % must be finite and at least 0");
   if (sensor.rangeMin > sensor.rangeMax) {
     refuse(sensor, "range min " + numberText(sensor.rangeMin) + " is beyond range max " + numberText(sensor.rangeMax));

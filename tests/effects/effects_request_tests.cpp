@@ -154,6 +154,16 @@ TEST_CASE("values out of range are refused with the range and the unit") {
           "volumes.boxes[0].extinction must be 0..1000 1/m, is 1001");
 }
 
+TEST_CASE("numbers that formulas in single precision cannot divide by are refused for every parameter") {
+  refused(R"({"range-noise": {"step": 1e-40}})", "range-noise.step must be 0 or at least 1e-20 in size, is 1e-40");
+  refused(R"({"detection": {"softness": 1e-40}})", "detection.softness must be 0 or at least 1e-20 in size, is 1e-40");
+  refused(R"({"range-noise": {"bias": -1e-310}})", "range-noise.bias must be 0 or at least 1e-20 in size, is -1e-310");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,1], "extinction": 1e-40}]}})",
+          "volumes.boxes[0].extinction must be 0 or at least 1e-20 in size, is 1e-40");
+  CHECK(effectsFromJson(R"({"range-noise": {"step": 1e-20}, "detection": {"softness": 0}})", "text").rangeNoise.step ==
+        1e-20);
+}
+
 TEST_CASE("values of a wrong type are refused with the right type") {
   refused("[]", "a request is a JSON object");
   refused(R"({"fog": 200})", "fog must be off, on or auto, is 200");

@@ -332,6 +332,8 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
              ContainsSubstring("'columns' is there twice; keep one"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": 6, "max": 5}, "elevation_deg": [1]})"),
              ContainsSubstring("beyond range max"));
+  CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"max": 1e39}, "elevation_deg": [1]})"),
+             ContainsSubstring("range max must be finite in single precision, is 1e+39"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": -1, "max": 5}, "elevation_deg": [1]})"),
              ContainsSubstring("range min"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 4294967295, "range": {"max": 5}, "elevation_deg": [1, 2]})"),
