@@ -54,7 +54,7 @@ Instance composed(TransformSource source, Placement placement, Pairs meshOrigin,
   pivot = vec3(axis == 0 ? 0.0 : pivot.x, axis == 1 ? 0.0 : pivot.y, axis == 2 ? 0.0 : pivot.z);
   // Any other transform that flattens the mesh has no inverse.
   float box = length(filled.of[0].high) * length(filled.of[1].high) * length(filled.of[2].high);
-  bool usable = abs(volume.high.x) > max(1e-30, kFlatVolume * box);
+  bool usable = abs(volume.high.x) > kFlatVolume * box;
   if (!usable || !inLimits(pivot)) pivot = vec3(0.0);
   Pairs offset = combined(transposed(toSensor), plus(combined(columns, pairs(pivot)), shift));
 

@@ -28,7 +28,7 @@ glm::dmat3 linear(const Transform& t) {
 // Whether a map takes the mesh into a plane, but for rounding.
 bool flattens(const glm::dmat3& map) {
   const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
-  return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
+  return !(std::abs(glm::determinant(map)) > gpu::kFlatVolume * box);
 }
 
 // Returns the inverse of a map. If the map flattens the mesh along an axis of the mesh, as a scale of 0 does, any

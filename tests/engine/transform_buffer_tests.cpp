@@ -135,6 +135,29 @@ TEST_CASE("scans of transforms in the caller's buffers have the bytes of setTran
   }
 }
 
+TEST_CASE("mirrored instances of a tiny scale show their fronts also from the caller's buffers") {
+  needVulkan();
+  const CommonApp common;
+  Scene scene = room();
+  scene.meshes[kBall] = ball(12, 18, 1e8);
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::front;
+  BothScans scans(common.app, scene, kSensors, options);
+  Transforms buffer(common.app);
+  scans.recorder().setTransforms(buffer.described());
+  const double scale = 0x1p-34;  // the balls have a radius of 6 mm
+  std::vector<Transform> transforms;
+  for (size_t i = 0; i < kBalls; ++i) {
+    const double angle = static_cast<double>(i);
+    transforms.push_back(
+        translation(static_cast<float>(0.02 * std::cos(angle)), static_cast<float>(0.02 * std::sin(angle)), 0) *
+        scaling(scale, i % 2 ? scale : -scale, scale));
+  }
+  buffer.set(transforms);
+  setOnHost(scans.expected(), transforms);
+  scans.requireSame(Shot());
+}
+
 TEST_CASE("a command that writes transforms needs no barrier of the caller, and the sensor may move") {
   needVulkan();
   const CommonApp common;

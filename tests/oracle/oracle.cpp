@@ -43,7 +43,7 @@ Placed place(const Transform& instance, const Vec3& origin, const Pose& pose) {
   glm::dvec3 pivot(0);
   const auto flattens = [](const glm::dmat3& map) {
     const double box = glm::length(map[0]) * glm::length(map[1]) * glm::length(map[2]);
-    return !(std::abs(glm::determinant(map)) > std::max(1e-30, gpu::kFlatVolume * box));
+    return !(std::abs(glm::determinant(map)) > gpu::kFlatVolume * box);
   };
   int flat = -1;
   for (int k = 0; k < 3; ++k)

@@ -153,6 +153,22 @@ TEST_CASE("only front faces reflect if one side is requested, also on mirrored i
   }
 }
 
+TEST_CASE("a mirrored instance shows its front however small its scale is") {
+  needVulkan();
+  for (const double scale : {1e-7, 1e-10, 5e-11, 1e-11})
+    for (const double mirror : {1.0, -1.0}) {
+      INFO("scale " << scale << ", mirrored by " << mirror);
+      Scene scene = sceneOf(ball(12, 24, 5e8), false);
+      const double radius = 5e8 * scale;
+      scene.instances[0].transform = translation(2 * radius, 0, 0) * scaling(scale, mirror * scale, scale);
+      const Scan scan = scanOf(scene, kAround, {}, vulkanOptions());
+      CHECK(scan.counters.hits > 1000);
+      for (size_t b = 0; b < scan.beamCount(); ++b)  // the back is farther
+        if (scan.hit(b)) REQUIRE(scan.ranges[b] < 1.75 * radius);
+      requireSame(referenceOf(scene, kAround), scan);
+    }
+}
+
 TEST_CASE("a corner that is not finite or too far drops its triangle, which is counted, and changes nothing else") {
   needVulkan();
   MeshBuilder builder;
