@@ -7,6 +7,7 @@
 
 #include "base/clock.hpp"
 #include "base/index_pool.hpp"
+#include "base/limits.hpp"
 #include "base/maker_process.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
@@ -16,6 +17,7 @@
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
 #include "pipeline/result_ring.hpp"
+#include "reference/world.hpp"
 #include "scan/batch_arrays.hpp"
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
@@ -68,6 +70,7 @@ class Simulator::Impl {
       sensors_.take();
     }
     warnOfMaterials(scene);
+    warnOfShears(scene);
     backend_ = makeBackend(scene, plans_, options_);
     kept_.changeIn(*backend_);
   }
@@ -92,6 +95,24 @@ class Simulator::Impl {
   void warnOfMaterials(const Scene& scene) const {
     if (!options_.warn || scene.materials.empty() || options_.materials.rows.empty()) return;
     for (const std::string& warning : warningsOf(options_.materials, scene)) options_.warn(warning);
+  }
+
+  /// Tells once which instances are sheared beyond what the error bounds of the accuracies allow.
+  void warnOfShears(const Scene& scene) const {
+    if (!options_.warn) return;
+    std::string first;
+    size_t more = 0;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+      const Instance& instance = scene.instances[i];
+      if (limits::kCondition.holds(reference::conditionOf(instance.transform))) continue;
+      if (first.empty())
+        first = "instance " + std::to_string(i) + (instance.name.empty() ? "" : " '" + instance.name + "'");
+      else
+        ++more;
+    }
+    if (first.empty()) return;
+    options_.warn(first + (more > 0 ? " and " + std::to_string(more) + " more are" : " is") +
+                  " sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
   }
 
   /// Tells which effects are called for, but not with this accuracy or device.

@@ -51,6 +51,13 @@ inline constexpr Limit kInfluences = {"influences per vertex", 16,
 inline constexpr Limit kCoordinate = {
     "m from the origin of its mesh to a vertex", 1'000'000'000,
     "The vertex's triangles are dropped, as those with NaN are; `Counters::nonFinite` counts them."};
+inline constexpr Limit kPlaced = {
+    "m from the sensor to a vertex, along an axis of the sensor", 1'000'000'000,
+    "Its triangles are dropped; `Counters::nonFinite` counts them, unless what is out of range is left out before."};
+inline constexpr Limit kCondition = {
+    "for the condition `c` ([accuracy.md](accuracy.md#the-error-bound-of-standard)) of an instance's transform", 1000,
+    "The instance is scanned, but the error bounds of `standard` and `exact` do not hold for it; "
+    "`SimulatorOptions::warn` names those of a new simulator."};
 inline constexpr Limit kSubRays = {"sub-rays per beam on a device", 61,
                                    "The request is refused; the reference takes up to 1,261."};
 inline constexpr Limit kLayers = {"surfaces that a sub-ray passes or hits", 4,
@@ -63,9 +70,10 @@ inline constexpr Limit kEntries = {
     "entries of an array on a device", kMostNumber,
     "The call that needs them throws Error(outOfMemory), which names the array; the simulator stays usable."};
 
-inline constexpr const Limit* kAll[] = {&kChannels, &kColumns,    &kBeams,     &kReturns, &kOrigin,     &kListedOrigin,
-                                        &kSeconds,  &kDivergence, &kTriangles, &kJoints,  &kInfluences, &kCoordinate,
-                                        &kSubRays,  &kLayers,     &kEchoes,    &kFrames,  &kEntries};
+inline constexpr const Limit* kAll[] = {&kChannels,     &kColumns,    &kBeams,      &kReturns,   &kOrigin,
+                                        &kListedOrigin, &kSeconds,    &kDivergence, &kTriangles, &kJoints,
+                                        &kInfluences,   &kCoordinate, &kPlaced,     &kCondition, &kSubRays,
+                                        &kLayers,       &kEchoes,     &kFrames,     &kEntries};
 
 }  // namespace limits
 }  // namespace gnosphere

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/limits.hpp"
 #include "base/transform.hpp"
 #include "effects/trajectory.hpp"
 
@@ -12,41 +13,8 @@ namespace {
 
 /// Beyond this, a double does not resolve a decimetre; such a coordinate is invalid from any pose.
 constexpr double kFarthestWorld = 1e15;
-/// Limit on the condition of a matrix: no single-precision simulator can use a worse one, and a larger error bound
-/// would only widen every beam.
-constexpr double kWorstCondition = 1e3;
 /// A map whose determinant is at most this share of the product of its columns' lengths flattens a mesh.
 constexpr double kFlatVolume = 1e-6f;  // rounded as on devices
-
-/// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
-/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the
-/// angles between columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
-double condition(const Transform& t) {
-  Vec3 columns[3];
-  int empty = -1, emptyCount = 0;
-  for (int k = 0; k < 3; ++k) {
-    columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
-    const double length = lengthOf(columns[k]);
-    if (length > 0) {
-      columns[k] = (1 / length) * columns[k];
-    } else {
-      empty = k;
-      ++emptyCount;
-    }
-  }
-  if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
-  if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
-    const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
-    columns[empty] = (1 / std::max(lengthOf(n), 1e-30)) * n;
-  }
-  double squares = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 row = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
-    squares += dot(row, row);
-  }
-  const double volume = std::abs(dot(columns[0], cross(columns[1], columns[2])));
-  return std::clamp(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0, kWorstCondition);
-}
 
 /// Returns the velocities of an instance's vertices; none if it stands still. `end` is its transform at the end, or
 /// null if that does not change.
@@ -81,9 +49,9 @@ void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, co
   std::vector<uint8_t> broken(mesh.vertexCount());
   for (size_t v = 0; v < world.size(); ++v) {
     const float* p = &mesh.positions[3 * v];
-    const Vec3 local = mesh.origin + Vec3{p[0], p[1], p[2]};
-    world[v] = instance.transform * local;
-    broken[v] = !within(local, kFarthest) || !within(world[v], kFarthestWorld);
+    const Vec3 position = {p[0], p[1], p[2]};  // seen from the mesh's origin, as devices do
+    world[v] = instance.transform * (mesh.origin + position);
+    broken[v] = !within(position, kFarthest) || !within(world[v], kFarthestWorld);
   }
   const auto samePoint = [&](uint32_t a, uint32_t b) {
     const float* p = &mesh.positions[3 * size_t{a}];
@@ -135,11 +103,40 @@ void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, co
 
 }  // namespace
 
+double conditionOf(const Transform& t) {
+  Vec3 columns[3];
+  int empty = -1, emptyCount = 0;
+  for (int k = 0; k < 3; ++k) {
+    columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
+    const double length = lengthOf(columns[k]);
+    if (length > 0) {
+      columns[k] = (1 / length) * columns[k];
+    } else {
+      empty = k;
+      ++emptyCount;
+    }
+  }
+  if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
+  if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
+    const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
+    columns[empty] = (1 / std::max(lengthOf(n), 1e-30)) * n;
+  }
+  double squares = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 row = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
+    squares += dot(row, row);
+  }
+  const double volume = std::abs(dot(columns[0], cross(columns[1], columns[2])));
+  return std::max(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0);
+}
+
 std::vector<PlacedMesh> placedMeshesOf(const Scene& scene) {
+  // No single-precision simulator can use a worse matrix, and a larger error bound would only widen every beam.
+  const auto worst = static_cast<double>(limits::kCondition.most);
   std::vector<PlacedMesh> places;
   for (const Instance& instance : scene.instances)
     places.push_back(instance.mesh == kNoMesh ? PlacedMesh{}
-                                              : PlacedMesh{condition(instance.transform),
+                                              : PlacedMesh{std::min(conditionOf(instance.transform), worst),
                                                            instance.transform * scene.meshes[instance.mesh].origin});
   return places;
 }

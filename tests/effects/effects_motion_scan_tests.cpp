@@ -146,6 +146,31 @@ TEST_CASE("a simulator tells once of the motion that a sensor leaves out") {
   CHECK(scan(Effects::none()).empty());
 }
 
+TEST_CASE("a new simulator names the instances that are sheared beyond the error bounds") {
+  std::vector<std::string> warnings;
+  TestOptions options = optionsOn("reference");
+  options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  Scene scene = room();
+  const auto add = [&](const char* name, const Transform& transform) {
+    scene.instances.push_back({name, 0, transform});
+    warnings.clear();
+    makeSimulator(scene, spinning(), options);
+  };
+  const auto sheared = [](double height) { return Transform{{1, 1, 0, 0, 0, height, 0, 0, 0, 0, 1, 0}}; };
+  add("", scaling(1e-5, 1, -1e5));
+  CHECK(warnings.empty());
+  add("slight", sheared(1e-2));
+  CHECK(warnings.empty());
+  add("", sheared(1e-4));
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0] ==
+        "instance 3 is sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
+  scene.instances[3].name = "steep";
+  add("", sheared(1e-6));
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("instance 3 'steep' and 1 more are sheared") == 0);
+}
+
 TEST_CASE("dust stays in place while the sensor moves and turns") {
   const std::string device = ON_EVERY_DEVICE;
   const bool lasersAside = GENERATE(false, true);
@@ -177,14 +202,16 @@ TEST_CASE("the length of a pose's quaternion has no influence, also on dust") {
   Shot shot, longer;
   shot.pose.orientation = {0.1, -0.2, 0.3, std::sqrt(0.86)};
   const Quaternion& q = shot.pose.orientation;
-  const double s = std::sqrt(2.0);
-  longer.pose.orientation = {s * q.x, s * q.y, s * q.z, s * q.w};
-  const Scan first = dusty(device, spinning(), shot, kDust, true),
-             second = dusty(device, spinning(), longer, kDust, true);
-  CHECK(valuesOf<uint8_t>(first, Field::label) == valuesOf<uint8_t>(second, Field::label));
-  for (size_t i = 0; i < first.beamCount(); ++i)
-    REQUIRE(first.column<float>(Field::intensity)[i] ==
-            Approx(second.column<float>(Field::intensity)[i]).epsilon(1e-5));
+  const Scan first = dusty(device, spinning(), shot, kDust, true);
+  for (const double s : {std::sqrt(2.0), 1e-7, 1e160, 1e308, 1e-300}) {
+    INFO("times " << s);
+    longer.pose.orientation = {s * q.x, s * q.y, s * q.z, s * q.w};
+    const Scan second = dusty(device, spinning(), longer, kDust, true);
+    CHECK(valuesOf<uint8_t>(first, Field::label) == valuesOf<uint8_t>(second, Field::label));
+    for (size_t i = 0; i < first.beamCount(); ++i)
+      REQUIRE(first.column<float>(Field::intensity)[i] ==
+              Approx(second.column<float>(Field::intensity)[i]).epsilon(1e-5));
+  }
 }
 
 TEST_CASE("a turning sensor measures no speed in a still world") {

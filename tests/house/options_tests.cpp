@@ -93,6 +93,7 @@ TEST_CASE("docs/limits.md has the table of limits, and the kernels keep to it") 
   CHECK(limits::kEchoes.most == gpu::kMaxEchoes);
   CHECK(limits::kCoordinate.holds(gpu::kCoordinateLimit));
   CHECK_FALSE(limits::kCoordinate.holds(1.0001 * gpu::kCoordinateLimit));
+  CHECK(limits::kPlaced.most == limits::kCoordinate.most);
 }
 
 TEST_CASE("docs/api.md has a row with name and type for every field") {

@@ -268,6 +268,20 @@ TEST_CASE("invalid triangles are dropped and counted and change nothing else") {
   CHECK(scanOf(away, sensor, poseAt({1.5e9, 0, 0})).counters.misses == 0);
 }
 
+TEST_CASE("vertices within 1e9 m of the origin of their mesh count, wherever the mesh has its origin") {
+  const Sensor sensor = grid(200, 16, -60, 60);
+  for (const Vec3& far : {Vec3{1.5e9, 0, 0}, Vec3{0, -3e9, 2e9}}) {
+    Scene scene = cube(1);
+    scene.meshes[0].origin = far;
+    const Scan scan = scanOf(scene, sensor, poseAt(far));
+    CHECK(scan.counters.nonFinite == 0);
+    CHECK(scan.counters.misses == 0);
+    scene.instances[0].transform.rows = {1, 0, 0, -far.x, 0, 1, 0, -far.y, 0, 0, 1, -far.z};
+    CHECK(scanOf(scene, sensor).counters.misses == 0);
+    CHECK(scanOf(scene, sensor, poseAt(far)).counters.nonFinite == 12);
+  }
+}
+
 TEST_CASE("equal ranges go to the lower instance, then to the lower triangle, and are ties") {
   Scene scene =
       sceneOf({7.1f, -3.3f, -3.7f, 9.3f, 4.1f, -2.9f, 5.7f, 0.3f, 5.1f}, {1, 2, 0, 0, 1, 2, 2, 0, 1, 0, 2, 1});
