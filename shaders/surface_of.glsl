@@ -22,7 +22,7 @@ Corners cornersOf(Instance instance, uvec3 vertices) {
   return Corners(cornerOf(instance, vertices.x), cornerOf(instance, vertices.y), cornerOf(instance, vertices.z));
 }
 
-// Returns the unit normal on the side that the sensor sees; 0 for a triangle without area.
+// Returns the unit normal on the side that the sensor sees.
 vec3 normalOf(Corners t) {
   GNO_PRECISE vec3 u = t.b - t.a;
   GNO_PRECISE vec3 v = t.c - t.a;
@@ -43,10 +43,10 @@ struct Surface {
   uint material;
 };
 
-// Returns the barycentric weights of the second and third corner, which are never negative and together at most 1. They
-// are the areas of the three parts into which the point divides the triangle, seen along the axis that the triangle
-// faces most. Corners are taken relative to the point, so the errors of long and narrow triangles grow as their length
-// over their height, and not as its square.
+// Returns the barycentric weights of the second and third corner, which are never negative and together at most 1.
+// Weights are the areas of the three parts into which the point divides the triangle, seen along the axis that the
+// triangle faces most. Corners are taken relative to the point, so that the errors of a long and narrow triangle grow as
+// its length over its height, and not as the square of that.
 vec2 barycentricsOf(Corners t, vec3 p) {
   GNO_PRECISE vec3 a = t.a - p;
   GNO_PRECISE vec3 b = t.b - p;

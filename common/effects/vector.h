@@ -28,11 +28,19 @@ GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
   return result;
 }
 
+GNO_INLINE float largestComponent(vec3 v) {
+  return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
+
 // Normalises a normal and turns it to the side of its plane that contains the origin; `on` is a point of the plane.
-// The normal of a triangle without area stays zero.
+// A triangle that rounding has left without area has no normal; it counts as one that faces the origin.
 GNO_INLINE vec3 unitTowardsOrigin(vec3 normal, vec3 on) {
   // The normal is divided by its largest component first, so that its square neither overflows nor underflows.
-  float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+  float largest = largestComponent(normal);
+  if (!(largest > 1e-30f)) {
+    normal = on;
+    largest = largestComponent(on);
+  }
   if (!(largest > 1e-30f && largest < 1e30f)) return vec3(0.0f);
   GNO_PRECISE float scale = quotient(1.0f, largest);
   GNO_PRECISE vec3 scaled = normal * scale;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects on the device compared with the reference: equal random numbers, and differences only by single precision.
+#include <array>
+
+#include "base/vector.hpp"
 #include "effects/scan_support.hpp"
 #include "effects/street.hpp"
 #include "lists/list_sensors.hpp"
@@ -85,6 +88,88 @@ TEST_CASE("intensities and surfaces equal the reference") {
   requireSame(physical());
   requireSame(withIntensity(Model::physical, Scale::raw));
   requireSame(withIntensity(Model::carla, Scale::unit));
+}
+
+/// A triangle of about 10 m by `width`, on average 10 m from the sensor and square to the line of sight, with corners
+/// that single precision has exactly and `exact` does not move.
+std::array<Vec3, 3> sliver(Random& random, double width) {
+  const auto onGrid = [](const Vec3& p) {
+    const auto rounded = [](double x) { return std::round(x * 0x1p20) * 0x1p-20; };
+    return Vec3{rounded(p.x), rounded(p.y), rounded(p.z)};
+  };
+  const Vec3 d = anyDirection(random), across = unit(cross(d, anyDirection(random))), along = cross(d, across);
+  const Vec3 foot = 10.0 * d + -0.5 * width * across;
+  return {onGrid(foot + -5.0 * along), onGrid(foot + 5.0 * along), onGrid(10.0 * d + 0.5 * width * across)};
+}
+
+TEST_CASE("every hit has a normal of length 1 towards the sensor, also of triangles that rounding flattens") {
+  Random random(72);
+  MeshBuilder builder;
+  BeamList beams;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 d = anyDirection(random), across = unit(cross(d, anyDirection(random))), along = cross(d, across);
+    const double size = i % 2 ? 1e-3 : 1e-4, width = i % 4 < 2 ? size : 1e-3 * size;
+    const Vec3 centre = 100.0 * d;
+    builder.triangle(centre + -size * along, centre + size * along, centre + width * across);
+    beams.directions.push_back(d);
+  }
+  const Scene scene = sceneOf(builder.take());
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    TestOptions options = optionsOn("vulkan");
+    options.accuracy = accuracy;
+    options.fields = {Field::normal};
+    const Scan scan = scanOn(scene, listSensor("aimed", beams), Pose(), options);
+    size_t hits = 0;
+    for (size_t i = 0; i < scan.beamCount(); ++i) {
+      if (!scan.hit(i)) continue;
+      ++hits;
+      const auto part = [&](uint32_t axis) { return double{scan.column<float>(Field::normal, axis)[i]}; };
+      const Vec3 normal = {part(0), part(1), part(2)};
+      const Vec3 point = {scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]};
+      INFO(nameOf(accuracy) << ", beam " << i);
+      CHECK(std::abs(dot(normal, normal) - 1) < 1e-5);
+      CHECK(dot(normal, point) < 0.01);
+    }
+    CHECK(hits > 20);
+  }
+}
+
+TEST_CASE("the weights of corners are those of the beam also in long and narrow triangles") {
+  Random random(71);
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
+    for (const double width : {1.0, 0.1, 0.01, 0.003}) {
+      MeshBuilder builder;
+      BeamList beams;
+      std::vector<std::array<double, 2>> expected;
+      for (int i = 0; i < 100; ++i) {
+        const auto [a, b, c] = sliver(random, width);
+        builder.triangle(a, b, c);
+        const double u = 0.1 + 0.35 * std::abs(random()), v = 0.1 + 0.35 * std::abs(random());
+        const Vec3 d = unit(a + u * (b - a) + v * (c - a));
+        beams.directions.push_back(d);
+        const double sides[3] = {dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))};
+        const double sum = sides[0] + sides[1] + sides[2];
+        expected.push_back({sides[1] / sum, sides[2] / sum});
+      }
+      TestOptions options = optionsOn("vulkan");
+      options.accuracy = accuracy;
+      options.fields = {Field::barycentrics};
+      const Scan scan = scanOn(sceneOf(builder.take()), listSensor("aimed", beams), Pose(), options);
+      const auto second = scan.column<float>(Field::barycentrics, 0),
+                 third = scan.column<float>(Field::barycentrics, 1);
+      size_t hits = 0;
+      for (size_t i = 0; i < scan.beamCount(); ++i) {
+        if (scan.triangles[i] != i) continue;  // another one is before it
+        ++hits;
+        INFO(nameOf(accuracy) << ", width " << width << ", beam " << i);
+        // The beam, the range and the corners are rounded at 10 m, and products of edges of 10 m.
+        const double bound = 0x1p-24 * (8 * 20 / width + 8);
+        CHECK(std::abs(second[i] - expected[i][0]) < bound);
+        CHECK(std::abs(third[i] - expected[i][1]) < bound);
+        CHECK((second[i] >= 0 && third[i] >= 0 && second[i] + third[i] <= 1.000001f));
+      }
+      CHECK(hits > 90);
+    }
 }
 
 TEST_CASE("undetected and randomly dropped returns are the same on every device") {

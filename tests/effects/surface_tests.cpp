@@ -9,6 +9,7 @@
 #include "common/effects/incidence.h"
 #include "common/effects/intensity.h"
 #include "common/effects/random.h"
+#include "common/effects/vector.h"
 #include "effects/formula_inputs.hpp"
 
 using namespace gnosphere;
@@ -67,6 +68,18 @@ TEST_CASE("angles of incidence are right to 1e-6, also where their cosines are a
       INFO(angle);
       CHECK(gpu::incidenceOf({-1, 0, 0}, along, float(length)) == Approx(angle).margin(1e-6));
     }
+}
+
+TEST_CASE("normals are unit vectors towards the sensor, also those of triangles without area") {
+  for (const float size : {1e-14f, 1.0f, 1e18f})
+    for (const glm::vec3& normal : {glm::vec3(0, 0, size), glm::vec3(0, 0, -size)}) {
+      const glm::vec3 unit = gpu::unitTowardsOrigin(normal, {3, 4, 12});
+      CHECK((unit.x == 0 && unit.y == 0 && unit.z == Approx(-1).epsilon(1e-6)));
+    }
+  const glm::vec3 facing = gpu::unitTowardsOrigin({0, 0, 0}, {3, 4, 12});
+  CHECK(facing.x == Approx(-3 / 13.0).epsilon(1e-6));
+  CHECK(facing.y == Approx(-4 / 13.0).epsilon(1e-6));
+  CHECK(facing.z == Approx(-12 / 13.0).epsilon(1e-6));
 }
 
 TEST_CASE("the glossy lobe is GGX in the direction of the light source, brightest at normal incidence") {

@@ -210,6 +210,44 @@ TEST_CASE("a rolling shutter sees a deformed mesh where it is when the beam fire
   REQUIRE(hits > 1000);
 }
 
+TEST_CASE("the speed of a narrow strip that deforms is that of the point that the beam meets", "[deform][gpu]") {
+  needVulkan();
+  constexpr double kSeconds = 0.1;
+  for (const float width : {0.1f, 0.003f, 0.001f}) {
+    // A strip of 10 m across the line of sight, 10 m ahead, that a morph target turns: x grows by y / 20 in 0.1 s.
+    Mesh strip;
+    strip.positions = {10, -5, 0, 10, 5, 0, 10, -5, width, 10, 5, width};
+    strip.indices = {0, 1, 3, 0, 3, 2};
+    strip.parts = {{0, 2, 0}};
+    strip.morphTargets = {{-0.25f, 0, 0, 0.25f, 0, 0, -0.25f, 0, 0, 0.25f, 0, 0}};
+    BeamList beams;
+    Random random(3);
+    for (int i = 0; i < 400; ++i) beams.directions.push_back(unit({10, 4.9 * random(), 0.4 * width}));
+    beams.times.assign(400, 0);
+    beams.times.back() = kSeconds;
+    TestOptions options = vulkanOptions();
+    options.effects.objectMotion.use = EffectUse::on;
+    options.fields = {Field::velocity};
+    Simulator device = makeSimulator(sceneOf(std::move(strip)), listSensor("aimed", beams), options);
+    device.setDeformation(0, {{}, {0}});
+    Shot shot;
+    shot.meshMotions = {{0, {{}, {1}}}};
+    Scan scan;
+    device.scanInto(shot, scan);
+    const auto along = scan.column<float>(Field::velocity);
+    size_t hits = 0;
+    double worst = 0;
+    for (size_t beam = 0; beam + 1 < scan.beamCount(); ++beam) {
+      if (!scan.hit(beam)) continue;
+      ++hits;
+      worst = std::max(worst, std::abs(along[beam] - 0.05 / kSeconds * scan.points[3 * beam + 1]));
+    }
+    INFO("width " << width << ": " << worst << " m/s");
+    CHECK(hits > 390);
+    CHECK(worst < 1e-5 + 5 * 0x1p-24 * 4 * 20 / width);
+  }
+}
+
 TEST_CASE("deformable meshes come and go", "[deform][gpu]") {
   needVulkan();
   Random random(21);
