@@ -144,8 +144,8 @@ Line lineOf(const Beam& beam, double u, double v) {
   return {beam.axis.frame, (1 / lengthOf(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
 }
 
-/// Merges sorted pieces. If pieces of two surfaces are equally strong, it is in doubt which of them represents the
-/// echo.
+/// Merges pieces that are in order of range. If pieces of two surfaces are equally strong, it is in doubt which of them
+/// represents the echo.
 Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
   Bounded energy = 0;
