@@ -18,7 +18,7 @@ std::string tables() {
   for (const CatalogueHead& head : sensorCatalogue()) text += head.name + ' ' + head.source;
   for (const Field field : defaultFields()) text += std::to_string(static_cast<int>(field));
   Simulator simulator({}, SensorRequest(builtinSensor("VLP-16")), {.device = DeviceChoice::Kind::reference});
-  text += std::to_string(simulator.plan().decisions.size());
+  text += toJson(simulator.plan());
   return text;
 }
 
