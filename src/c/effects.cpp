@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The functions of gno_effects, which are requests for effects.
-#include "base/lasting.hpp"
 #include "c/handles.hpp"
 
 using namespace gnosphere;
@@ -57,7 +56,7 @@ gno_status gno_effects_to_json(gno_effects effects, const char** json) {
 
 gno_status gno_effect_names(const char* const** names, size_t* count) {
   return guard([&] {
-    static const auto& all = lasting(pointers(effectNames()));
+    static const auto& all = *new auto(pointers(effectNames()));  // also for threads that outlive static objects
     the(names, "names") = all.data();
     the(count, "count") = all.size();
   });
@@ -65,7 +64,7 @@ gno_status gno_effect_names(const char* const** names, size_t* count) {
 
 gno_status gno_effect_presets(const char* const** names, size_t* count) {
   return guard([&] {
-    static const auto& all = lasting(pointers(effectPresets()));
+    static const auto& all = *new auto(pointers(effectPresets()));
     the(names, "names") = all.data();
     the(count, "count") = all.size();
   });

@@ -4,7 +4,6 @@
 
 #include <gnosphere/ros2.hpp>
 
-#include "base/lasting.hpp"
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
@@ -81,7 +80,7 @@ using namespace gnosphere::c;
 extern "C" {
 
 const char* gno_ros2_unavailable(void) {
-  static const auto& why = lasting(ros2::unavailable());
+  static const auto& why = *new std::string(ros2::unavailable());  // also for threads that outlive static objects
   return why.c_str();
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // gno_sensor: sensors of the catalogue, from files, grids and lists of beams.
-#include "base/lasting.hpp"
 #include "c/handles.hpp"
 
 using namespace gnosphere;
@@ -208,7 +207,7 @@ gno_status gno_sensor_get_report(gno_sensor sensor, const char** lines) {
 
 gno_status gno_sensor_names(const char* const** names, size_t* count) {
   return guard([&] {
-    static const auto& all = lasting([] {
+    static const auto& all = *new auto([] {
       std::vector<const char*> result;
       for (const Sensor& sensor : builtinSensors()) result.push_back(sensor.name.c_str());
       return result;
