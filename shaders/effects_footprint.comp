@@ -51,7 +51,7 @@ float farthestOf(uint index) { return frame.rangeMax; }
 // energy that reaches this layer, and the energy that passes through it.
 float left[RAYS], up[RAYS], lengths[RAYS], inverses[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
 // Their hits in this layer: range (kNothing if there is none, -1 for a sub-ray without light), share of the beam's
-// energy, reach in depth (see reachOf()), candidate, and the largest range that still belongs to the layer before.
+// energy, reach in depth (see slopeOf()), candidate, and the largest range that still belongs to the layer before.
 float hitRanges[RAYS], hitShares[RAYS], hitReaches[RAYS], rangesBefore[RAYS];
 uint hitCandidates[RAYS];
 // The share of each sub-ray's light that the surface of the current candidate reflects.
@@ -110,24 +110,19 @@ void reflectEach(Optics4 surface, vec3 normal) {
   }
 }
 
-// Returns by how much the range of the surface changes across a unit of the tangents, at normal incidence to a plane
-// that has this tilt. Half axes of the part of the footprint that a sub-ray stands for take the place of the unit.
-float tiltOf(vec3 normal) {
+// Returns how far the part of the footprint that a sub-ray stands for reaches in front of its hit and behind it on the
+// plane of the surface, divided by the square of the hit's range. That is range * |tilt of the plane| / cosine of the
+// incidence, and the cosine is the distance of the plane divided by the range. On a slope neighbouring sub-rays may lie
+// farther apart than the separation of echoes, but the light between them fills the gap. `on` is a point of the plane.
+float slopeOf(vec3 normal, vec3 on) {
   precise float across = normal.y * parameters.cellHorizontal, upwards = normal.z * parameters.cellVertical;
   precise float square = across * across + upwards * upwards;
-  return squareRoot(square);
-}
-
-// Returns how far the part of the footprint that a sub-ray stands for reaches in front of its hit and behind it, on the
-// plane of the surface. On a slope neighbouring sub-rays may lie farther apart than the separation of echoes, but the
-// light between them fills the gap.
-float reachOf(float range, float tilt, float cosine) {
-  return quotient(product(range, tilt), max(cosine, 1e-6));
+  return quotient(squareRoot(square), max(abs(dotOf(normal, on)), 1e-30));
 }
 
 // Divides the light of a sub-ray that hits a candidate into what returns and what goes on. How much light reaches an
 // opaque surface is not known before the panes.
-void share(bool pane, float transmission, vec3 normal, float tilt, uint projected, uint s) {
+void share(bool pane, float transmission, float slope, uint projected, uint s) {
   bool mine = hitCandidates[s] == projected;
   float energy = LAYERS == 1 || pane ? product(carried[s], reflections[s]) : reflections[s];
   if (LAYERS > 1) {
@@ -136,7 +131,7 @@ void share(bool pane, float transmission, vec3 normal, float tilt, uint projecte
     energy = pane && energy == 0.0 && through > 0.0 ? kUnseen : energy;
   }
   hitShares[s] = mine ? energy : hitShares[s];
-  float reach = reachOf(hitRanges[s], tilt, cosineOf(normal, left[s], up[s], inverses[s]));
+  float reach = product(product(hitRanges[s], hitRanges[s]), slope);
   hitReaches[s] = mine ? reach : hitReaches[s];
 }
 
@@ -188,10 +183,11 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
   float farthest = farthestHit();
   if (taken) {
     Optics4 surface = optics.at[projectedMaterials.at[projected]];
-    vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+    vec3 corner = vec3(candidate.ahead.x, candidate.left.x, candidate.up.x);
+    vec3 normal = unitTowardsOrigin(plane.normal, corner);
     reflectEach(surface, normal);
-    float transmission = LAYERS > 1 ? transmitted(surface) : 0.0, tilt = tiltOf(normal);
-#define SHARE(s) share(pane, transmission, normal, tilt, projected, s);
+    float transmission = LAYERS > 1 ? transmitted(surface) : 0.0, slope = slopeOf(normal, corner);
+#define SHARE(s) share(pane, transmission, slope, projected, s);
     EACH_RAY(SHARE)
   }
   return farthest;
