@@ -111,7 +111,7 @@ void reflectEach(Optics4 surface, vec3 normal) {
 }
 
 // Returns how far the part of the footprint that a sub-ray stands for reaches in front of its hit and behind it on the
-// plane of the surface, divided by the square of the hit's range. That is range * |tilt of the plane| / cosine of the
+// plane of the surface, divided by the square of the hit's range. The reach is range * |tilt of the plane| / cosine of the
 // incidence, and the cosine is the distance of the plane divided by the range. On a slope neighbouring sub-rays may lie
 // farther apart than the separation of echoes, but the light between them fills the gap. `on` is a point of the plane.
 float slopeOf(vec3 normal, vec3 on) {

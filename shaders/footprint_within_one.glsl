@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// First pass of effects_footprint: beams whose whole footprint lies on one triangle. Each of them has one echo, because
+// First pass of effects_footprint: beams whose whole footprint lies on one triangle. Such a beam has one echo, because
 // light fills the gaps between sub-rays on a slope (see slopeOf()).
 // Indices are written as 0 * RAYS + s, because glslang checks constant ones against the default value of RAYS.
 

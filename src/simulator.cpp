@@ -9,6 +9,7 @@
 #include "base/index_pool.hpp"
 #include "base/limits.hpp"
 #include "base/maker_process.hpp"
+#include "base/transform.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -17,7 +18,6 @@
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
 #include "pipeline/result_ring.hpp"
-#include "reference/world.hpp"
 #include "scan/batch_arrays.hpp"
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
@@ -104,7 +104,7 @@ class Simulator::Impl {
     size_t more = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
       const Instance& instance = scene.instances[i];
-      if (limits::kCondition.holds(reference::conditionOf(instance.transform))) continue;
+      if (limits::kCondition.holds(conditionOf(instance.transform))) continue;
       if (first.empty())
         first = "instance " + std::to_string(i) + (instance.name.empty() ? "" : " '" + instance.name + "'");
       else

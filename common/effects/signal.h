@@ -59,8 +59,8 @@ GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, u
   power = furtherPower;
 }
 
-// The medium's strongest echo nearer than `far`, among `count` echoes from surfaces; its range is kNever if there is
-// none.
+// Returns the medium's strongest echo nearer than `far`, or one of range kNever. The beam has `count` echoes from
+// surfaces.
 GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far, uint count) {
   Echo echo = noEcho();
   float power = 0.0f;

@@ -341,14 +341,21 @@ def test_worlds_take_the_states_of_all_worlds_as_arrays(device):
         gm.Worlds([deforming], "VLP-16", **settings).scan(states)
 
 
-def test_each_world_goes_through_all_patterns_of_its_sensor(device):
+def patterns_in_a_box(turns):
+    """A box of 10 m around the origin, its state, and a sensor whose patterns are a beam each, `turns` from its x axis.
+    A beam meets the side ahead after 5 m over the cosine of its turn."""
     model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom type="box" size="5 5 5"/></worldbody></mujoco>')
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     sensor = gnosphere.Sensor()
     sensor.range_max, sensor.range_min = 100, 0
-    turns = np.radians([0, 30, 40])
     sensor.patterns = [gnosphere.BeamList([[np.cos(turn), np.sin(turn), 0]]) for turn in turns]
+    return model, data, sensor
+
+
+def test_each_world_goes_through_all_patterns_of_its_sensor(device):
+    turns = np.radians([0, 30, 40])
+    model, data, sensor = patterns_in_a_box(turns)
     for count in (1, 2, 3, 4):
         worlds = gm.Worlds([model] * count, sensor, effects=NONE, options=options(device))
         ranges = np.array([worlds.scan([data] * count).ranges[:, 0] for _ in range(3)])
@@ -357,13 +364,8 @@ def test_each_world_goes_through_all_patterns_of_its_sensor(device):
 
 
 def test_sensors_that_scan_in_turns_go_through_all_their_patterns(device):
-    model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom type="box" size="5 5 5"/></worldbody></mujoco>')
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    sensor = gnosphere.Sensor()
-    sensor.range_max, sensor.range_min = 100, 0
     turns = np.radians([0, 40])
-    sensor.patterns = [gnosphere.BeamList([[np.cos(turn), np.sin(turn), 0]]) for turn in turns]
+    model, data, sensor = patterns_in_a_box(turns)
     lidar = gm.Lidar(model, sensor, effects=NONE, options=options(device))
     lidar.add(sphere_of_beams(10), effects=NONE)
     ranges = []

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes and inverts affine maps in double precision.
+// Makes, measures and compares affine maps in double precision.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/quaternion.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 
@@ -21,6 +24,36 @@ inline Transform composed(const Vec3& t, const Quaternion& rotation, const Vec3&
            k * (q.y * q.z - q.x * q.w) * s.z, t.y,  //
            k * (q.x * q.z - q.y * q.w) * s.x, k * (q.y * q.z + q.x * q.w) * s.y,
            (1 - k * (q.x * q.x + q.y * q.y)) * s.z, t.z}};
+}
+
+/// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
+/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the
+/// angles between columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
+inline double conditionOf(const Transform& t) {
+  Vec3 columns[3];
+  int empty = -1, emptyCount = 0;
+  for (int k = 0; k < 3; ++k) {
+    columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
+    const double length = lengthOf(columns[k]);
+    if (length > 0) {
+      columns[k] = (1 / length) * columns[k];
+    } else {
+      empty = k;
+      ++emptyCount;
+    }
+  }
+  if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
+  if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
+    const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
+    columns[empty] = (1 / std::max(lengthOf(n), 1e-30)) * n;
+  }
+  double squares = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 row = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
+    squares += dot(row, row);
+  }
+  const double volume = std::abs(dot(columns[0], cross(columns[1], columns[2])));
+  return std::max(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0);
 }
 
 /// Returns whether two poses have the same bits.

@@ -61,7 +61,7 @@ vulkan::DeviceRange rangeOf(const gno_vulkan_range& range) {
   return {range.address, range.bytes};
 }
 
-// A device that a simulator in C has adopted.
+// The description of a device by a program in C, and the device that was adopted for it.
 struct Adopted {
   gno_vulkan_adopted_device given;
   vulkan::Requirements enabled;

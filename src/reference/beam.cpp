@@ -197,10 +197,8 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
 
 /// Tangents of half the angles of the footprint, to the left and up.
 std::array<double, 2> halfAxesOf(const SensorPlan& plan) {
-  const Effects::Divergence& asked = plan.effects.divergence;
-  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
-  return {std::tan((stated ? asked.horizontal : plan.sensor.divergenceHorizontal) / 2),
-          std::tan((stated ? asked.vertical : plan.sensor.divergenceVertical) / 2)};
+  const auto [horizontal, vertical] = fullAnglesOf(plan);
+  return {std::tan(horizontal / 2), std::tan(vertical / 2)};
 }
 
 /// Half axes of the part of the footprint that a sub-ray stands for; 0 for a beam that is a line.
@@ -286,9 +284,11 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& ligh
     const bool met = hit.triangle != kNobody;
     doubt.tie = inDoubt(view, beam.axis, {&hit, met ? 1u : 0u}, !met, doubt.tolerance);
     if (!met) return {};
-    const Triangle triangle = triangleOf(view, beam.axis, hit);
-    const Bounded cosine = incidenceOf(view, beam.axis, triangle).cosine;
-    const Bounded energy = plan.looksAtMaterials ? sharesOf(view, effects, triangle, cosine).back : Bounded(1);
+    Bounded energy = 1;
+    if (plan.looksAtMaterials) {
+      const Triangle triangle = triangleOf(view, beam.axis, hit);
+      energy = sharesOf(view, effects, triangle, incidenceOf(view, beam.axis, triangle).cosine).back;
+    }
     return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
   std::vector<Piece> pieces;

@@ -42,6 +42,12 @@ double thresholdOf(const Effects& effects, const Sensor& sensor) {
   return std::max((stated ? 0.1 : detection.reflectance) / (range * range), 1e-30);
 }
 
+std::array<double, 2> fullAnglesOf(const SensorPlan& plan) {
+  const Effects::Divergence& asked = plan.effects.divergence;
+  if (asked.horizontal > 0 || asked.vertical > 0) return {asked.horizontal, asked.vertical};
+  return {plan.sensor.divergenceHorizontal, plan.sensor.divergenceVertical};
+}
+
 double pulseLength(const Effects& effects) {
   return effects.returns.pulseWidth * kLightSpeed / 2;
 }
@@ -49,10 +55,9 @@ double pulseLength(const Effects& effects) {
 Medium::Medium(const SensorPlan& plan, const Shot& shot)
     : plan_(plan), threshold_(thresholdOf(plan.effects, plan.sensor)), pulse_(pulseLength(plan.effects)) {
   const Effects& effects = plan.effects;
-  const auto& asked = effects.divergence;
-  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
-  horizontal_ = stated ? asked.horizontal : plan.sensor.divergenceHorizontal;
-  vertical_ = stated ? asked.vertical : plan.sensor.divergenceVertical;
+  const auto [horizontal, vertical] = fullAnglesOf(plan);
+  horizontal_ = horizontal;
+  vertical_ = vertical;
   if (!(horizontal_ > 0 || vertical_ > 0)) horizontal_ = vertical_ = kUsualSpread;
   for (const SensorMotion::Stamp& stamp : shot.motion.stamps)
     travel_ = std::max(travel_, 2 * lengthOf(stamp.pose.position - shot.motion.stamps.front().pose.position));

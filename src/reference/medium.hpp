@@ -2,6 +2,7 @@
 // Fog, rain, snow and dust, in double and in world coordinates: how they attenuate light, and their own echoes.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "reference/draws.hpp"
@@ -24,6 +25,8 @@ Bounded received(const Bounded& energy, const Bounded& range, const Bounded& dep
 
 /// Returns the least detectable power: that of the stated target at the stated range.
 double thresholdOf(const Effects& effects, const Sensor& sensor);
+/// Full angles of the beam in radians, horizontal and vertical: those of the request, or else the sensor's.
+std::array<double, 2> fullAnglesOf(const SensorPlan& plan);
 /// Half the length of a pulse in metres, because light travels there and back.
 double pulseLength(const Effects& effects);
 

@@ -103,33 +103,6 @@ void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, co
 
 }  // namespace
 
-double conditionOf(const Transform& t) {
-  Vec3 columns[3];
-  int empty = -1, emptyCount = 0;
-  for (int k = 0; k < 3; ++k) {
-    columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
-    const double length = lengthOf(columns[k]);
-    if (length > 0) {
-      columns[k] = (1 / length) * columns[k];
-    } else {
-      empty = k;
-      ++emptyCount;
-    }
-  }
-  if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
-  if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
-    const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
-    columns[empty] = (1 / std::max(lengthOf(n), 1e-30)) * n;
-  }
-  double squares = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 row = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
-    squares += dot(row, row);
-  }
-  const double volume = std::abs(dot(columns[0], cross(columns[1], columns[2])));
-  return std::max(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0);
-}
-
 std::vector<PlacedMesh> placedMeshesOf(const Scene& scene) {
   // No single-precision simulator can use a worse matrix, and a larger error bound would only widen every beam.
   const auto worst = static_cast<double>(limits::kCondition.most);

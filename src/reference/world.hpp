@@ -25,11 +25,6 @@ struct PlacedMesh {
   Vec3 origin;  ///< of the mesh, in the world
 };
 
-/// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
-/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the
-/// angles between columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
-double conditionOf(const Transform& t);
-
 std::vector<PlacedMesh> placedMeshesOf(const Scene& scene);
 
 /// Absolute part of a corner's error, seen from `position`: 1e-9 m, some roundings of the world's doubles (2^-53 each),

@@ -26,7 +26,7 @@ Log& theLog() {
   return log;
 }
 
-// Of weather there is snow, for which programs ask by the extension; rain and fog are not implemented.
+// The extension for weather is there for its snow alone; rain and fog are not implemented.
 bool isAvailable(rgl_extension_t extension) {
   switch (extension) {
     case RGL_EXTENSION_PCL:

@@ -200,7 +200,7 @@ TEST_CASE("behind glass or an edge fog scatters back what light they leave") {
       if (scan.column<uint8_t>(Field::label)[i] == uint8_t(Label::scatter)) return i;
     return scan.ranges.size();
   };
-  // Of seven sub-rays two are so far to the left of the axis that they meet the plate.
+  // The plate stops the two sub-rays that lie farthest to the left of the axis; there are seven.
   size_t compared = 0;
   for (size_t channel = 0; channel < 40; ++channel) {
     const size_t beam = ahead(sensor, channel), before = fogOf(all, beam), behind = fogOf(part, beam);

@@ -90,8 +90,8 @@ TEST_CASE("intensities and surfaces equal the reference") {
   requireSame(withIntensity(Model::carla, Scale::unit));
 }
 
-/// A triangle of about 10 m by `width`, on average 10 m from the sensor and square to the line of sight, with corners
-/// that single precision has exactly and `exact` does not move.
+/// A triangle of about 10 m by `width`, on average 10 m from the sensor and square to the line of sight. Neither single
+/// precision nor the accuracy `exact` rounds its corners.
 std::array<Vec3, 3> sliver(Random& random, double width) {
   const auto onGrid = [](const Vec3& p) {
     const auto rounded = [](double x) { return std::round(x * 0x1p20) * 0x1p-20; };
