@@ -15,11 +15,28 @@ typedef struct gno_ros2_publisher_object* gno_ros2_publisher; /* the messages of
 
 /* The type of the messages of a topic, and its quality of service. */
 typedef int32_t gno_ros2_type;
-enum { GNO_ROS2_POINT_CLOUD2 = 0, GNO_ROS2_LASER_SCAN = 1, GNO_ROS2_TRANSFORMS = 2, GNO_ROS2_CLOCK = 3 };
+enum {
+  GNO_ROS2_POINT_CLOUD2 = 0,
+  GNO_ROS2_LASER_SCAN = 1,
+  GNO_ROS2_TRANSFORMS = 2,
+  GNO_ROS2_CLOCK = 3,
+  GNO_ROS2_IMU = 4
+};
 typedef int32_t gno_ros2_reliability;
 enum { GNO_ROS2_RELIABLE = 0, GNO_ROS2_BEST_EFFORT = 1 };
 typedef int32_t gno_ros2_durability;
 enum { GNO_ROS2_VOLATILE = 0, GNO_ROS2_TRANSIENT_LOCAL = 1 };
+
+/* Drivers of ROS 2, whose point layouts nodes for localisation and mapping read: docs/ros2.md. */
+typedef int32_t gno_ros2_driver;
+enum {
+  GNO_ROS2_VELODYNE = 0,
+  GNO_ROS2_OUSTER = 1,
+  GNO_ROS2_HESAI = 2,
+  GNO_ROS2_ROBOSENSE = 3,
+  GNO_ROS2_LIVOX = 4,
+  GNO_ROS2_AUTOWARE = 5
+};
 
 /* How a publisher sends. */
 typedef struct gno_ros2_options {
@@ -73,6 +90,19 @@ typedef struct gno_ros2_transform {
   gno_pose pose;
 } gno_ros2_transform;
 
+/* sensor_msgs/Imu. Covariances are matrices of three rows; all zeros, the default, mean unknown ones. */
+typedef struct gno_ros2_imu {
+  size_t struct_size;
+  int64_t stamp;
+  const char* frame;
+  double orientation[4]; /* qx, qy, qz, qw: maps the frame of the unit to the world */
+  double orientation_covariance[9];
+  double angular_velocity[3]; /* rad/s about the axes of the unit */
+  double angular_velocity_covariance[9];
+  double linear_acceleration[3]; /* m/s^2 along the axes of the unit; upwards 9.8 at rest */
+  double linear_acceleration_covariance[9];
+} gno_ros2_imu;
+
 /* What has become of the messages of a publisher. */
 typedef struct gno_ros2_counts {
   size_t struct_size;
@@ -99,9 +129,14 @@ GNO_API gno_status gno_ros2_publish_laser(gno_ros2_publisher publisher, const gn
 GNO_API gno_status gno_ros2_publish_transforms(gno_ros2_publisher publisher, const gno_ros2_transform* transforms,
                                                size_t count);
 GNO_API gno_status gno_ros2_publish_clock(gno_ros2_publisher publisher, int64_t nanoseconds);
+GNO_API gno_status gno_ros2_publish_imu(gno_ros2_publisher publisher, const gno_ros2_imu* imu);
 /* The returns of a scan with these fields, as a cloud. */
 GNO_API gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
                                          size_t field_count, const char* frame, int64_t stamp);
+/* The returns of a scan as a driver publishes them, in the order of their times. The scan needs GNO_FIELD_TIME. `effects` are
+ * those of the scan, or null for automatic ones: the scale of its intensities, and the mode of its returns. */
+GNO_API gno_status gno_ros2_publish_driver_scan(gno_ros2_publisher publisher, gno_scan scan, gno_ros2_driver driver,
+                                                const char* frame, int64_t stamp, gno_effects effects);
 /* The first returns of one channel of a grid of beams, as a laser scan. */
 GNO_API gno_status gno_ros2_publish_channel(gno_ros2_publisher publisher, gno_sensor sensor, gno_scan scan,
                                             uint32_t channel, const char* frame, int64_t stamp);
@@ -115,6 +150,7 @@ GNO_API gno_status gno_ros2_publisher_counts(gno_ros2_publisher publisher, gno_r
 GNO_INIT(gno_ros2_options, value.depth = 5; value.domain = -1; value.localhost_only = -1;)
 GNO_INIT(gno_ros2_cloud, value.height = 1; value.dense = 1;)
 GNO_INIT(gno_ros2_laser, )
+GNO_INIT(gno_ros2_imu, value.orientation[3] = 1;)
 GNO_INIT(gno_ros2_counts, )
 
 #ifdef __cplusplus

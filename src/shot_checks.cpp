@@ -7,6 +7,7 @@
 
 #include "base/finite.hpp"
 #include "base/quaternion.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
@@ -40,6 +41,17 @@ void validate(const SensorMotion& motion, const std::string& which) {
       throw Error(ErrorCode::invalidArgument,
                   which + "the time of stamp " + std::to_string(i) + " does not come after the one before");
   }
+}
+
+void checkTimes(const SensorMotion& motion, const Sensor& sensor, uint64_t frame, const std::string& which) {
+  if (motion.stamps.size() < 2 || !firesInTurn(sensor)) return;
+  const ScanTimes times = scanTimesOf(sensor, !sensor.isGrid(), frame);
+  const double first = motion.stamps.front().time, last = motion.stamps.back().time;
+  if (first < times.last && last > times.earliest) return;
+  throw Error(ErrorCode::invalidArgument, which + "the motion is from " + numberText(first) + " to " +
+                                              numberText(last) + " s, and the beams fire from " +
+                                              numberText(times.earliest) + " to " + numberText(times.last) +
+                                              " s; stamps count from the start of the scan");
 }
 
 void checkSensorOfBatch(std::span<const Shot> shots) {

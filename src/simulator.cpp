@@ -325,6 +325,7 @@ class Simulator::Impl {
     validate(shot.motion, which);
     kept_.checkMotions(shot, which);
     sensors_.check(shot.sensor, which);
+    checkTimes(shot.motion, plans_[shot.sensor]->sensor, shot.frame, which);
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 

@@ -3,13 +3,16 @@
 // is opened when the first publisher is made.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
+#include "gnosphere/effects.hpp"
 #include "gnosphere/scan.hpp"
 
 namespace gnosphere::ros2 {
@@ -41,7 +44,7 @@ struct LaserScan {
   float angleMin = 0, angleMax = 0, angleIncrement = 0;  ///< rad, counter-clockwise from the x axis
   float timeIncrement = 0, scanTime = 0;                 ///< s between rays, and between scans
   float rangeMin = 0, rangeMax = 0;                      ///< m
-  std::vector<float> ranges;                             ///< m; +inf where nothing is hit
+  std::vector<float> ranges;                             ///< m; +inf where nothing is hit, NaN where a beam is dead
   std::vector<float> intensities;                        ///< one per range, or none
 };
 
@@ -58,9 +61,21 @@ struct Clock {
   int64_t time = 0;  ///< nanoseconds
 };
 
+/// A message of type sensor_msgs/Imu. A covariance is a matrix of three rows; all zeros mean that it is unknown.
+struct Imu {
+  int64_t stamp = 0;  ///< nanoseconds
+  std::string frame;
+  Quaternion orientation;  ///< maps the frame of the unit to the world
+  std::array<double, 9> orientationCovariance{};
+  Vec3 angularVelocity;  ///< rad/s about the axes of the unit
+  std::array<double, 9> angularVelocityCovariance{};
+  Vec3 linearAcceleration;  ///< m/s^2 along the axes of the unit; upwards 9.8 at rest
+  std::array<double, 9> linearAccelerationCovariance{};
+};
+
 /// A message that a publisher can send.
-using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock>;
-enum class MessageType { pointCloud2, laserScan, transforms, clock };  ///< in the order of Message
+using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock, Imu>;
+enum class MessageType { pointCloud2, laserScan, transforms, clock, imu };  ///< in the order of Message
 
 /// Quality of service (QoS) of a publisher. Messages beyond `depth` replace the oldest ones ("keep last").
 struct Qos {
@@ -119,8 +134,34 @@ GNOSPHERE_API std::string unavailable();
 GNOSPHERE_API PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const std::string& frame,
                                   int64_t stamp);
 
-/// Returns the first returns of one channel of a grid of beams that turns, from the first column to the last. Throws
-/// Error(invalidArgument) for a channel that there is not, and for a list of beams.
+/// Drivers of ROS 2 by the makers of their sensors, whose point layouts nodes for localisation and mapping read.
+enum class Driver {
+  velodyne,   ///< velodyne_pointcloud: time in seconds
+  ouster,     ///< ouster-ros, "original": t in nanoseconds, range in millimetres
+  hesai,      ///< HesaiLidar_ROS_2.0: timestamp in seconds since 1970
+  robosense,  ///< rslidar_sdk, XYZIRT: as hesai
+  livox,      ///< livox_ros_driver2, xfer_format 0: timestamp in nanoseconds since 1970
+  autoware,   ///< PointXYZIRCAEDT, as Nebula's drivers publish it: time_stamp in nanoseconds
+};
+/// Returns the driver of this name, such as "ouster".
+GNOSPHERE_API std::optional<Driver> driverNamed(std::string_view name);
+
+/// Returns the returns of a scan as a driver publishes them, in the order of their times. The fields with their types
+/// and offsets are those of the driver (docs/ros2.md), and times count from `stamp`, at which the scan begins.
+/// Intensities are calibrated reflectivities: 100 for a diffuse white surface and at most 255; 0 if the scan has none.
+/// `effects` are those of the scan: the scale of its intensities, and the mode of its returns. Throws
+/// Error(invalidArgument) for a scan without Field::time, and for values that the driver's types do not hold.
+GNOSPHERE_API PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,
+                                        const Effects& effects = {});
+
+/// Whether laserScanOf() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern whose
+/// beams are evenly spaced in azimuth.
+GNOSPHERE_API bool hasLaserScan(const Sensor& sensor, uint32_t channel = 0);
+
+/// Returns the first returns of one channel, from the first column to the last. A beam without a return is +inf, as REP
+/// 117 wants it, also if NearHits::hide has taken the return. A beam that the sensor masks, and with Field::cause one
+/// that is dead or whose return was lost at random, is NaN. Throws Error(invalidArgument) for a channel that there is
+/// not, for a scan of another sensor, and unless hasLaserScan().
 GNOSPHERE_API LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
                                     int64_t stamp);
 

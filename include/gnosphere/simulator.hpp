@@ -252,7 +252,8 @@ struct SensorMotion {
     double time = 0;  ///< seconds after the start of the scan, ascending
     Pose pose;
   };
-  std::vector<Stamp> stamps;  ///< if empty, the sensor stands still
+  /// If empty, the sensor stands still. Several stamps, all before the first or after the last beam, are refused.
+  std::vector<Stamp> stamps;
 };
 
 /// How an instance moves during a scan: from its own transform at the start to `end`, Sensor::rotationPeriod later, or

@@ -277,18 +277,29 @@ def point_cloud2(
 
 
 def laser_scan(
-    scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
+    scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0,
+    frame: Optional[int] = None,
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
     `angle_increment` is less than 0. `stamp` is the time of its first beam in seconds. Beams that fire in another order than that
     of their azimuths are sorted by azimuth, and have a `time_increment` of 0. A beam without a return has infinity (REP
-    117). Beams on both sides of 180 degrees have angles beyond it, without a gap. Raises ValueError for a channel that
-    the scan does not have, and if its beams are not evenly spaced in azimuth."""
+    117), also if `NearHits.hide` has taken the return; one that the sensor masks, and with the field `cause` one that is
+    dead or whose return was lost at random, has NaN. Beams on both sides of 180 degrees have angles beyond it, without a
+    gap. `frame` is the number of the scan (Shot.frame), which a sensor with several patterns needs. Raises ValueError for
+    a channel that the scan does not have, for a scan of another sensor, and if its beams are not evenly spaced in
+    azimuth."""
+    if (scan.columns, scan.channels) != (sensor.width(), sensor.height()):
+        raise ValueError(
+            f"the scan has {scan.channels} x {scan.columns} beams, and the sensor {sensor.name} has {sensor.height()} x "
+            f"{sensor.width()}: it is a scan of another sensor"
+        )
+    if len(sensor.patterns) > 1 and frame is None:
+        raise ValueError(f"the sensor {sensor.name} has {len(sensor.patterns)} patterns; `frame` chooses that of the scan")
     if not 0 <= channel < scan.channels:
         raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")
     columns = scan.columns
     entries = slice(channel * columns * scan.returns, (channel + 1) * columns * scan.returns, scan.returns)
-    beams = gno.beams_of(sensor)
+    beams = gno.beams_of(sensor, frame or 0)
 
     def own(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return values[channel * columns : (channel + 1) * columns]
@@ -307,6 +318,9 @@ def laser_scan(
     if len(steps) and np.ptp(steps) > 1e-4:
         raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
     ranges = scan.ranges[entries][order]
+    invalid = np.isin(order + channel * columns, sensor.masked_beams)
+    if scan.has(gno.Field.cause):
+        invalid |= np.isin(scan.column(gno.Field.cause)[entries][order], [int(gno.Cause.dead), int(gno.Cause.dropped_out)])
     nearest, farthest = own(beams.range_min), own(beams.range_max)
     message: dict[str, Any] = {
         "header": header(frame_id, stamp),
@@ -317,7 +331,7 @@ def laser_scan(
         "scan_time": sensor.rotation_period,
         "range_min": float(nearest.min()) if len(nearest) else sensor.range_min,
         "range_max": float(farthest.max()) if len(farthest) else sensor.range_max,
-        "ranges": np.where(np.isnan(ranges), np.float32(np.inf), ranges),
+        "ranges": np.where(np.isnan(ranges) & ~invalid, np.float32(np.inf), ranges),
         "intensities": np.empty(0, np.float32),
     }
     if scan.has(gno.Field.intensity):

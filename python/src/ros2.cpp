@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/ros2.hpp, as the module gnosphere.ros2.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/variant.h>
 
 #include <gnosphere/ros2.hpp>
@@ -107,6 +108,31 @@ void bindLaserScan(nb::module_& m) {
       .def_rw("intensities", &LaserScan::intensities, "One per range, or none; a list that is assigned whole.");
 }
 
+void bindImu(nb::module_& m) {
+  using Covariance = std::array<double, 9>;
+  nb::class_<Imu>(m, "Imu",
+                  "sensor_msgs/Imu. A covariance has nine numbers, row by row; zeros mean that it is unknown.")
+      .def(
+          "__init__",
+          [](Imu* self, int64_t stamp, std::string frame, const Quaternion& orientation, const Vec3& angularVelocity,
+             const Vec3& linearAcceleration, const Covariance& ofOrientation, const Covariance& ofVelocity,
+             const Covariance& ofAcceleration) {
+            new (self) Imu{stamp,           std::move(frame), orientation,        ofOrientation,
+                           angularVelocity, ofVelocity,       linearAcceleration, ofAcceleration};
+          },
+          "stamp"_a, "frame"_a, "orientation"_a = Quaternion(), "angular_velocity"_a = Vec3(),
+          "linear_acceleration"_a = Vec3(), "orientation_covariance"_a = Covariance(),
+          "angular_velocity_covariance"_a = Covariance(), "linear_acceleration_covariance"_a = Covariance())
+      .def_ro("stamp", &Imu::stamp, "Nanoseconds.")
+      .def_ro("frame", &Imu::frame, "The frame of the unit.")
+      .def_ro("orientation", &Imu::orientation, "Maps the frame of the unit to the world.")
+      .def_ro("orientation_covariance", &Imu::orientationCovariance, "rad^2, row by row.")
+      .def_ro("angular_velocity", &Imu::angularVelocity, "rad/s about the axes of the unit.")
+      .def_ro("angular_velocity_covariance", &Imu::angularVelocityCovariance, "(rad/s)^2, row by row.")
+      .def_ro("linear_acceleration", &Imu::linearAcceleration, "m/s^2 along the axes of the unit; upwards 9.8 at rest.")
+      .def_ro("linear_acceleration_covariance", &Imu::linearAccelerationCovariance, "(m/s^2)^2, row by row.");
+}
+
 void bindPublisher(nb::module_& m) {
   nb::class_<PublisherCounts>(m, "PublisherCounts", "What has become of the messages of a publisher.")
       .def_ro("published", &PublisherCounts::published, "Messages that were given to publish().")
@@ -145,7 +171,8 @@ void bindRos2(nb::module_& parent) {
       .value("point_cloud2", MessageType::pointCloud2)
       .value("laser_scan", MessageType::laserScan)
       .value("transforms", MessageType::transforms)
-      .value("clock", MessageType::clock);
+      .value("clock", MessageType::clock)
+      .value("imu", MessageType::imu);
   bindQos(m);
   bindCloud(m);
   bindLaserScan(m);
@@ -164,6 +191,7 @@ void bindRos2(nb::module_& parent) {
       .def(
           "__init__", [](Clock* self, int64_t time) { new (self) Clock{time}; }, "time"_a)
       .def_ro("time", &Clock::time, "Nanoseconds.");
+  bindImu(m);
   bindPublisher(m);
   m.def("unavailable", &unavailable, "Why nothing can be published; an empty text if messages can be.");
   m.def(
@@ -174,6 +202,24 @@ void bindRos2(nb::module_& parent) {
       "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The returns of a scan as a cloud with these fields and without gaps; `stamp` is in nanoseconds. Raises "
       "Error(invalid_argument) for a field that the scan does not have.");
+  nb::enum_<Driver>(m, "Driver", "Drivers of ROS 2, whose point layouts nodes for localisation and mapping read.")
+      .value("velodyne", Driver::velodyne, "velodyne_pointcloud: time in seconds")
+      .value("ouster", Driver::ouster, "ouster-ros, \"original\": t in nanoseconds, range in millimetres")
+      .value("hesai", Driver::hesai, "HesaiLidar_ROS_2.0: timestamp in seconds since 1970")
+      .value("robosense", Driver::robosense, "rslidar_sdk, XYZIRT: as hesai")
+      .value("livox", Driver::livox, "livox_ros_driver2, xfer_format 0: timestamp in nanoseconds since 1970")
+      .value("autoware", Driver::autoware,
+             "PointXYZIRCAEDT, as Nebula's drivers publish it: time_stamp in nanoseconds");
+  m.def(
+      "driver_cloud_of",
+      [](const SharedScan& scan, Driver driver, const std::string& frame, int64_t stamp, const Effects& effects) {
+        return driverCloudOf(*scan.value, driver, frame, stamp, effects);
+      },
+      "scan"_a, "driver"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(), WithoutGil(),
+      "The returns of a scan as a driver publishes them, in the order of their times, which count from `stamp` (in "
+      "nanoseconds). `effects` are those of the scan: the scale of its intensities, and the mode of its returns. "
+      "Raises Error(invalid_argument) for a scan without the field time, and for values that the driver's types do "
+      "not hold.");
   m.def(
       "laser_scan_of",
       [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {

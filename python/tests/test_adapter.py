@@ -210,6 +210,24 @@ def test_a_lidar_moves_and_scans(device, tmp_path):
         adapter.laser_scan(lidar.cast(gnosphere.Shot(sensor=lidar.add_sensor(uneven))), uneven)
 
 
+def test_a_laser_scan_is_of_its_own_sensor_and_pattern(device):
+    def beams(offset):
+        azimuths = np.radians(np.arange(-40, 41, 20) + offset)
+        return gnosphere.BeamList(np.stack([np.cos(azimuths), np.sin(azimuths), 0 * azimuths], axis=1))
+
+    sensor = gnosphere.Sensor(range_max=100, patterns=[beams(0), beams(10)], masked_beams=[3])
+    other = gnosphere.Sensor(range_max=100, columns=4, channels=[gnosphere.Channel()])
+    lidar = adapter.Lidar(wall(), sensor, effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device))
+    scan = lidar.cast(gnosphere.Shot(frame=1))
+    line = adapter.laser_scan(scan, sensor, frame=1)
+    assert np.degrees(line["angle_min"]) == pytest.approx(-30, abs=1e-4)
+    assert np.isnan(line["ranges"]).tolist() == [False, False, False, True, False]
+    with pytest.raises(ValueError, match="2 patterns; `frame` chooses"):
+        adapter.laser_scan(scan, sensor)
+    with pytest.raises(ValueError, match="a scan of another sensor"):
+        adapter.laser_scan(scan, other)
+
+
 @pytest.mark.parametrize(
     ("start", "span", "columns"),
     [(90, 180, 90), (170, -30, 30), (-180, 360, 360), (-179.5, 360, 360), (-90, 180, 90), (180, -360, 360), (0, -360, 36)],

@@ -22,6 +22,7 @@ LEFT_OUT = {
     "ResultRing", "SensorPlan",  # of the library alone
     "AdoptedDevice", "Recorder", "Recording", "CallerVertices", "CallerTransforms", "adopted", "layout",
     "PublisherOptions", "qos", "domain", "localhost_only",  # arguments of Publisher
+    "driver_named",  # Driver["ouster"]
     "w",  # a quaternion is x, y, z, w
     "add", "entries",  # results are read only; arrays have shapes
 }  # fmt: skip

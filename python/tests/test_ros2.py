@@ -21,6 +21,9 @@ def test_messages_and_settings_are_values():
     qos = ros2.Qos(depth=7)
     assert pickle.loads(pickle.dumps(qos)) == qos != ros2.Qos()
     assert repr(qos) == "Qos(depth=7)" and repr(ros2.Clock(5)) == "Clock(time=5)"
+    imu = ros2.Imu(5, "imu", angular_velocity=(0, 0, 1), linear_acceleration=[0, 0, 9.8])
+    assert pickle.loads(pickle.dumps(imu)) == imu != ros2.Imu(5, "imu") and imu.linear_acceleration == (0, 0, 9.8)
+    assert imu.orientation == (0, 0, 0, 1) and list(imu.orientation_covariance) == [0] * 9
     assert copy.deepcopy(ros2.Clock(5)) == ros2.Clock(5) != ros2.Clock(6)
 
 
@@ -89,6 +92,30 @@ def test_a_scan_becomes_a_cloud_and_a_laser_scan(town, device):
     assert len(laser.ranges) == sensor.columns and laser.range_max == pytest.approx(sensor.range_max)
     with pytest.raises(gnosphere.Error, match="no channel 16"):
         ros2.laser_scan_of(sensor, scan, 16, "top", 9)
+
+
+OUSTER = np.dtype(
+    {"names": ["x", "t", "ring", "range"], "formats": ["<f4", "<u4", "<u2", "<u4"], "offsets": [0, 20, 26, 32],
+     "itemsize": 48}
+)  # fmt: skip
+
+
+def test_a_scan_becomes_the_cloud_of_a_driver(town, device):
+    def scan(fields):
+        request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), gnosphere.Effects.none(), fields=fields)
+        return gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(device)).scan(gnosphere.Pose((0, 0, 1.8)))
+
+    with pytest.raises(gnosphere.Error, match="'time'"):
+        ros2.driver_cloud_of(scan(""), ros2.Driver.ouster, "top", 9)
+    timed = scan("time")
+    cloud = ros2.driver_cloud_of(timed, ros2.Driver.ouster, "top", 9, gnosphere.Effects.none())
+    points = np.frombuffer(cloud.data, OUSTER)
+    assert cloud.stamp == 9 and len(points) == timed.counters.hits
+    hits = np.flatnonzero(~np.isnan(timed.ranges))
+    order = hits[np.argsort(timed["time"][hits], kind="stable")]
+    assert (np.diff(points["t"].astype(np.int64)) >= 0).all() and points["t"][-1] > 90_000_000
+    assert (points["x"] == timed.points[order, 0]).all() and (points["ring"] == timed["ring"][order]).all()
+    assert np.abs(points["range"] / 1000 - timed.ranges[order]).max() < 6e-4
 
 
 @needs_wire

@@ -2,7 +2,9 @@
 // The C interface to messages of ROS 2.
 #include <gnosphere_ros2.h>
 
+#include <array>
 #include <gnosphere/ros2.hpp>
+#include <tuple>
 
 #include "c/handles.hpp"
 
@@ -71,6 +73,21 @@ ros2::LaserScan laserFrom(const gno_ros2_laser* laser) {
   return result;
 }
 
+ros2::Imu imuFrom(const gno_ros2_imu* imu) {
+  const gno_ros2_imu& from = sized(imu, GNO_TYPE(gno_ros2_imu));
+  const auto& [q, w, a] = std::tie(from.orientation, from.angular_velocity, from.linear_acceleration);
+  ros2::Imu result;
+  result.stamp = from.stamp;
+  result.frame = orEmpty(from.frame);
+  result.orientation = {q[0], q[1], q[2], q[3]};
+  result.angularVelocity = {w[0], w[1], w[2]};
+  result.linearAcceleration = {a[0], a[1], a[2]};
+  result.orientationCovariance = std::to_array(from.orientation_covariance);
+  result.angularVelocityCovariance = std::to_array(from.angular_velocity_covariance);
+  result.linearAccelerationCovariance = std::to_array(from.linear_acceleration_covariance);
+  return result;
+}
+
 }  // namespace
 }  // namespace gnosphere::c
 
@@ -87,7 +104,7 @@ const char* gno_ros2_unavailable(void) {
 gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,
                                      gno_ros2_publisher* publisher) {
   return giveHandle(publisher, "publisher", [&] {
-    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::clock, "gno_ros2_type"),
+    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::imu, "gno_ros2_type"),
                                                     &the(topic, "topic"), publisherOptionsOf(options)));
   });
 }
@@ -113,11 +130,23 @@ gno_status gno_ros2_publish_transforms(gno_ros2_publisher publisher, const gno_r
 gno_status gno_ros2_publish_clock(gno_ros2_publisher publisher, int64_t nanoseconds) {
   return guard([&] { Publishing(publisher)->publish(ros2::Clock{nanoseconds}); });
 }
+gno_status gno_ros2_publish_imu(gno_ros2_publisher publisher, const gno_ros2_imu* imu) {
+  return guard([&] { Publishing(publisher)->publish(imuFrom(imu)); });
+}
 gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
                                  size_t field_count, const char* frame, int64_t stamp) {
   return guard([&] {
     Publishing to(publisher);
     to->publish(ros2::cloudOf(*Locked(scan), fieldsOf(fields, field_count), orEmpty(frame), stamp));
+  });
+}
+gno_status gno_ros2_publish_driver_scan(gno_ros2_publisher publisher, gno_scan scan, gno_ros2_driver driver,
+                                        const char* frame, int64_t stamp, gno_effects effects) {
+  return guard([&] {
+    Publishing to(publisher);
+    const Effects of = effects ? *Locked(effects) : Effects();
+    to->publish(ros2::driverCloudOf(*Locked(scan), enumOf(driver, ros2::Driver::autoware, "gno_ros2_driver"),
+                                    orEmpty(frame), stamp, of));
   });
 }
 gno_status gno_ros2_publish_channel(gno_ros2_publisher publisher, gno_sensor sensor, gno_scan scan, uint32_t channel,

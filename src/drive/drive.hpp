@@ -10,6 +10,7 @@
 
 #include "drive/trajectory.hpp"
 #include "gnosphere/gnosphere.hpp"
+#include "gnosphere/ros2.hpp"
 
 namespace gnosphere::drive {
 
@@ -41,9 +42,17 @@ struct RigSensor {
   std::string name;
   Sensor sensor;
   Effects effects;
+  Pose mount;                          ///< in the vehicle's frame
+  double rate = 10;                    ///< scans a second
+  double offset = 0;                   ///< seconds after the start of the drive at which scan 0 starts
+  std::optional<ros2::Driver> driver;  ///< whose point layout clouds for ROS 2 have; none: GnoSphere's own
+};
+
+/// An inertial measurement unit (IMU) on the vehicle.
+struct InertialUnit {
+  std::string name;
   Pose mount;         ///< in the vehicle's frame
-  double rate = 10;   ///< scans a second
-  double offset = 0;  ///< seconds after the start of the drive at which scan 0 starts
+  double rate = 200;  ///< measurements a second
 };
 
 struct WeatherStamp {
@@ -79,6 +88,8 @@ struct Drive {
   std::vector<Actor> actors;
   Trajectory ego;
   std::vector<RigSensor> sensors;
+  std::optional<InertialUnit> imu;
+  std::string worldFrame = "map", vehicleFrame = "base_link";  ///< names of the frames in ROS 2
   std::vector<WeatherStamp> weather;
   WeatherKinds weatherKinds;
   std::vector<Output> outputs;

@@ -176,23 +176,43 @@ void DriveReader::actors() {
   }
 }
 
+/// Checks the name of a sensor or of the inertial unit.
+void DriveReader::checkName(const std::string& name, const std::string& path) {
+  const auto isPlain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  if (!std::all_of(name.begin(), name.end(), isPlain))
+    refuse(path + ".name", "must have letters, digits, _ and - only, is " + shown(json(name)));
+  if (!names_.insert(name).second) refuse(path + ".name", inQuotes(name) + " is there twice");
+}
+
+void DriveReader::imu() {
+  const json& object = memberOf(root_, "imu");
+  if (object.is_null()) return;
+  drive_.imu = {object.value("name", "imu"), pose(memberOf(object, "mount"), "imu.mount"), object.value("rate", 200.0)};
+  checkName(drive_.imu->name, "imu");
+}
+
+void DriveReader::frames() {
+  const json& object = memberOf(root_, "frames");
+  if (object.is_null()) return;
+  drive_.worldFrame = object.value("world", drive_.worldFrame);
+  drive_.vehicleFrame = object.value("vehicle", drive_.vehicleFrame);
+  if (drive_.worldFrame == drive_.vehicleFrame) refuse("frames", "the world and the vehicle need two names");
+}
+
 void DriveReader::sensors() {
-  std::set<std::string> names;
   for (size_t i = 0; i < root_["sensors"].size(); ++i) {
     const json& object = root_["sensors"][i];
     const std::string path = entryPath("sensors", i);
     RigSensor rigged;
     rigged.name = object["name"].get<std::string>();
-    const auto isPlain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
-    if (!std::all_of(rigged.name.begin(), rigged.name.end(), isPlain))
-      refuse(path + ".name", "must have letters, digits, _ and - only, is " + shown(object["name"]));
-    if (!names.insert(rigged.name).second) refuse(path + ".name", inQuotes(rigged.name) + " is there twice");
+    checkName(rigged.name, path);
     rigged.sensor = sensor(object["sensor"], path + ".sensor");
     rigged.effects = effects(memberOf(object, "effects"), path + ".effects");
     rigged.mount = pose(memberOf(object, "mount"), path + ".mount");
     const double period = rigged.sensor.rotationPeriod;
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
     rigged.offset = object.value("offset", 0.0);
+    if (object.contains("driver")) rigged.driver = ros2::driverNamed(object["driver"].get<std::string>());
     if (rigged.rate * period > 1 + 1e-9)
       refuse(path + ".rate",
              "is " + shown(object["rate"]) + " scans a second, but the sensor takes " + shown(period) + " s for one");
@@ -341,6 +361,8 @@ Drive DriveReader::read(const fs::path& file) {
   classes();
   times();
   sensors();
+  imu();
+  frames();
   weather();
   outputs();
   scenes();

@@ -88,6 +88,23 @@ std::optional<Animation> DriveReader::animation(const json& object, const std::s
   return animation;
 }
 
+/// Warns of yaws that are half a turn or more apart: orientations turn the shorter way.
+void DriveReader::warnOfTurns(const json& list, const std::string& path) {
+  size_t first = 0, count = 0;
+  for (size_t i = 1; i < list.size(); ++i) {
+    if (!list[i - 1].contains("yaw_deg") || !list[i].contains("yaw_deg")) continue;
+    if (std::abs(list[i]["yaw_deg"].get<double>() - list[i - 1]["yaw_deg"].get<double>()) < 180) continue;
+    if (count++ == 0) first = i;
+  }
+  if (count == 0) return;
+  const double apart = list[first]["yaw_deg"].get<double>() - list[first - 1]["yaw_deg"].get<double>();
+  drive_.warnings.push_back(entryPath(path, first) + ".yaw_deg: is " + gnosphere::numberText(apart) +
+                            " degrees from the one before, and a vehicle turns the shorter way, by " +
+                            gnosphere::numberText(std::remainder(apart, 360)) +
+                            " degrees; for the longer way give waypoints between them" +
+                            (count > 1 ? " (so do " + std::to_string(count) + " waypoints)" : ""));
+}
+
 std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path) {
   std::vector<Trajectory::Stamp> stamps;
   for (const json& waypoint : list)
@@ -101,6 +118,7 @@ std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const st
     if (list[i].contains("orientation")) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
     turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
   }
+  warnOfTurns(list, path);
   return stamps;
 }
 

@@ -52,6 +52,7 @@ class DriveReader {
   std::optional<Animation> animation(const nlohmann::json& object, const std::string& path, const Scene& scene);
   Trajectory trajectory(const nlohmann::json& object, const std::string& path);
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, const std::string& path);
+  void warnOfTurns(const nlohmann::json& list, const std::string& path);
   Sensor sensor(const nlohmann::json& value, const std::string& path);
   Effects effects(const nlohmann::json& value, const std::string& path);
   void classes();
@@ -65,7 +66,10 @@ class DriveReader {
   void materialTable();
   void actors();
   void sensors();
+  void imu();
+  void frames();
   void times();
+  void checkName(const std::string& name, const std::string& path);
   void simulator();
   void weather();
   void outputs();
@@ -78,6 +82,7 @@ class DriveReader {
   const nlohmann::json& root_;
   Drive drive_;
   std::vector<std::string> mistakes_, classNames_, modelNames_;
+  std::set<std::string> names_;                 // of the sensors and the inertial unit
   std::vector<std::filesystem::path> folders_;  // of the outputs
 };
 

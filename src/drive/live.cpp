@@ -21,9 +21,6 @@ using ros2::MessageType;
 using ros2::Publisher;
 using WallClock = std::chrono::steady_clock;
 
-const std::vector<Field> kFields = {Field::x,    Field::y,    Field::z,       Field::intensity,
-                                    Field::time, Field::ring, Field::classId, Field::instance};
-
 /// Publishes messages when the time of the drive has come. The first one starts the clock.
 class Schedule {
  public:
@@ -91,23 +88,26 @@ class Live {
         clock_(MessageType::clock, "/clock", optionsOf({.depth = 100})),
         schedule_(options.speed, 1 / drive.rate, report) {
     for (const RigSensor& sensor : drive.sensors) {
-      clouds_.emplace_back(MessageType::pointCloud2, topicOf(sensor, "/points"), optionsOf(options.qos));
+      clouds_.emplace_back(MessageType::pointCloud2, topicOf(sensor.name, "/points"), optionsOf(options.qos));
       if (isFlat(sensor.sensor))
         lasers_.emplace(clouds_.size() - 1,
-                        Publisher(MessageType::laserScan, topicOf(sensor, "/scan"), optionsOf(options.qos)));
+                        Publisher(MessageType::laserScan, topicOf(sensor.name, "/scan"), optionsOf(options.qos)));
     }
-    ros2::Transforms mounts;
-    for (const RigSensor& sensor : drive.sensors)
-      mounts.push_back({stampOf(drive.start), "base_link", sensor.name, sensor.mount});
-    mounts_.publish(std::move(mounts));
+    if (drive.imu) imu_.emplace(MessageType::imu, topicOf(drive.imu->name, "/data"), optionsOf({.depth = 1000}));
+    std::vector<size_t> all(drive.sensors.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    mounts_.publish(mountsOf(drive, all));
     ++report_.messages;
   }
 
   void publish(const FrameRecord& frame) {
     for (const double time : poseTimes(drive_, frame.frame, frame.frame + 1 == end_)) {
       schedule_.add(time, clock_, ros2::Clock{stampOf(time)});
-      schedule_.add(time, tf_, ros2::Transforms{{stampOf(time), "map", "base_link", drive_.ego.at(time)}});
+      schedule_.add(time, tf_, vehicleMessage(drive_, time));
     }
+    if (drive_.imu)
+      for (const double time : imuTimes(drive_, frame.frame, frame.frame + 1 == end_))
+        schedule_.add(time, *imu_, imuMessage(drive_, time));
     for (const RecordedScan& recorded : frame.scans) add(recorded);
     ++report_.frames;
     schedule_.runUntil(drive_.start + static_cast<double>(frame.frame + 1) / drive_.rate);
@@ -128,34 +128,21 @@ class Live {
     options.qos = qos;
     return options;
   }
-  static bool isFlat(const Sensor& sensor) { return sensor.isGrid() && sensor.channels.size() == 1; }
   int64_t stampOf(double time) const { return unixNanoseconds(drive_, time); }
 
   void add(const RecordedScan& recorded) {
     const size_t index = recorded.planned.sensor;
-    const RigSensor& sensor = drive_.sensors[index];
-    const int64_t stamp = stampOf(recorded.planned.time);
     const double end = recorded.planned.time + recorded.duration;
-    std::vector<Field> fields = kFields;
-    if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);
-    const float factor = intensityFactor(sensor, 1);
-    ros2::PointCloud2 cloud = ros2::cloudOf(recorded.scan, fields, sensor.name, stamp);
-    for (const ros2::PointField& field : cloud.fields)
-      if (field.name == "intensity")
-        scaleFloat(std::as_writable_bytes(std::span(cloud.data)), cloud.pointStep, field.offset, factor);
-    schedule_.add(end, clouds_[index], std::move(cloud));
-    if (const auto laser = lasers_.find(index); laser != lasers_.end()) {
-      ros2::LaserScan message = ros2::laserScanOf(sensor.sensor, recorded.scan, 0, sensor.name, stamp);
-      for (float& intensity : message.intensities) intensity *= factor;
-      message.scanTime = static_cast<float>(1 / sensor.rate);
-      schedule_.add(end, laser->second, std::move(message));
-    }
+    schedule_.add(end, clouds_[index], cloudMessage(drive_, recorded));
+    if (const auto laser = lasers_.find(index); laser != lasers_.end())
+      schedule_.add(end, laser->second, laserMessage(drive_, recorded));
     ++report_.scans;
     report_.points += recorded.points;
   }
 
   std::vector<Publisher*> all() {
     std::vector<Publisher*> list = {&tf_, &mounts_, &clock_};
+    if (imu_) list.push_back(&*imu_);
     for (Publisher& cloud : clouds_) list.push_back(&cloud);
     for (auto& [index, laser] : lasers_) list.push_back(&laser);
     return list;
@@ -165,6 +152,7 @@ class Live {
   uint64_t end_;
   LiveReport& report_;
   Publisher tf_, mounts_, clock_;
+  std::optional<Publisher> imu_;
   std::vector<Publisher> clouds_;       // by sensor
   std::map<size_t, Publisher> lasers_;  // by sensor
   Schedule schedule_;
@@ -184,7 +172,7 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
   LiveReport report;
   const World world(drive);
   Live live(drive, options, end, report);
-  std::set<Field> fields(kFields.begin(), kFields.end());
+  std::set<Field> fields(cloudFields().begin(), cloudFields().end());
   for (Field given : {Field::x, Field::y, Field::z, Field::instance, Field::ring}) fields.erase(given);
   Scanner scanner(drive, world, std::vector<std::set<Field>>(drive.sensors.size(), fields), options.simulator);
   report.device = scanner.device().name;

@@ -8,27 +8,103 @@
 #include <set>
 
 #include "base/json_text.hpp"
+#include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"
 
 namespace gnosphere::drive {
 
-std::string topicOf(const RigSensor& sensor, const std::string& what) {
-  std::string name = sensor.name;
+std::span<const Field> cloudFields() {
+  static constexpr Field kFields[] = {Field::x,    Field::y,    Field::z,       Field::intensity,
+                                      Field::time, Field::ring, Field::classId, Field::instance};
+  return kFields;
+}
+
+ros2::PointCloud2 cloudMessage(const Drive& drive, const RecordedScan& recorded) {
+  const RigSensor& sensor = drive.sensors[recorded.planned.sensor];
+  const int64_t stamp = unixNanoseconds(drive, recorded.planned.time);
+  if (sensor.driver) return ros2::driverCloudOf(recorded.scan, *sensor.driver, sensor.name, stamp, sensor.effects);
+  std::vector<Field> fields(cloudFields().begin(), cloudFields().end());
+  if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);
+  ros2::PointCloud2 cloud = ros2::cloudOf(recorded.scan, fields, sensor.name, stamp);
+  for (const ros2::PointField& field : cloud.fields)
+    if (field.name == "intensity")
+      scaleFloat(std::as_writable_bytes(std::span(cloud.data)), cloud.pointStep, field.offset,
+                 intensityFactor(sensor, 1));
+  return cloud;
+}
+
+bool isFlat(const Sensor& sensor) {
+  return sensor.height() == 1 && ros2::hasLaserScan(sensor);
+}
+
+ros2::LaserScan laserMessage(const Drive& drive, const RecordedScan& recorded) {
+  const RigSensor& sensor = drive.sensors[recorded.planned.sensor];
+  ros2::LaserScan message =
+      ros2::laserScanOf(sensor.sensor, recorded.scan, 0, sensor.name, unixNanoseconds(drive, recorded.planned.time));
+  const float factor = intensityFactor(sensor, 1);
+  for (float& intensity : message.intensities) intensity *= factor;
+  message.scanTime = static_cast<float>(1 / sensor.rate);
+  return message;
+}
+
+ros2::Transforms vehicleMessage(const Drive& drive, double time) {
+  return {{unixNanoseconds(drive, time), drive.worldFrame, drive.vehicleFrame, drive.ego.at(time)}};
+}
+
+uint64_t firstMeasurement(const Drive& drive, uint64_t frame) {
+  return static_cast<uint64_t>(std::ceil(static_cast<double>(frame) / drive.rate * drive.imu->rate - 1e-6));
+}
+
+std::vector<double> imuTimes(const Drive& drive, uint64_t frame, bool last) {
+  const uint64_t first = firstMeasurement(drive, frame), next = firstMeasurement(drive, frame + 1);
+  const double end = last ? endOfScans(drive, frame) : 0;
+  std::vector<double> times;
+  for (uint64_t i = first; last ? times.empty() || times.back() < end : i < next; ++i)
+    times.push_back(drive.start + static_cast<double>(i) / drive.imu->rate);
+  return times;
+}
+
+ros2::Imu imuMessage(const Drive& drive, double time) {
+  const InertialUnit& unit = *drive.imu;
+  const Pose pose = drive.ego.at(time) * unit.mount;
+  const Trajectory::Rates rates = drive.ego.ratesAt(time, unit.mount);
+  ros2::Imu imu;
+  imu.stamp = unixNanoseconds(drive, time);
+  imu.frame = unit.name;
+  imu.orientation = pose.orientation;
+  imu.angularVelocity = rates.turnRate;
+  imu.linearAcceleration = inverse(pose).orientation * (rates.acceleration + Vec3{0, 0, kGravity});
+  return imu;
+}
+
+std::string topicOf(std::string name, const std::string& what) {
   std::replace(name.begin(), name.end(), '-', '_');
   return "/" + name + what;
 }
 
+ros2::Transforms mountsOf(const Drive& drive, std::span<const size_t> sensors) {
+  ros2::Transforms mounts;
+  const int64_t stamp = unixNanoseconds(drive, drive.start);
+  for (const size_t index : sensors)
+    mounts.push_back({stamp, drive.vehicleFrame, drive.sensors[index].name, drive.sensors[index].mount});
+  if (drive.imu) mounts.push_back({stamp, drive.vehicleFrame, drive.imu->name, drive.imu->mount});
+  return mounts;
+}
+
 std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors) {
   std::set<std::string> topics;
-  for (const size_t index : sensors) {
-    const RigSensor& sensor = drive.sensors[index];
-    const std::string named = "the sensor '" + sensor.name + "' ";
-    if (std::isdigit(static_cast<unsigned char>(sensor.name[0])))
-      return named + "begins with a digit, which topics of ROS 2 must not";
-    if (sensor.name == "map" || sensor.name == "base_link")
-      return named + "has the name of the frame of the " + (sensor.name == "map" ? "world" : "vehicle");
-    if (!topics.insert(topicOf(sensor, "")).second)
-      return named + "has the topic of another one, because topics of ROS 2 have _ for -";
+  std::vector<std::pair<std::string, std::string>> named;
+  for (const size_t index : sensors) named.emplace_back("sensor", drive.sensors[index].name);
+  if (drive.imu) named.emplace_back("imu", drive.imu->name);
+  for (const auto& [kind, name] : named) {
+    const std::string subject = "the " + kind + " '" + name + "' ";
+    if (std::isdigit(static_cast<unsigned char>(name[0])))
+      return subject + "begins with a digit, which topics of ROS 2 must not";
+    if (name == drive.worldFrame || name == drive.vehicleFrame)
+      return subject + "has the name of the frame of the " + (name == drive.worldFrame ? "world" : "vehicle");
+    if (!topics.insert(topicOf(name, "")).second)
+      return subject + "has the topic of another one, because topics of ROS 2 have _ for -";
   }
   return "";
 }

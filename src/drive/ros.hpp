@@ -6,12 +6,42 @@
 #include <string>
 #include <vector>
 
-#include "drive/drive.hpp"
+#include "drive/record.hpp"
 
 namespace gnosphere::drive {
 
-/// Returns the topic "/NAME" + `what` of a sensor. Names of sensors may have hyphens, and topics may not.
-std::string topicOf(const RigSensor& sensor, const std::string& what);
+/// The fields of the clouds that cloudMessage() makes.
+std::span<const Field> cloudFields();
+
+/// Returns the cloud of a scan as its sensor's driver publishes it, or with cloudFields(), and intensities in which a
+/// diffuse white surface is 1.
+ros2::PointCloud2 cloudMessage(const Drive& drive, const RecordedScan& recorded);
+
+/// Whether a sensor has one channel of evenly spaced beams, so that its scans are laser scans, too.
+bool isFlat(const Sensor& sensor);
+
+/// Returns the laser scan of a flat sensor, with intensities in which a diffuse white surface is 1.
+ros2::LaserScan laserMessage(const Drive& drive, const RecordedScan& recorded);
+
+/// Returns the pose of the vehicle in the world at a time of the trajectories' clock.
+ros2::Transforms vehicleMessage(const Drive& drive, double time);
+
+/// Returns what the drive's inertial unit measures, without noise, at a time of the trajectories' clock.
+ros2::Imu imuMessage(const Drive& drive, double time);
+
+/// Returns the times in a frame at which the drive's inertial unit measures. In the `last` frame they reach to the end
+/// of all scans.
+std::vector<double> imuTimes(const Drive& drive, uint64_t frame, bool last);
+
+/// Returns the number of the first measurement of a frame.
+uint64_t firstMeasurement(const Drive& drive, uint64_t frame);
+
+/// Returns the topic "/NAME" + `what` of a sensor or an inertial unit, whose names may have hyphens, and topics may
+/// not.
+std::string topicOf(std::string name, const std::string& what);
+
+/// Returns the poses of the sensors, by index, and of the inertial unit on the vehicle.
+ros2::Transforms mountsOf(const Drive& drive, std::span<const size_t> sensors);
 
 /// Returns why ROS 2 cannot have the names of these sensors, by index; empty if it can.
 std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors);

@@ -36,7 +36,7 @@ Pose Trajectory::at(double time) const {
   return poseAt(motion_, {}, time);
 }
 
-Trajectory::Rates Trajectory::ratesAt(double time) const {
+Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
   constexpr double kApart = 0.05;
   const std::vector<Stamp>& stamps = motion_.stamps;
   if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands
@@ -54,11 +54,12 @@ Trajectory::Rates Trajectory::ratesAt(double time) const {
   if (middle > last || next(middle, 1) > last) middle = next(last, -1);
   const ptrdiff_t low = middle < 0 ? 0 : std::max<ptrdiff_t>(next(middle, -1), 0),
                   high = middle < 0 ? last : next(middle, 1);
-  const Stamp &first = stamps[low], &end = stamps[high];
+  const auto mounted = [&](ptrdiff_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
+  const Stamp first = mounted(low), end = mounted(high);
   const Vec3 across = (1 / (end.time - first.time)) * (end.pose.position - first.pose.position);
   Rates rates = {across, {}, {}};
   if (middle > low && middle < high) {
-    const Stamp& between = stamps[middle];
+    const Stamp between = mounted(middle);
     const Vec3 early = (1 / (between.time - first.time)) * (between.pose.position - first.pose.position);
     rates.acceleration = (2 / (end.time - between.time)) * (across - early);
     rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;

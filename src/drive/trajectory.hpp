@@ -10,6 +10,8 @@
 
 namespace gnosphere::drive {
 
+inline constexpr double kGravity = 9.80665;  ///< m/s^2, standard gravity
+
 /// A list of poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the
 /// first and after the last stamp the pose is constant.
 class Trajectory {
@@ -24,15 +26,16 @@ class Trajectory {
   Pose at(double time) const;
   double begin() const { return motion_.stamps.front().time; }
   double end() const { return motion_.stamps.back().time; }
-  /// How a vehicle moves at a time, as an inertial unit measures it, but for gravity.
+  /// How an inertial unit moves at a time, as it measures it, but for gravity.
   struct Rates {
     Vec3 velocity;      ///< m/s in the world frame
     Vec3 acceleration;  ///< m/s^2 in the world frame
-    Vec3 turnRate;      ///< rad/s about the vehicle's axes
+    Vec3 turnRate;      ///< rad/s about the axes of the unit
   };
   /// Returns the rates of the parabola through three stamps about `time`, at least 0.05 s apart where the trajectory is
   /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing.
-  Rates ratesAt(double time) const;
+  /// The unit is mounted on the vehicle at the pose `mount`, about whose axes the turn rate is.
+  Rates ratesAt(double time, const Pose& mount = {}) const;
   bool covers(double time) const { return time >= begin() && time <= end(); }
   /// Whether the pose changes between two times.
   bool movesWithin(double from, double to) const;

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "base/threads.hpp"
@@ -97,6 +98,7 @@ const dds_topic_descriptor_t& descriptorOf(MessageType type) {
     case MessageType::laserScan: return sensor_msgs_msg_dds__LaserScan__desc;
     case MessageType::transforms: return tf2_msgs_msg_dds__TFMessage__desc;
     case MessageType::clock: return rosgraph_msgs_msg_dds__Clock__desc;
+    case MessageType::imu: return sensor_msgs_msg_dds__Imu__desc;
     case MessageType::pointCloud2: break;
   }
   return sensor_msgs_msg_dds__PointCloud2__desc;
@@ -191,6 +193,18 @@ struct Writing {
   }
   dds_return_t operator()(const Clock& clock) const {
     const rosgraph_msgs_msg_dds__Clock_ message = {timeOf(clock.time)};
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const Imu& imu) const {
+    const auto& [q, w, a] = std::tie(imu.orientation, imu.angularVelocity, imu.linearAcceleration);
+    sensor_msgs_msg_dds__Imu_ message = {};
+    message.header = headerOf(imu.stamp, imu.frame);
+    message.orientation = {q.x, q.y, q.z, q.w};
+    message.angular_velocity = {w.x, w.y, w.z};
+    message.linear_acceleration = {a.x, a.y, a.z};
+    std::ranges::copy(imu.orientationCovariance, message.orientation_covariance);
+    std::ranges::copy(imu.angularVelocityCovariance, message.angular_velocity_covariance);
+    std::ranges::copy(imu.linearAccelerationCovariance, message.linear_acceleration_covariance);
     return dds_write(writer, &message);
   }
 };

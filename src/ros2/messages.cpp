@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans as messages, and what messages must fulfil.
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <set>
 #include <span>
 
 #include "base/units.hpp"
@@ -9,6 +12,7 @@
 #include "gnosphere/output.hpp"
 #include "ros2/check.hpp"
 #include "scan/fields.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::ros2 {
 namespace {
@@ -81,6 +85,40 @@ struct Checker {
     }
   }
   void operator()(const Clock& clock) const { checkStamp(clock.time, "Clock::time"); }
+  void operator()(const Imu& imu) const {
+    checkStamp(imu.stamp, "Imu::stamp");
+    checkText(imu.frame, "Imu::frame");
+  }
+};
+
+/// A row of the organised cloud of a sensor, as its beams follow one another.
+struct Row {
+  size_t first;
+  uint32_t columns;
+  double begin, step;  ///< azimuths, rad
+  double timeStep;     ///< s
+
+  Row(const Sensor& sensor, uint32_t channel) : first(size_t{channel} * sensor.width()), columns(sensor.width()) {
+    if (sensor.isGrid()) {
+      begin = (sensor.azimuthStartDeg + sensor.channels[channel].azimuthOffsetDeg) * kDegree;
+      step = sensor.azimuthSpanDeg * kDegree / sensor.columns;
+      timeStep = sensor.rotationPeriod / sensor.columns;
+      return;
+    }
+    begin = azimuthOf(sensor, first);
+    step = columns > 1 ? std::remainder(azimuthOf(sensor, first + 1) - begin, 2 * std::numbers::pi) : 0;
+    timeStep = columns > 1 ? (timeOf(sensor, first + columns - 1) - timeOf(sensor, first)) / (columns - 1) : 0;
+  }
+
+  /// Whether the azimuths of a list are where begin and step put them.
+  bool isEven(const Sensor& sensor) const {
+    constexpr double kTolerance = 1e-4;  // rad, as single precision of directions and decimals of files allow
+    for (uint32_t i = 0; i < columns; ++i) {
+      const double azimuth = azimuthOf(sensor, first + i), wanted = begin + step * i;
+      if (std::abs(std::remainder(azimuth - wanted, 2 * std::numbers::pi)) > kTolerance) return false;
+    }
+    return true;
+  }
 };
 
 }  // namespace
@@ -106,29 +144,43 @@ PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const st
   return cloud;
 }
 
+bool hasLaserScan(const Sensor& sensor, uint32_t channel) {
+  if (channel >= sensor.height() || sensor.patterns.size() > 1) return false;
+  if (sensor.isGrid()) return true;
+  const Row row(sensor, channel);
+  return std::abs(row.step) * (row.columns - 1) < 2 * std::numbers::pi && row.isEven(sensor);
+}
+
 LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
                       int64_t stamp) {
-  if (!sensor.isGrid()) refuse("laserScanOf: the sensor " + sensor.name + " is a list of beams, which has no channels");
-  if (channel >= sensor.channels.size() || scan.columns != sensor.columns || scan.channels != sensor.channels.size())
+  if (channel >= sensor.height() || scan.columns != sensor.width() || scan.channels != sensor.height())
     refuse("laserScanOf: the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
-  const Channel& of = sensor.channels[channel];
-  const double step = sensor.azimuthSpanDeg * kDegree / sensor.columns;
-  const double begin = (sensor.azimuthStartDeg + of.azimuthOffsetDeg) * kDegree;
+  if (!hasLaserScan(sensor, channel))
+    refuse("laserScanOf: the sensor " + sensor.name +
+           " is a list of beams, of which a LaserScan needs one pattern whose "
+           "beams are evenly spaced in azimuth");
+  const Row row(sensor, channel);
+  const RangeWindow window = rangeWindowOf(sensor, row.first);
   LaserScan laser;
   laser.stamp = stamp;
   laser.frame = frame;
-  laser.angleMin = static_cast<float>(begin);
-  laser.angleMax = static_cast<float>(begin + step * (sensor.columns - 1));
-  laser.angleIncrement = static_cast<float>(step);
-  laser.timeIncrement = static_cast<float>(sensor.rotationPeriod / sensor.columns);
-  laser.scanTime = static_cast<float>(sensor.rotationPeriod);
-  laser.rangeMin = static_cast<float>(of.rangeMin > 0 ? of.rangeMin : sensor.rangeMin);
-  laser.rangeMax = static_cast<float>(of.rangeMax > 0 ? of.rangeMax : sensor.rangeMax);
-  const bool intense = scan.has(Field::intensity);
-  for (uint32_t column = 0; column < sensor.columns; ++column) {
-    const size_t entry = (size_t{channel} * sensor.columns + column) * scan.returns;
+  laser.angleMin = static_cast<float>(row.begin);
+  laser.angleMax = static_cast<float>(row.begin + row.step * (row.columns - 1));
+  laser.angleIncrement = static_cast<float>(row.step);
+  laser.timeIncrement = static_cast<float>(row.timeStep);
+  laser.scanTime = static_cast<float>(durationOf(sensor, 0));
+  laser.rangeMin = static_cast<float>(window.least);
+  laser.rangeMax = static_cast<float>(window.most);
+  const std::set<size_t> masked(sensor.maskedBeams.begin(), sensor.maskedBeams.end());
+  const bool intense = scan.has(Field::intensity), explained = scan.has(Field::cause);
+  for (size_t beam = row.first; beam < row.first + row.columns; ++beam) {
+    const size_t entry = beam * scan.returns;
     const bool returned = scan.returned(entry);
-    laser.ranges.push_back(returned ? scan.ranges[entry] : std::numeric_limits<float>::infinity());
+    const auto cause = static_cast<Cause>(explained ? scan.column<uint8_t>(Field::cause)[entry] : 0);
+    const bool invalid = masked.contains(beam) || cause == Cause::dead || cause == Cause::droppedOut;
+    laser.ranges.push_back(returned  ? scan.ranges[entry]
+                           : invalid ? std::numeric_limits<float>::quiet_NaN()
+                                     : std::numeric_limits<float>::infinity());
     if (intense) laser.intensities.push_back(returned ? scan.column<float>(Field::intensity)[entry] : 0);
   }
   return laser;

@@ -449,3 +449,67 @@ TEST_CASE("weather is linear between entries, and may jump") {
   json.erase("weather");
   CHECK_FALSE(folder.read(json).weatherAt(0));
 }
+
+TEST_CASE("yaws that are half a turn or more apart are warned of, because a vehicle turns the shorter way") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  const auto warnings = [&](const std::vector<double>& yaws) {
+    Json waypoints = Json::array();
+    for (size_t i = 0; i < yaws.size(); ++i) {
+      waypoints.push_back(waypoint(static_cast<double>(i), 0, 0, 0));
+      waypoints.back()["yaw_deg"] = yaws[i];
+    }
+    json["ego"]["trajectory"]["waypoints"] = waypoints;
+    return folder.read(json).warnings;
+  };
+  CHECK(warnings({0, 179, 350}).empty());
+  const std::vector<std::string> longer = warnings({0, 90, 360, 0});
+  REQUIRE(longer.size() == 1);
+  CHECK_THAT(longer[0], ContainsSubstring("ego.trajectory.waypoints[2].yaw_deg: is 270 degrees from the one before") &&
+                            ContainsSubstring("by -90 degrees") && ContainsSubstring("2 waypoints"));
+}
+
+TEST_CASE("frames of ROS 2 have the names that the drive file states") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["frames"] = {{"world", "odom"}, {"vehicle", "base_footprint"}};
+  const drive::Drive drive = folder.read(json);
+  const ros2::Transforms vehicle = drive::vehicleMessage(drive, 0);
+  CHECK(vehicle[0].parent == "odom");
+  CHECK(vehicle[0].child == "base_footprint");
+  CHECK(drive::mountsOf(drive, std::vector<size_t>{0})[0].parent == "base_footprint");
+  checkRefused(changed("/frames", {{"world", "a"}, {"vehicle", "a"}}),
+               {"frames: the world and the vehicle need two names"});
+  json["sensors"][0]["name"] = "odom";
+  json["outputs"] = {{{"format", "mcap"}}};
+  checkRefused(json, {"the sensor 'odom' has the name of the frame of the world"});
+}
+
+TEST_CASE("an inertial unit has a name of its own, which topics may have") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  CHECK_FALSE(folder.read(json).imu);
+  json["imu"] = Json::object();
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive.imu->name == "imu");
+  CHECK(drive.imu->rate == 200);
+  checkRefused(changed("/imu", {{"name", "top"}}), {"imu.name: 'top' is there twice"});
+  checkRefused(changed("/imu", {{"name", "a b"}}), {"imu.name", "letters, digits"});
+  checkRefused(changed("/imu", {{"rate", 0}}), {"imu.rate"});
+  json["imu"]["name"] = "1st";
+  json["outputs"] = {{{"format", "mcap"}}};
+  checkRefused(json, {"the imu '1st' begins with a digit"});
+}
+
+TEST_CASE("a sensor has the driver of ROS 2 that the drive file names") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  CHECK_FALSE(folder.read(json).sensors[0].driver);
+  for (const char* name : {"velodyne", "ouster", "hesai", "robosense", "livox", "autoware"}) {
+    json["sensors"][0]["driver"] = name;
+    const std::optional<ros2::Driver> driver = folder.read(json).sensors[0].driver;
+    CHECK(driver);
+    CHECK(driver == ros2::driverNamed(name));
+  }
+  checkRefused(changed("/sensors/0/driver", "ousters"), {"sensors[0].driver: 'ousters' is unknown", "ouster"});
+}

@@ -9,13 +9,17 @@
 #include <set>
 #include <sstream>
 
+#include "base/vector.hpp"
 #include "drive/fingerprint.hpp"
+#include "drive/pose_math.hpp"
+#include "drive/ros.hpp"
 #include "drive_support.hpp"
 #include "npy_rows.hpp"
 #include "support.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
 
 namespace {
@@ -154,8 +158,7 @@ TEST_CASE("points have the class of their material, else that of their instance;
   putMaterialFiles(folder, 73);
   CHECK(folder.read(json).fingerprint != before);
   putMaterialFiles(folder, 300);
-  CHECK_THROWS_WITH(folder.run(json, "other"),
-                    Catch::Matchers::ContainsSubstring("the file of material '' states the id 300"));
+  CHECK_THROWS_WITH(folder.run(json, "other"), ContainsSubstring("the file of material '' states the id 300"));
 }
 
 TEST_CASE("every member of an image with holes changes the fingerprint of a drive") {
@@ -226,6 +229,139 @@ TEST_CASE(
     const drive::Trajectory::Rates before = circle.ratesAt(-0.1);
     CHECK((before.velocity.x == 0 && before.velocity.y == 0 && before.acceleration.x == 0 && before.turnRate.z == 0));
   }
+}
+
+namespace {
+
+/// Returns the messages of a channel of an MCAP file, in their order in the chunks.
+std::vector<std::string> messagesOf(const std::string& mcap, uint16_t channel, std::vector<int64_t>* times = nullptr) {
+  std::vector<std::string> messages;
+  for (size_t chunk = 8; chunk < mcap.size() - 8; chunk += 9 + at<uint64_t>(mcap, chunk + 1)) {
+    if (at<uint8_t>(mcap, chunk) != 6) continue;
+    const size_t end = chunk + 9 + at<uint64_t>(mcap, chunk + 1);
+    for (size_t p = chunk + 9 + 8 + 8 + 8 + 4 + 4 + 8; p < end; p += 9 + at<uint64_t>(mcap, p + 1)) {
+      if (at<uint16_t>(mcap, p + 9) != channel) continue;
+      CHECK(at<uint32_t>(mcap, p + 11) == messages.size());
+      if (times) times->push_back(at<int64_t>(mcap, p + 15));
+      messages.push_back(mcap.substr(p + 31, at<uint64_t>(mcap, p + 1) - 22));
+    }
+  }
+  return messages;
+}
+
+/// A drive whose vehicle goes along a curve that changes its direction and its speed, with a stamp every 20 ms.
+Json curvedDrive() {
+  Json json = smallDrive(), waypoints = Json::array();
+  for (int i = 0; i <= 50; ++i) {
+    const double t = 0.02 * i, yaw = 0.8 * std::sin(2 * t);
+    Json point = waypoint(t, 5 * t + 2 * std::sin(3 * t), std::cos(2 * t), 0.3 * std::sin(5 * t));
+    point["orientation"] = {0.1 * std::sin(4 * t) / 2, 0, std::sin(yaw / 2), std::cos(yaw / 2)};
+    waypoints.push_back(std::move(point));
+  }
+  json["ego"]["trajectory"]["waypoints"] = std::move(waypoints);
+  json["imu"] = {{"mount", {{"position", {1, 0.5, 2}}, {"yaw_pitch_roll_deg", {90, 0, 180}}}}, {"rate", 400}};
+  return json;
+}
+
+}  // namespace
+
+TEST_CASE("an inertial unit beside the middle of a turning vehicle goes on a circle of its own") {
+  constexpr double kTurnRate = 0.5;
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (int i = 0; i <= 200; ++i) {  // turns on the spot
+    const double half = kTurnRate * 0.01 * i / 2;
+    stamps.push_back({0.01 * i, {{3, 4, 5}, {0, 0, std::sin(half), std::cos(half)}}});
+  }
+  const drive::Trajectory turning(std::move(stamps));
+  const Pose mount = {{2, 0, 1}, {1, 0, 0, 0}};  // upside down
+  const drive::Trajectory::Rates rates = turning.ratesAt(1, mount);
+  const double angle = kTurnRate * 1;
+  CHECK_THAT(rates.velocity.x, WithinAbs(-2 * kTurnRate * std::sin(angle), 1e-3));
+  CHECK_THAT(rates.velocity.y, WithinAbs(2 * kTurnRate * std::cos(angle), 1e-3));
+  CHECK_THAT(rates.acceleration.x, WithinAbs(-2 * kTurnRate * kTurnRate * std::cos(angle), 1e-2));
+  CHECK_THAT(rates.acceleration.y, WithinAbs(-2 * kTurnRate * kTurnRate * std::sin(angle), 1e-2));
+  CHECK_THAT(rates.turnRate.z, WithinAbs(-kTurnRate, 1e-9));
+}
+
+TEST_CASE("the measurements of a drive's inertial unit, integrated, lead along its way") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(curvedDrive());
+  using drive::operator*;
+  const Pose& mount = drive.imu->mount;
+  Pose pose = drive.ego.at(0) * mount;
+  Vec3 velocity = drive.ego.ratesAt(0, mount).velocity;
+  double furthest = 0, mostTurned = 0;
+  constexpr double kStep = 1 / 400.0;
+  for (uint64_t frame = 0; frame < drive.frameCount(); ++frame)
+    for (const double time : drive::imuTimes(drive, frame, false)) {
+      const ros2::Imu imu = drive::imuMessage(drive, time + kStep / 2);  // in the middle of the step
+      const Vec3 half = 0.5 * kStep * imu.angularVelocity;
+      const Quaternion turn = normalized(Quaternion{half.x, half.y, half.z, 1});
+      const Vec3 acceleration = pose.orientation * imu.linearAcceleration - Vec3{0, 0, 9.80665};
+      pose.position = pose.position + kStep * velocity + 0.5 * kStep * kStep * acceleration;
+      velocity = velocity + kStep * acceleration;
+      pose.orientation = normalized(pose.orientation * turn);
+      const Pose truth = drive.ego.at(time + kStep) * mount;
+      furthest = std::max(furthest, lengthOf(pose.position - truth.position));
+      mostTurned = std::max(mostTurned, drive::angleBetween(pose.orientation, truth.orientation));
+    }
+  CHECK(furthest < 0.05);
+  CHECK(mostTurned < 0.01);
+}
+
+TEST_CASE("MCAP: a flat sensor has laser scans beside its clouds") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["sensors"][1]["sensor"]["elevation_deg"] = {0};
+  json["outputs"] = {{{"format", "mcap"}}};
+  folder.run(json);
+  const std::string mcap = folder.get("out/mcap/drive.mcap"), text = folder.get("out/mcap/metadata.yaml");
+  CHECK_THAT(text, ContainsSubstring("name: /side/scan\n        type: sensor_msgs/msg/LaserScan\n") &&
+                       !ContainsSubstring("/top/scan"));
+  const std::vector<std::string> scans = messagesOf(mcap, 5), clouds = messagesOf(mcap, 4);
+  REQUIRE(scans.size() == 5);
+  REQUIRE(clouds.size() == 5);
+  const std::string& cdr = scans[2];
+  CHECK(at<int32_t>(cdr, 4) == 1700000000);
+  CHECK(at<uint32_t>(cdr, 8) == 450000000);
+  CHECK(cdr.substr(16, 5) == std::string("side\0", 5));
+  CHECK_THAT(at<float>(cdr, 24), WithinAbs(-M_PI, 1e-6));
+  CHECK_THAT(at<float>(cdr, 24 + 4 * 2), WithinAbs(2 * M_PI / 90, 1e-6));
+  CHECK_THAT(at<float>(cdr, 24 + 4 * 4), WithinAbs(0.2, 1e-6));  // 5 scans a second
+  REQUIRE(at<uint32_t>(cdr, 24 + 4 * 7) == 90);
+  size_t returned = 0;
+  for (size_t i = 0; i < 90; ++i) returned += std::isfinite(at<float>(cdr, 24 + 4 * (8 + i)));
+  CHECK(returned == at<uint32_t>(clouds[2], 28));  // the width of the cloud
+  CHECK(returned > 0);
+}
+
+TEST_CASE("MCAP: the messages of an inertial unit, as many as the metadata say") {
+  const DriveFolder folder;
+  Json json = curvedDrive();
+  json["epoch"] = 1700000000;
+  json["imu"]["name"] = "imu-1";
+  json["imu"]["rate"] = 201;
+  json["outputs"] = {{{"format", "mcap"}}};
+  folder.run(json);
+  const drive::Drive drive = folder.read(json);
+  const std::string mcap = folder.get("out/mcap/drive.mcap"), text = folder.get("out/mcap/metadata.yaml");
+  CHECK_THAT(text, ContainsSubstring("name: /imu_1/data\n        type: sensor_msgs/msg/Imu\n"));
+  std::vector<int64_t> times;
+  const std::vector<std::string> messages = messagesOf(mcap, 5, &times);  // after the transforms and two sensors
+  REQUIRE(messages.size() == 202);  // 201 Hz for a second, and the one behind the end of the last scan
+  CHECK_THAT(text, ContainsSubstring("message_count: 202"));
+  CHECK(std::is_sorted(times.begin(), times.end()));
+  CHECK(times[0] == 1700000000000000000);
+  CHECK(std::abs(times[201] - 1700000001000000000) < 1000);
+  const ros2::Imu wanted = drive::imuMessage(drive, 100 / 201.0);
+  const std::string& cdr = messages[100];
+  CHECK(cdr.substr(16, 6) == std::string("imu-1\0", 6));
+  const size_t numbers = 4 + 24;  // the next multiple of 8 after the name, from the end of the head of CDR
+  REQUIRE(cdr.size() == numbers + 37 * 8);
+  CHECK(at<double>(cdr, numbers + 8 * 3) == wanted.orientation.w);
+  CHECK(at<double>(cdr, numbers + 8 * (4 + 9)) == wanted.angularVelocity.x);
+  CHECK(at<double>(cdr, numbers + 8 * (4 + 9 + 3 + 9 + 2)) == wanted.linearAcceleration.z);
 }
 
 TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {
@@ -343,10 +479,9 @@ TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose c
     CHECK_THAT(column, WithinAbs(std::round(column), 0.04e-6 / (0.1 / 90)));
   }
   json["outputs"][0]["crs"] = std::string(65535, 'x');
-  CHECK_THROWS_WITH(folder.read(json),
-                    Catch::Matchers::ContainsSubstring("outputs[0].crs: must be well-known text of at most 65534"));
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].crs: must be well-known text of at most 65534"));
   json["outputs"][0]["format"] = "pcd";
-  CHECK_THROWS_WITH(folder.read(json), Catch::Matchers::ContainsSubstring("outputs[0].crs: is only for las"));
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].crs: is only for las"));
 }
 
 TEST_CASE("LAS: one file of a whole drive has the points of the files of its scans, and fields as extra dimensions") {
@@ -423,7 +558,6 @@ TEST_CASE("LAS: what an output of a survey must not say") {
     }
     return std::string("none");
   };
-  using Catch::Matchers::ContainsSubstring;
   for (const char* crs : {"EPSG:25832", "+proj=utm +zone=32", "{\"type\": \"ProjectedCRS\"}", "PROJCS[\"cut off\","})
     CHECK_THAT(problem({{"format", "las"}, {"crs", crs}}),
                ContainsSubstring("outputs[0].crs: must be well-known text (WKT), as pyproj.CRS(25832).to_wkt("));
@@ -463,7 +597,7 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
   for (size_t p = 8; p < mcap.size() - 8; p += 9 + at<uint64_t>(mcap, p + 1))
     records[at<uint8_t>(mcap, p)].push_back(p);
   CHECK(records[1].size() == 1);
-  CHECK(records[3].size() == 4);  // two schemas, and again in the summary
+  CHECK(records[3].size() == 8);  // four schemas, and again in the summary
   CHECK(records[4].size() == 8);
   REQUIRE(records[6].size() == 10);
   REQUIRE(records[8].size() == 10);
@@ -503,7 +637,6 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
 }
 
 TEST_CASE("MCAP: the folder is a bag of rosbag2, whose metadata count the messages of the file") {
-  using Catch::Matchers::ContainsSubstring;
   const std::string text = made().get("out/mcap/metadata.yaml"), mcap = made().get("out/mcap/drive.mcap");
   const auto part = [&](const std::string& topic) {
     const size_t begin = text.find("name: " + topic + "\n"), end = text.find("message_count: ", begin);
@@ -552,7 +685,7 @@ TEST_CASE("MCAP: intensities are 0 to 1 whatever the scale, and a drive without 
 
 TEST_CASE("PCD: the header and the rows that it promises") {
   const std::string pcd = made().get("out/pcd/top/000003.pcd");
-  CHECK_THAT(pcd, Catch::Matchers::ContainsSubstring("FIELDS x y z intensity ring time class instance true_range\n"));
+  CHECK_THAT(pcd, ContainsSubstring("FIELDS x y z intensity ring time class instance true_range\n"));
   const size_t data = pcd.find("DATA binary\n") + 12, points = pcd.find("POINTS ") + 7;
   CHECK(pcd.size() - data == std::stoul(pcd.substr(points)) * (6 * 4 + 2 + 2 + 4));
 }

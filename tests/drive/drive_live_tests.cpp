@@ -34,18 +34,22 @@ double stampOf(const std::string& line) {
 TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   Json json = smallDrive();
   json["epoch"] = 1000;
+  json["imu"] = {{"rate", 50}, {"mount", {{"position", {0.5, 0, 1}}}}};
   json["sensors"][0]["name"] = "on-top";
+  json["sensors"][1]["driver"] = "ouster";
   json["sensors"][1]["sensor"]["elevation_deg"] = {0};
   const std::string flat = json["sensors"][1]["name"];
   const LivePlace place(json);
   Listener clouds({.count = 100, .seconds = 60}, {"rt/on_top/points"});
+  Listener ousters({.type = "cloud", .count = 100, .seconds = 60}, {"rt/" + flat + "/points"});
   Listener lasers({.type = "laser", .count = 100, .seconds = 60}, {"rt/" + flat + "/scan"});
   Listener clock({.type = "clock", .count = 1000, .seconds = 60}, {"rt/clock"});
+  Listener imu({.type = "imu", .count = 1000, .seconds = 60}, {"rt/imu/data"});
   Listener tf({.type = "transforms", .count = 1000, .seconds = 60}, {"rt/tf"});
   Listener mounts({.type = "transforms", .qos = "latched", .seconds = 60}, {"rt/tf_static"});
   const Result result = place.publish("--speed 0.25");  // four seconds
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  for (Listener* listener : {&clouds, &lasers, &clock, &tf, &mounts}) listener->end(SIGKILL);
+  for (Listener* listener : {&clouds, &ousters, &lasers, &clock, &imu, &tf, &mounts}) listener->end(SIGKILL);
   INFO(result.err);
   CHECK(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
@@ -59,6 +63,9 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   CHECK_THAT(seen.back(), ContainsSubstring(" on-top 1x") && ContainsSubstring(" dense 1 x:0:7:1 y:4:7:1 z:8:7:1") &&
                               ContainsSubstring("ring:") && ContainsSubstring("class:") &&
                               ContainsSubstring("instance:") && ContainsSubstring("time:"));
+  const std::vector<std::string> asOuster = ousters.lines();
+  REQUIRE(!asOuster.empty());
+  CHECK_THAT(asOuster.back(), ContainsSubstring(" step 48 ") && ContainsSubstring(" t:20:6:1 "));
   const std::vector<std::string> flatScans = lasers.lines();
   REQUIRE(!flatScans.empty());
   CHECK_THAT(flatScans.back(), ContainsSubstring(" ranges ") && ContainsSubstring(" 0.1 60 "));
@@ -69,9 +76,14 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   CHECK(std::is_sorted(times.begin(), times.end()));
   REQUIRE(poses.size() >= 50);
   CHECK_THAT(poses.back(), ContainsSubstring(" 1001.000000000 map>base_link 2 0 0 "));
+  const std::vector<std::string> measured = imu.lines();
+  REQUIRE(measured.size() >= 25);
+  CHECK(measured.size() <= 51);
+  CHECK_THAT(measured.back(), ContainsSubstring(" 1001.000000000 imu 0 0 0 1 turns 0 0 0 accelerates 0 0 9.80665 "));
   const std::vector<std::string> placed = mounts.lines();
   REQUIRE(placed.size() == 1);
-  CHECK_THAT(placed[0], ContainsSubstring("base_link>on-top 0 0 1.8") && ContainsSubstring("base_link>" + flat));
+  CHECK_THAT(placed[0], ContainsSubstring("base_link>on-top 0 0 1.8") && ContainsSubstring("base_link>" + flat) &&
+                            ContainsSubstring("base_link>imu 0.5 0 1"));
 }
 
 TEST_CASE("wrong calls of gnosphere drive --live are refused") {

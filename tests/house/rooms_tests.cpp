@@ -31,7 +31,7 @@ const std::map<std::string, Names> kRooms = {
     {"cuda", {"base", "common", "geometry", "effects", "pipeline"}},
     {"reference", {"base", "common", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
     {"eval", {"base", "sensor/beams.hpp", "scan/columns.hpp", "output"}},
-    {"ros2", {"base", "scan/fields.hpp"}},
+    {"ros2", {"base", "scan/fields.hpp", "sensor/beams.hpp"}},
     // These two stand on the public headers.
     {"c", {}},
     {"rgl", {"base"}},

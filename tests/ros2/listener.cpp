@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A subscriber of its own, with Cyclone DDS and without GnoSphere. The program prints a line
 // per message and the last line "end". listener DOMAIN TYPE QOS COUNT SECONDS SLEEP_MS
-//   TOPIC... TYPE is cloud, laser, transforms or clock; QOS reliable, best-effort or
+//   TOPIC... TYPE is cloud, laser, transforms, imu or clock; QOS reliable, best-effort or
 // latched. The program ends after COUNT messages or after so many seconds, and sleeps between
 // messages.
 #include <dds/dds.h>
@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "messages.h"
@@ -52,6 +53,15 @@ void print(const char* topic, const tf2_msgs_msg_dds__TFMessage_& m) {
 
 void print(const char* topic, const rosgraph_msgs_msg_dds__Clock_& m) {
   std::printf("%s %d.%09u", topic, m.clock.sec, m.clock.nanosec);
+}
+
+void print(const char* topic, const sensor_msgs_msg_dds__Imu_& m) {
+  const auto& [q, w, a] = std::tie(m.orientation, m.angular_velocity, m.linear_acceleration);
+  std::printf("%s %d.%09u %s %g %g %g %g", topic, m.header.stamp.sec, m.header.stamp.nanosec, m.header.frame_id, q.x,
+              q.y, q.z, q.w);
+  std::printf(" turns %g %g %g accelerates %g %g %g covariances", w.x, w.y, w.z, a.x, a.y, a.z);
+  for (const auto& of : {m.orientation_covariance, m.angular_velocity_covariance, m.linear_acceleration_covariance})
+    std::printf(" %g..%g", of[0], of[8]);
 }
 
 dds_entity_t made(dds_entity_t entity) {
@@ -106,5 +116,6 @@ int main(int count, char** arguments) {
   if (type == "cloud") listen<sensor_msgs_msg_dds__PointCloud2_>(sensor_msgs_msg_dds__PointCloud2__desc, arguments);
   if (type == "laser") listen<sensor_msgs_msg_dds__LaserScan_>(sensor_msgs_msg_dds__LaserScan__desc, arguments);
   if (type == "transforms") listen<tf2_msgs_msg_dds__TFMessage_>(tf2_msgs_msg_dds__TFMessage__desc, arguments);
+  if (type == "imu") listen<sensor_msgs_msg_dds__Imu_>(sensor_msgs_msg_dds__Imu__desc, arguments);
   if (type == "clock") listen<rosgraph_msgs_msg_dds__Clock_>(rosgraph_msgs_msg_dds__Clock__desc, arguments);
 }

@@ -68,6 +68,18 @@ TEST_CASE("ROS 2 from C: messages arrive") {
   REQUIRE(gno_ros2_publish_transforms(publisher, &transform, 1) == GNO_OK);
   CHECK(received(publisher, "transforms") == "rt/c 0.000000003 map>base 1 2 3 0 0 0 1");
 
+  gno_ros2_imu imu = gno_ros2_imu_init();
+  imu.stamp = 4;
+  imu.frame = "imu";
+  imu.angular_velocity[2] = 0.5;
+  imu.linear_acceleration[1] = 2;
+  imu.angular_velocity_covariance[8] = 3;
+  imu.linear_acceleration_covariance[0] = 4;
+  publisher = latched(GNO_ROS2_IMU);
+  REQUIRE(gno_ros2_publish_imu(publisher, &imu) == GNO_OK);
+  CHECK(received(publisher, "imu") ==
+        "rt/c 0.000000004 imu 0 0 0 1 turns 0 0 0.5 accelerates 0 2 0 covariances 0..0 0..3 4..0");
+
   publisher = latched(GNO_ROS2_CLOCK);
   REQUIRE(gno_ros2_publish_clock(publisher, 5'000'000'000) == GNO_OK);
   CHECK(received(publisher, "clock") == "rt/c 5.000000000");
@@ -76,7 +88,7 @@ TEST_CASE("ROS 2 from C: messages arrive") {
 TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   loopbackDomain();
   gno_ros2_publisher publisher = nullptr;
-  CHECK(failed(gno_ros2_publisher_create(4, "a", nullptr, &publisher), "none of 0..3"));
+  CHECK(failed(gno_ros2_publisher_create(5, "a", nullptr, &publisher), "none of 0..4"));
   CHECK(failed(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
   CHECK(failed(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
   CHECK(failed(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));
@@ -93,6 +105,7 @@ TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   CHECK(failed(gno_ros2_publish_cloud(publisher, nullptr), "gno_ros2_cloud is null"));
   CHECK(failed(gno_ros2_publish_clock(publisher, 0), "another type"));
   CHECK(failed(gno_ros2_publish_scan(publisher, nullptr, nullptr, 0, "c", 0), "scan"));
+  CHECK(failed(gno_ros2_publish_driver_scan(publisher, nullptr, GNO_ROS2_OUSTER, "c", 0, nullptr), "scan"));
   CHECK(failed(gno_ros2_publish_channel(publisher, nullptr, nullptr, 0, "c", 0), "sensor"));
   CHECK(failed(gno_ros2_publisher_flush(publisher, 1, nullptr), "done is null"));
   REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "columns.hpp"
 #include "gnosphere/gnosphere.hpp"
 #include "gnosphere/ros2.hpp"
 #include "no_more_threads.hpp"
@@ -136,6 +137,17 @@ TEST_CASE("ROS 2: every value of every message arrives") {
   CHECK(received(transforms, "transforms") ==
         "rt/a/b_1 0.000000005 map>base_link 1 2 3 0 0 0.6 0.8 0.000000006 base_link>top 0 0 0 0 0 0 1");
   CHECK(received(Clock{12'000'000'003}, "clock") == "rt/a/b_1 12.000000003");
+  Imu imu;
+  imu.stamp = 7;
+  imu.frame = "imu";
+  imu.orientation = {0, 0, 0.6, 0.8};
+  imu.angularVelocity = {1, 2, 3};
+  imu.linearAcceleration = {4, 5, 9.75};
+  imu.orientationCovariance = {1, 0, 0, 0, 1, 0, 0, 0, 2};
+  imu.angularVelocityCovariance = {3, 0, 0, 0, 1, 0, 0, 0, 4};
+  imu.linearAccelerationCovariance = {5, 0, 0, 0, 1, 0, 0, 0, 6};
+  CHECK(received(imu, "imu") ==
+        "rt/a/b_1 0.000000007 imu 0 0 0.6 0.8 turns 1 2 3 accelerates 4 5 9.75 covariances 1..2 3..4 5..6");
   CHECK(received(Transforms(), "transforms") == "rt/a/b_1");
   CHECK(received(PointCloud2(), "cloud") == "rt/a/b_1 0.000000000  1x0 step 0 row 0 bytes 0 sum 0 big 0 dense 1");
 }
@@ -180,6 +192,175 @@ TEST_CASE("ROS 2: a scan as a cloud and as a laser scan") {
   CHECK(laser.scanTime == Approx(0.1));
   CHECK(laser.rangeMax == 50);
   CHECK_THROWS_WITH(laserScanOf(sensor, scan, 1, "top", 0), ContainsSubstring("no channel 1"));
+}
+
+namespace {
+
+/// A turn of two columns and two channels with up to two returns. Entries are in the order of channels, not of times.
+Scan scanOfDriver() {
+  Scan scan;
+  scan.columns = 2;
+  scan.channels = 2;
+  scan.returns = 2;
+  scan.points = {1, 0, 0, 2,   0,   0,   NAN, NAN, NAN, NAN, NAN, NAN,   // channel 0: two returns, none
+                 0, 3, 4, NAN, NAN, NAN, -8,  0,   6,   NAN, NAN, NAN};  // channel 1: one each
+  scan.ranges = {1, 2, NAN, NAN, 5, NAN, 10.0004f, NAN};
+  scan.triangles.assign(8, 0);
+  scan.instances.assign(8, 0);
+  setColumn<float>(scan, Field::time, {0.01f, 0.01f, 0.05f, 0.05f, 0.0100004f, 0.0100004f, 0.0004f, 0.0004f});
+  setColumn<float>(scan, Field::intensity, {0.5f, 0.2f, 0, 0, 1, 0, 0.126f, 0});
+  setColumn<uint8_t>(scan, Field::returnNumber, {1, 2, 0, 0, 1, 0, 1, 0});
+  return scan;
+}
+
+/// Returns a field of a point, found by its name as subscribers do it.
+template <typename T>
+T fieldOf(const PointCloud2& cloud, size_t point, const std::string& name) {
+  for (const PointField& field : cloud.fields) {
+    if (field.name != name) continue;
+    T value;
+    std::memcpy(&value, &cloud.data[point * cloud.pointStep + field.offset], sizeof(T));
+    return value;
+  }
+  FAIL("no field " << name);
+  return {};
+}
+
+/// Returns "name:offset:type ..." of a cloud's fields, and its step.
+std::string layoutText(const PointCloud2& cloud) {
+  std::string text;
+  for (const PointField& field : cloud.fields)
+    text += field.name + ":" + std::to_string(field.offset) + ":" + std::to_string(static_cast<int>(field.type)) + " ";
+  return text + std::to_string(cloud.pointStep);
+}
+
+}  // namespace
+
+// The layouts are those of the drivers' sources: velodyne_pointcloud, ouster-ros, HesaiLidar_ROS_2.0, rslidar_sdk,
+// livox_ros_driver2 and autoware_point_types.
+TEST_CASE("ROS 2: clouds in the point layouts of drivers, in the order of times") {
+  const Scan scan = scanOfDriver();
+  constexpr int64_t kStamp = 1'700'000'000'250'000'000;
+  const auto cloudOf = [&](Driver driver, const Effects& effects = {}) {
+    const PointCloud2 cloud = driverCloudOf(scan, driver, "top", kStamp, effects);
+    CHECK(cloud.stamp == kStamp);
+    CHECK(cloud.frame == "top");
+    CHECK(cloud.height == 1);
+    CHECK(cloud.dense);
+    REQUIRE(cloud.width == 4);
+    REQUIRE(cloud.data.size() == size_t{4} * cloud.pointStep);
+    CHECK(fieldOf<float>(cloud, 0, "x") == -8);
+    CHECK(fieldOf<float>(cloud, 1, "x") == 1);
+    CHECK(fieldOf<float>(cloud, 2, "x") == 2);
+    CHECK(fieldOf<float>(cloud, 3, "z") == 4);
+    return cloud;
+  };
+
+  const PointCloud2 velodyne = cloudOf(Driver::velodyne);
+  CHECK(layoutText(velodyne) == "x:0:7 y:4:7 z:8:7 intensity:12:7 ring:16:4 time:18:7 22");
+  CHECK(fieldOf<float>(velodyne, 0, "time") == 0.0004f);
+  CHECK(fieldOf<float>(velodyne, 1, "intensity") == 50);
+  CHECK(fieldOf<uint16_t>(velodyne, 0, "ring") == 1);
+
+  const PointCloud2 ouster = cloudOf(Driver::ouster);
+  CHECK(layoutText(ouster) ==
+        "x:0:7 y:4:7 z:8:7 intensity:16:7 t:20:6 reflectivity:24:4 ring:26:4 ambient:28:4 range:32:6 48");
+  CHECK(fieldOf<uint32_t>(ouster, 0, "t") == 400'000);
+  CHECK(fieldOf<uint32_t>(ouster, 0, "range") == 10'000);
+  CHECK(fieldOf<uint16_t>(ouster, 0, "reflectivity") == 13);
+  CHECK(fieldOf<uint16_t>(ouster, 3, "ring") == 1);
+
+  const PointCloud2 hesai = cloudOf(Driver::hesai), robosense = cloudOf(Driver::robosense);
+  CHECK(layoutText(hesai) == "x:0:7 y:4:7 z:8:7 intensity:12:7 ring:16:4 timestamp:18:8 26");
+  CHECK(std::abs(fieldOf<double>(hesai, 0, "timestamp") - 1'700'000'000.2504) < 3e-7);
+  CHECK(robosense.data == hesai.data);
+
+  const PointCloud2 livox = cloudOf(Driver::livox);
+  CHECK(layoutText(livox) == "x:0:7 y:4:7 z:8:7 intensity:12:7 tag:16:2 line:17:2 timestamp:18:8 26");
+  CHECK(std::abs(fieldOf<double>(livox, 1, "timestamp") - 1'700'000'000'260'000'000.0) <= 256);
+  CHECK(fieldOf<uint8_t>(livox, 1, "tag") == 0);
+  CHECK(fieldOf<uint8_t>(livox, 2, "tag") == 0x10);
+  CHECK(fieldOf<uint8_t>(livox, 3, "line") == 1);
+
+  const PointCloud2 autoware = cloudOf(Driver::autoware);
+  CHECK(layoutText(autoware) ==
+        "x:0:7 y:4:7 z:8:7 intensity:12:2 return_type:13:2 channel:14:4 azimuth:16:7 elevation:20:7 distance:24:7 "
+        "time_stamp:28:6 32");
+  CHECK(fieldOf<uint8_t>(autoware, 0, "intensity") == 13);
+  CHECK(fieldOf<float>(autoware, 0, "azimuth") == Approx(M_PI));
+  CHECK(fieldOf<float>(autoware, 0, "elevation") == Approx(std::atan2(6, 8)));
+  CHECK(fieldOf<float>(autoware, 3, "distance") == 5);
+  CHECK(fieldOf<uint32_t>(autoware, 3, "time_stamp") == 10'000'400);
+  CHECK(fieldOf<uint8_t>(autoware, 0, "return_type") == 0);
+  Effects effects;
+  effects.intensity.scale = Effects::Intensity::Scale::byte;
+  effects.returns.mode = Effects::Returns::Mode::lastStrongest;
+  const PointCloud2 dual = cloudOf(Driver::autoware, effects);
+  CHECK(fieldOf<uint8_t>(dual, 3, "intensity") == 1);
+  CHECK(fieldOf<uint8_t>(dual, 0, "return_type") == 7);
+  CHECK(fieldOf<uint8_t>(dual, 1, "return_type") == 3);
+  CHECK(fieldOf<uint8_t>(dual, 2, "return_type") == 6);
+  effects.returns.mode = Effects::Returns::Mode::strongest;
+  CHECK(fieldOf<uint8_t>(cloudOf(Driver::autoware, effects), 1, "return_type") == 1);
+
+  CHECK(driverNamed("ouster") == Driver::ouster);
+  CHECK(!driverNamed("sick"));
+}
+
+TEST_CASE("ROS 2: a scan that a driver's types do not hold is refused") {
+  Scan scan = scanOfDriver();
+  setColumn<uint16_t>(scan, Field::ring, {0, 0, 0, 0, 256, 256, 256, 256});
+  CHECK_THROWS_WITH(driverCloudOf(scan, Driver::livox, "", 0),
+                    ContainsSubstring("'line' of the driver livox has numbers up to 255"));
+  CHECK_NOTHROW(driverCloudOf(scan, Driver::ouster, "", 0));
+  setColumn<float>(scan, Field::time, {5, 5, 5, 5, 5, 5, 5, 5});
+  CHECK_THROWS_WITH(driverCloudOf(scan, Driver::ouster, "", 0),
+                    ContainsSubstring("'t' of the driver ouster has times up to 4.29 s"));
+  CHECK_NOTHROW(driverCloudOf(scan, Driver::velodyne, "", 0));
+  ScanColumns(scan).make(Field::time, false);
+  CHECK_THROWS_WITH(driverCloudOf(scan, Driver::velodyne, "", 0), ContainsSubstring("'time'"));
+  CHECK_THROWS_WITH(driverCloudOf(scan, static_cast<Driver>(6), "", 0), ContainsSubstring("no driver 6"));
+}
+
+TEST_CASE("ROS 2: a list of evenly spaced beams is a laser scan, and dead beams are not free space") {
+  Sensor sensor;
+  sensor.name = "scanner";
+  sensor.rangeMax = 40;
+  BeamList list;
+  for (const double degrees : {170.0, 179.0, 188.0, 197.0}) {  // beyond 180 degrees without a gap
+    list.directions.push_back({std::cos(degrees * M_PI / 180), std::sin(degrees * M_PI / 180), 0});
+    list.times.push_back((degrees - 170) / 9000);
+  }
+  sensor.patterns = {list};
+  sensor.maskedBeams = {1};
+  Scan scan;
+  scan.columns = 4;
+  scan.channels = 1;
+  scan.points.assign(12, NAN);
+  scan.ranges = {NAN, NAN, NAN, 5};
+  scan.triangles = scan.instances = {kNoTriangle, kNoTriangle, kNoTriangle, 0};
+  setColumn<uint8_t>(scan, Field::cause, {1, 1, 4, 0});  // no surface, no surface, dropped out, returned
+  CHECK(hasLaserScan(sensor));
+  const LaserScan laser = laserScanOf(sensor, scan, 0, "front", 0);
+  CHECK(laser.angleMin == Approx(170 * M_PI / 180));
+  CHECK(laser.angleMax == Approx(197 * M_PI / 180));
+  CHECK(laser.angleIncrement == Approx(9 * M_PI / 180));
+  CHECK(laser.timeIncrement == Approx(0.001));
+  CHECK(laser.scanTime == Approx(0.003));
+  CHECK(laser.ranges[0] == INFINITY);
+  CHECK(std::isnan(laser.ranges[1]));
+  CHECK(std::isnan(laser.ranges[2]));
+  CHECK(laser.ranges[3] == 5);
+
+  sensor.patterns[0].directions[2] = {-1, 0, 0};
+  CHECK_FALSE(hasLaserScan(sensor));
+  CHECK_THROWS_WITH(laserScanOf(sensor, scan, 0, "front", 0), ContainsSubstring("evenly spaced"));
+  sensor.patterns = {list, list};
+  CHECK_FALSE(hasLaserScan(sensor));
+  sensor.patterns = {list};
+  scan.columns = 2;
+  scan.channels = 2;
+  CHECK_THROWS_WITH(laserScanOf(sensor, scan, 0, "front", 0), ContainsSubstring("no channel 0 of the sensor scanner"));
 }
 
 TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence") {

@@ -4,7 +4,9 @@
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <tuple>
 
+#include "gnosphere/ros2.hpp"
 #include "gnosphere/sensor.hpp"
 #include "sensor/beams.hpp"
 #include "sensor/sensor_file_samples.hpp"
@@ -122,6 +124,65 @@ TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of
   CHECK_THAT(problemOf(text, "model.sdf", {.mode = "back"}), ContainsSubstring("no lidar 'back', but front, round"));
   CHECK_THAT(problemOf(replaced(text, "<samples>5", "<samples>x"), "model.sdf"), ContainsSubstring("<samples> is 'x'"));
   CHECK_THAT(problemOf(replaced(text, "<max>10.5</max>", ""), "model.sdf"), ContainsSubstring("<max> of <range>"));
+}
+
+namespace {
+
+/// A model of SDF with one lidar that has this content of <horizontal>.
+std::string sdfWith(const std::string& horizontal) {
+  return "<sdf version='1.9'><model name='m'><link name='l'><sensor name='s' "
+         "type='gpu_lidar'><lidar><scan><horizontal>" +
+         horizontal + "</horizontal></scan><range><max>10</max></range></lidar></sensor></link></model></sdf>";
+}
+
+std::string anglesOf(int samples, double least, double most) {
+  return "<samples>" + std::to_string(samples) + "</samples><min_angle>" + std::to_string(least) +
+         "</min_angle><max_angle>" + std::to_string(most) + "</max_angle>";
+}
+
+}  // namespace
+
+TEST_CASE("SDF: of almost a whole turn every sample is a beam, as in Gazebo") {
+  // A scanner that looks back and forth, a coarse one, TurtleBot 3's and an RPLidar's.
+  for (const auto& [samples, least, most] :
+       {std::tuple{2, -2.0, 2.0}, std::tuple{10, -3.0, 3.0}, std::tuple{71, -3.0979, 3.0979},
+        std::tuple{360, 0.0, 6.28}, std::tuple{1450, -3.14, 3.14}}) {
+    INFO(samples << " samples");
+    const SensorFile file = readSensorFile(sdfWith(anglesOf(samples, least, most)), "model.sdf");
+    REQUIRE(file.sensor.beamCount() == static_cast<size_t>(samples));
+    CHECK(file.ignored.empty());
+    for (int i = 0; i < samples; ++i) {
+      const double wanted = least + i * (most - least) / (samples - 1);
+      CHECK_THAT(std::remainder(azimuthOf(file.sensor, i) - wanted, 2 * M_PI), WithinAbs(0, 1e-9));
+    }
+    CHECK(file.sensor.height() == 1);
+    CHECK(ros2::hasLaserScan(file.sensor));
+  }
+  CHECK(readSensorFile(sdfWith(anglesOf(360, -3.1416, 3.1416)), "model.sdf").sensor.columns == 359);
+  CHECK_THAT(problemOf(sdfWith(anglesOf(9, -180, 180)), "model.sdf"), ContainsSubstring("in radians"));
+}
+
+TEST_CASE("SDF: a missing number of samples is that of SDF, and masks of visibility are told") {
+  const SensorFile file = readSensorFile(sdfWith("<min_angle>-1</min_angle><max_angle>1</max_angle>"), "model.sdf");
+  CHECK(file.sensor.columns == 640);
+  CHECK(lists(file.assumed, "<samples> of 640"));
+  const std::string masked =
+      replaced(sdfWith(anglesOf(9, -1, 1)), "<lidar>", "<lidar><visibility_mask>1</visibility_mask>");
+  CHECK(lists(readSensorFile(masked, "model.sdf").ignored, "the visibility mask"));
+}
+
+TEST_CASE("SDF: lidars of one name are chosen by the names of their models") {
+  std::string fleet = "<sdf version='1.9'><world name='w'>";
+  for (const char* robot : {"r0", "r1"})
+    fleet += std::string("<model name='") + robot + "'><link name='l'><sensor name='lidar' type='gpu_lidar'><lidar>" +
+             "<scan><horizontal>" + anglesOf(robot[1] == '0' ? 5 : 7, -1, 1) +
+             "</horizontal></scan><range><max>10</max></range></lidar></sensor></link></model>";
+  fleet += "</world></sdf>";
+  const SensorFile first = readSensorFile(fleet, "world.sdf");
+  CHECK(first.sensor.columns == 5);
+  CHECK(lists(first.assumed, "the first of the lidars r0::lidar, r1::lidar"));
+  CHECK(readSensorFile(fleet, "world.sdf", {.mode = "r1::lidar"}).sensor.columns == 7);
+  CHECK_THAT(problemOf(fleet, "world.sdf", {.mode = "lidar"}), ContainsSubstring("but r0::lidar, r1::lidar"));
 }
 
 TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points forward") {

@@ -105,7 +105,7 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
                        ", " + counted(report.messages, "message", "messages") + " in " +
                        formatted("%.1f s", report.seconds));
   if (report.dropped > 0) say("dropped", grouped(report.dropped) + " messages that newer ones replaced");
-  if (report.late > 0) say("late", formatted("%.1f s; scanning takes longer than the drive", report.late));
+  if (report.late >= 0.05) say("late", formatted("%.1f s; scanning takes longer than the drive", report.late));
   return 0;
 }
 

@@ -35,7 +35,12 @@ def numbers(text: Optional[str], default: Any, what: str, counts: tuple[int, ...
 
 def number(parent: Optional[ET.Element], name: str, default: float) -> float:
     text = parent.findtext(name) if parent is not None else None
-    return float(text) if text and text.strip() else default
+    if not text or not text.strip():
+        return default
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"<{name}> is '{text.strip()}', which is no number") from None
 
 
 def pose_of(element: Optional[ET.Element]) -> Matrix:

@@ -16,7 +16,6 @@ namespace {
 // scaled by the cosine of the first latitude, and this is its inverse.
 constexpr double kLatitude = 49, kLongitude = 8.4, kAltitude = 115;
 constexpr double kEarthRadius = 6378137;
-constexpr double kGravity = 9.80665;  // m/s^2, standard gravity
 
 constexpr const char* kDataFormat =
     "lat:   latitude of the oxts-unit (deg)\nlon:   longitude of the oxts-unit (deg)\n"

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// drive.mcap: ROS 2 messages, sensor_msgs/PointCloud2 on /NAME/points and tf2_msgs/TFMessage on /tf and /tf_static.
+// drive.mcap: ROS 2 messages, sensor_msgs/PointCloud2 on /NAME/points, tf2_msgs/TFMessage on /tf and /tf_static, and
+// sensor_msgs/Imu on /NAME/data, sensor_msgs/LaserScan of flat sensors on /NAME/scan.
 // metadata.yaml beside it makes the folder a bag of rosbag2, version 5 of its format (ROS 2 Humble and later).
+#include <array>
+#include <functional>
 #include <map>
+#include <tuple>
 
 #include "base/json_text.hpp"
 #include "drive/formats/cdr.hpp"
@@ -17,9 +21,16 @@ constexpr const char* kHeaderText =
     "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
     "================================================================================\n"
     "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
-constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;
+constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;  // channels
 
+enum Schema : uint16_t { kTransforms = 1, kCloud, kImu, kLaser };
+
+/// In the order of Schema.
 std::vector<McapSchema> schemas() {
+  const std::string vector = kLine + std::string("MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n");
+  const std::string quaternion =
+      kLine + std::string("MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
+  const std::string header = std::string(kLine) + kHeaderText;
   return {{"tf2_msgs/msg/TFMessage",
            std::string("geometry_msgs/TransformStamped[] transforms\n") + kLine +
                "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
@@ -27,8 +38,7 @@ std::vector<McapSchema> schemas() {
                kLine +
                "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
                "geometry_msgs/Quaternion rotation\n" +
-               kLine + "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n" + kLine +
-               "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + kLine + kHeaderText},
+               vector + quaternion + header},
           {"sensor_msgs/msg/PointCloud2",
            std::string("std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n"
                        "bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n") +
@@ -36,77 +46,106 @@ std::vector<McapSchema> schemas() {
                "MSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\n"
                "uint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\n"
                "uint8 datatype\nuint32 count\n" +
-               kLine + kHeaderText}};
+               header},
+          {"sensor_msgs/msg/Imu",
+           "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+           "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+           "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n" +
+               vector + quaternion + header},
+          {"sensor_msgs/msg/LaserScan",
+           "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\n"
+           "float32 time_increment\nfloat32 scan_time\nfloat32 range_min\nfloat32 range_max\nfloat32[] ranges\n"
+           "float32[] intensities\n" +
+               header}};
 }
 
-/// A field of the cloud. The names are those that drivers use.
-struct CloudField {
-  const char* name;
-  Field field;
-  uint32_t offset;
-};
-constexpr uint32_t kIntensityOffset = 12;
-constexpr CloudField kFields[] = {{"x", Field::x, 0},
-                                  {"y", Field::y, 4},
-                                  {"z", Field::z, 8},
-                                  {"intensity", Field::intensity, kIntensityOffset},
-                                  {"time", Field::time, 16},
-                                  {"ring", Field::ring, 20},
-                                  {"class", Field::classId, 22},
-                                  {"instance", Field::instance, 24}};
-constexpr uint32_t kCloudPointBytes = 28;
-constexpr size_t kCloudHeadBytes = 512, kTransformBytes = 160;  // about
+constexpr size_t kHeadBytes = 512, kTransformBytes = 160, kImuBytes = 340;  // about
 
-uint8_t datatypeOf(ValueType type) {
-  switch (type) {
-    case ValueType::u8: return 2;
-    case ValueType::u16: return 4;
-    case ValueType::u32: return 6;
-    case ValueType::f64: return 8;
-    case ValueType::f32: break;
-  }
-  return 7;
-}
-
-struct StampedTransform {
-  int64_t time;
-  std::string parent, child;
-  Pose pose;
-};
-
-void appendTf(std::string& bytes, const std::vector<StampedTransform>& transforms) {
+void appendTf(std::string& bytes, const ros2::Transforms& transforms) {
   CdrWriter cdr(bytes);
   cdr.number(static_cast<uint32_t>(transforms.size()));
-  for (const StampedTransform& transform : transforms) {
+  for (const ros2::StampedTransform& transform : transforms) {
     const auto& [p, q] = transform.pose;
-    cdr.header(transform.time, transform.parent).text(transform.child);
+    cdr.header(transform.stamp, transform.parent).text(transform.child);
     for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) cdr.number(value);
+  }
+}
+
+void appendCloud(std::string& bytes, const ros2::PointCloud2& cloud) {
+  CdrWriter cdr(bytes);
+  cdr.header(cloud.stamp, cloud.frame);
+  cdr.number(cloud.height).number(cloud.width).number(static_cast<uint32_t>(cloud.fields.size()));
+  for (const ros2::PointField& field : cloud.fields)
+    cdr.text(field.name).number(field.offset).number(static_cast<uint8_t>(field.type)).number(field.count);
+  cdr.number(uint8_t{0}).number(cloud.pointStep).number(cloud.width * cloud.pointStep);
+  cdr.blob([&](std::string& to) { to.append(reinterpret_cast<const char*>(cloud.data.data()), cloud.data.size()); });
+  cdr.number(uint8_t{cloud.dense});
+}
+
+void appendImu(std::string& bytes, const ros2::Imu& imu) {
+  const auto& [q, w, a] = std::tie(imu.orientation, imu.angularVelocity, imu.linearAcceleration);
+  CdrWriter cdr(bytes);
+  cdr.header(imu.stamp, imu.frame);
+  const auto numbers = [&](const auto& values) {
+    for (const double value : values) cdr.number(value);
+  };
+  numbers(std::array{q.x, q.y, q.z, q.w});
+  numbers(imu.orientationCovariance);
+  numbers(std::array{w.x, w.y, w.z});
+  numbers(imu.angularVelocityCovariance);
+  numbers(std::array{a.x, a.y, a.z});
+  numbers(imu.linearAccelerationCovariance);
+}
+
+void appendLaser(std::string& bytes, const ros2::LaserScan& laser) {
+  CdrWriter cdr(bytes);
+  cdr.header(laser.stamp, laser.frame);
+  for (const float value : {laser.angleMin, laser.angleMax, laser.angleIncrement, laser.timeIncrement, laser.scanTime,
+                            laser.rangeMin, laser.rangeMax})
+    cdr.number(value);
+  for (const std::vector<float>& list : {std::cref(laser.ranges), std::cref(laser.intensities)}) {
+    cdr.number(static_cast<uint32_t>(list.size()));
+    for (const float value : list) cdr.number(value);
   }
 }
 
 class Mcap : public Format {
  public:
-  using Format::Format;
+  Mcap(const Drive& drive, const World& world, const Output& output) : Format(drive, world, output) {
+    for (const size_t sensor : output.sensors)
+      if (isFlat(drive.sensors[sensor].sensor)) flat_.push_back(sensor);
+  }
 
   std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::ring, Field::classId}; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     std::vector<McapMessage> messages;
-    const auto addTf = [&](uint16_t channel, uint64_t number, int64_t time, std::vector<StampedTransform> transforms) {
+    const auto addTf = [&](uint16_t channel, uint64_t number, int64_t time, ros2::Transforms transforms) {
       messages.push_back({channel, static_cast<uint32_t>(number), time, transforms.size() * kTransformBytes,
                           [transforms = std::move(transforms)](std::string& bytes) { appendTf(bytes, transforms); }});
     };
-    if (frame.frame == 0) addTf(kTfStatic, 0, timeOf(drive_.start), mounts());
+    if (frame.frame == 0) addTf(kTfStatic, 0, timeOf(drive_.start), mountsOf(drive_, output_.sensors));
     uint64_t number = frame.frame * posesPerFrame(drive_);
     for (const double time : poseTimes(drive_, frame.frame, frame.frame + 1 == drive_.frameCount()))
-      addTf(kTf, number++, timeOf(time), {{timeOf(time), "map", "base_link", drive_.ego.at(time)}});
+      addTf(kTf, number++, timeOf(time), vehicleMessage(drive_, time));
+    if (drive_.imu) {
+      uint64_t measured = firstMeasurement(drive_, frame.frame);
+      for (const double time : imuTimes(drive_, frame.frame, frame.frame + 1 == drive_.frameCount()))
+        messages.push_back({imuChannel(), static_cast<uint32_t>(measured++), timeOf(time), kImuBytes,
+                            [=, this](std::string& bytes) { appendImu(bytes, imuMessage(drive_, time)); }});
+    }
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
       // A driver sends a cloud when the scan is over; the stamp in its header is that of its first beam.
-      messages.push_back({channelOf(recorded.planned.sensor), static_cast<uint32_t>(recorded.planned.number),
-                          timeOf(recorded.planned.time + recorded.duration),
-                          kCloudHeadBytes + recorded.points * kCloudPointBytes,
-                          [&](std::string& bytes) { appendCloud(bytes, recorded); }});
+      const auto scan = static_cast<uint32_t>(recorded.planned.number);
+      const int64_t end = timeOf(recorded.planned.time + recorded.duration);
+      ros2::PointCloud2 cloud = cloudMessage(drive_, recorded);
+      messages.push_back({cloudChannel(recorded.planned.sensor), scan, end, kHeadBytes + cloud.data.size(),
+                          [cloud = std::move(cloud)](std::string& bytes) { appendCloud(bytes, cloud); }});
+      if (!isFlat(drive_.sensors[recorded.planned.sensor].sensor)) continue;
+      ros2::LaserScan laser = laserMessage(drive_, recorded);
+      messages.push_back({laserChannel(recorded.planned.sensor), scan, end, kHeadBytes + 8 * laser.ranges.size(),
+                          [laser = std::move(laser)](std::string& bytes) { appendLaser(bytes, laser); }});
     }
     files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
   }
@@ -126,27 +165,38 @@ class Mcap : public Format {
   }
 
   std::vector<McapChannel> channels() const {
-    std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
-    for (size_t sensor : output_.sensors) channels.push_back({2, topicOf(drive_.sensors[sensor], "/points"), false});
+    std::vector<McapChannel> channels = {{kTransforms, "/tf", false}, {kTransforms, "/tf_static", true}};
+    const auto add = [&](Schema schema, size_t sensor, const char* what) {
+      channels.push_back({schema, topicOf(drive_.sensors[sensor].name, what), false});
+    };
+    for (const size_t sensor : output_.sensors) add(kCloud, sensor, "/points");
+    for (const size_t sensor : flat_) add(kLaser, sensor, "/scan");
+    if (drive_.imu) channels.push_back({kImu, topicOf(drive_.imu->name, "/data"), false});
     return channels;
   }
 
   /// Returns what rosbag2 wants to know of a bag before it opens its file.
   std::string metadata(const std::vector<FrameSummary>& frames) const {
-    // The first and the last message are poses of the vehicle.
-    const std::vector<double> last = poseTimes(drive_, frames.size() - 1, true);
-    const int64_t begin = timeOf(drive_.start), duration = timeOf(last.back()) - begin;
-    std::map<uint16_t, uint64_t> counts = {{kTf, (frames.size() - 1) * posesPerFrame(drive_) + last.size()},
-                                           {kTfStatic, 1}};
-    eachScan(frames, [&](const ScanSummary& scan) { ++counts[channelOf(scan.planned.sensor)]; });
+    // The first message is a pose of the vehicle, and the last one such a pose or a measurement.
+    const uint64_t lastFrame = frames.size() - 1;
+    const std::vector<double> last = poseTimes(drive_, lastFrame, true);
+    const std::vector<double> measured = drive_.imu ? imuTimes(drive_, lastFrame, true) : last;
+    const int64_t begin = timeOf(drive_.start), duration = timeOf(std::max(last.back(), measured.back())) - begin;
+    std::map<uint16_t, uint64_t> counts = {{kTf, lastFrame * posesPerFrame(drive_) + last.size()}, {kTfStatic, 1}};
+    eachScan(frames, [&](const ScanSummary& scan) {
+      ++counts[cloudChannel(scan.planned.sensor)];
+      if (isFlat(drive_.sensors[scan.planned.sensor].sensor)) ++counts[laserChannel(scan.planned.sensor)];
+    });
+    if (drive_.imu) counts[imuChannel()] = firstMeasurement(drive_, lastFrame) + measured.size();
     uint64_t messages = 0;
     std::string topics;
     const std::vector<McapChannel> all = channels();
+    const std::vector<McapSchema> types = schemas();
     for (size_t i = 0; i < all.size(); ++i) {
       const uint64_t count = counts[static_cast<uint16_t>(i + 1)];
       messages += count;
       topics += "    - topic_metadata:\n        name: " + all[i].topic +
-                "\n        type: " + schemas()[all[i].schema - 1].name +
+                "\n        type: " + types[all[i].schema - 1].name +
                 "\n        serialization_format: cdr\n        offered_qos_profiles: " +
                 jsonText(nlohmann::json(qosOf(all[i]))) + "\n      message_count: " + std::to_string(count) + "\n";
     }
@@ -164,45 +214,16 @@ class Mcap : public Format {
 
   int64_t timeOf(double time) const { return unixNanoseconds(drive_, time); }
   std::string chunkPath(uint64_t frame) const { return path(numberText("chunks/%06llu", frame)); }
-  uint16_t channelOf(size_t sensor) const {
-    const auto at = std::find(output_.sensors.begin(), output_.sensors.end(), sensor) - output_.sensors.begin();
-    return static_cast<uint16_t>(kFirstCloud + at);
+  static uint16_t placeOf(size_t sensor, const std::vector<size_t>& sensors) {
+    return static_cast<uint16_t>(std::find(sensors.begin(), sensors.end(), sensor) - sensors.begin());
   }
+  uint16_t cloudChannel(size_t sensor) const { return kFirstCloud + placeOf(sensor, output_.sensors); }
+  uint16_t laserChannel(size_t sensor) const {
+    return static_cast<uint16_t>(kFirstCloud + output_.sensors.size() + placeOf(sensor, flat_));
+  }
+  uint16_t imuChannel() const { return static_cast<uint16_t>(kFirstCloud + output_.sensors.size() + flat_.size()); }
 
-  std::vector<StampedTransform> mounts() const {
-    std::vector<StampedTransform> transforms;
-    for (size_t sensor : output_.sensors)
-      transforms.push_back(
-          {timeOf(drive_.start), "base_link", drive_.sensors[sensor].name, drive_.sensors[sensor].mount});
-    return transforms;
-  }
-
-  void appendCloud(std::string& bytes, const RecordedScan& recorded) const {
-    RecordLayout layout;
-    layout.compact = true;
-    layout.stride = kCloudPointBytes;
-    std::vector<CloudField> fields;
-    for (const CloudField& field : kFields)
-      if (recorded.scan.has(field.field) || field.field == Field::ring) fields.push_back(field);
-    for (const CloudField& field : fields)
-      layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
-    const RigSensor& sensor = drive_.sensors[recorded.planned.sensor];
-    const auto count = static_cast<uint32_t>(recorded.points);
-    CdrWriter cdr(bytes);
-    cdr.header(timeOf(recorded.planned.time), sensor.name);
-    cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(fields.size()));
-    for (const CloudField& field : fields)
-      cdr.text(field.name).number(field.offset).number(datatypeOf(fieldInfo(field.field).type)).number(uint32_t{1});
-    cdr.number(uint8_t{0}).number(kCloudPointBytes).number(count * kCloudPointBytes);
-    cdr.blob([&](std::string& rows) {
-      const size_t first = rows.size();
-      appendRows(rows, recorded.scan, layout);
-      const auto own = std::as_writable_bytes(std::span(rows)).subspan(first);
-      if (recorded.scan.has(Field::intensity))
-        scaleFloat(own, kCloudPointBytes, kIntensityOffset, intensityFactor(sensor, 1));
-    });
-    cdr.number(uint8_t{1});
-  }
+  std::vector<size_t> flat_;  // of the output's sensors, those whose scans are laser scans, too
 };
 
 }  // namespace

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensor/files/xml.hpp"
 
+#include <set>
+#include <string_view>
+
 namespace gnosphere {
 
 pugi::xml_document parseXml(const SensorSource& source) {
@@ -12,16 +15,32 @@ pugi::xml_document parseXml(const SensorSource& source) {
   return document;
 }
 
+namespace {
+
+/// Returns the name of a node after those of the models that it is in: "robot::lidar".
+std::string scopedName(const pugi::xml_node& node, const char* attribute) {
+  std::string name = node.attribute(attribute).value();
+  for (pugi::xml_node outer = node.parent(); outer; outer = outer.parent())
+    if (std::string_view(outer.name()) == "model") name = outer.attribute("name").value() + ("::" + name);
+  return name;
+}
+
+}  // namespace
+
 pugi::xml_node chooseXml(SensorSource& source, const std::vector<pugi::xml_node>& nodes, const char* attribute,
                          const std::string& value) {
-  std::string names;
+  std::set<std::string> names;
+  for (const pugi::xml_node& node : nodes) names.insert(node.attribute(attribute).value());
+  const bool scoped = names.size() < nodes.size();
+  std::string listed;
   for (const pugi::xml_node& node : nodes) {
-    if (!value.empty() && value == node.attribute(attribute).value()) return node;
-    names.append(names.empty() ? "" : ", ").append(node.attribute(attribute).value());
+    const std::string name = scoped ? scopedName(node, attribute) : node.attribute(attribute).value();
+    if (!value.empty() && value == name) return node;
+    listed.append(listed.empty() ? "" : ", ").append(name);
   }
-  if (!value.empty()) source.refuse("has no lidar '" + value + "', but " + names);
+  if (!value.empty()) source.refuse("has no lidar '" + value + "', but " + listed);
   if (nodes.size() > 1)
-    source.assume("the first of the lidars " + names + "; `gnosphere sensors --mode` takes another");
+    source.assume("the first of the lidars " + listed + "; `gnosphere sensors --mode` takes another");
   return nodes[0];
 }
 

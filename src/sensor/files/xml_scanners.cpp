@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads Gazebo's <lidar> and <ray> in SDF: azimuths are counter-clockwise from x, both ends of a range of angles are
-// beams, and all beams fire at once.
+// beams, and all beams fire at once. A grid has one column per place on the turn; beams of almost a whole turn, whose
+// ends are nearer to each other than other neighbours, are a list.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -24,9 +25,11 @@ struct Angles {
   size_t count = 1;
 };
 
-Angles anglesOf(const SensorSource& source, const pugi::xml_node& node) {
+/// Reads <horizontal> or <vertical>; `usual` is SDF's number of samples where the element states none.
+Angles anglesOf(SensorSource& source, const pugi::xml_node& node, double usual) {
   if (!node) return {};
-  const double samples = number(source, node, "samples", 1), resolution = number(source, node, "resolution", 1);
+  if (!node.child("samples")) source.assume("<samples> of " + shownNumber(usual) + ", the default of SDF");
+  const double samples = number(source, node, "samples", usual), resolution = number(source, node, "resolution", 1);
   const double count = std::round(samples * resolution);
   if (!(count >= 1 && count <= 1e6))
     source.refuse("<samples> times <resolution> is " + shownNumber(count) + ", expected is 1 to 1000000");
@@ -34,6 +37,26 @@ Angles anglesOf(const SensorSource& source, const pugi::xml_node& node) {
                       static_cast<size_t>(count)};
   if (!(angles.most >= angles.least)) source.refuse("<max_angle> is less than <min_angle>");
   return angles;
+}
+
+/// The angle of a row or column, in degrees.
+double angleAt(const Angles& angles, size_t i) {
+  const double part = angles.count > 1 ? static_cast<double>(i) / static_cast<double>(angles.count - 1) : 0;
+  return (1 - part) * angles.least + part * angles.most;
+}
+
+BeamList listOf(const Angles& across, const Angles& up) {
+  BeamList list;
+  list.width = static_cast<uint32_t>(across.count);
+  list.height = static_cast<uint32_t>(up.count);
+  for (size_t row = 0; row < up.count; ++row)
+    for (size_t column = 0; column < across.count; ++column) {
+      const double elevation = angleAt(up, row) * kDegree, azimuth = angleAt(across, column) * kDegree;
+      list.directions.push_back(
+          {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+      list.rings.push_back(static_cast<uint16_t>(row));
+    }
+  return list;
 }
 
 }  // namespace
@@ -47,33 +70,40 @@ void readSdf(SensorSource& source) {
   const pugi::xml_node lidar = node.child("lidar") ? node.child("lidar") : node.child("ray");
   const pugi::xml_node scan = lidar.child("scan"), range = lidar.child("range");
   if (!scan.child("horizontal")) source.refuse("<horizontal> of <scan> is missing");
-  Angles across = anglesOf(source, scan.child("horizontal"));
-  const Angles up = anglesOf(source, scan.child("vertical"));
+  Angles across = anglesOf(source, scan.child("horizontal"), 640);
+  const Angles up = anglesOf(source, scan.child("vertical"), 1);
   if (up.count > 65535) source.refuse("has more than 65535 vertical samples");
 
   Sensor& sensor = source.file.sensor;
   sensor.name = node.attribute("name").value();
-  // Both ends of the span are beams. Of a whole turn the last one looks where the first does.
-  double span = across.most - across.least;
-  const double step = across.count > 1 ? span / static_cast<double>(across.count - 1) : 360;
-  if (across.count > 1 && span + step > 360 + 1e-9) {
+  const double span = across.most - across.least;
+  if (across.count > 1 && !(span > 0 && span <= 360 + 1e-3))
+    source.refuse("the horizontal angles span " + shownNumber(span) +
+                  " degrees; SDF has them in radians, and a turn is 360 degrees");
+  double step = across.count > 1 ? span / static_cast<double>(across.count - 1) : 360;
+  constexpr double kWhole = 0.02;  // of a step, as decimals of pi allow
+  if (across.count > 1 && std::abs(span - 360) <= kWhole * step) {
     --across.count;
+    step = 360 / static_cast<double>(across.count);
     source.ignore("the last column, which looks where the first does");
   }
-  span = step * static_cast<double>(across.count);
-  if (!(span > 0 && span <= 360 + 1e-6)) source.refuse("the horizontal angles span " + shownNumber(span) + " degrees");
-  sensor.columns = static_cast<uint32_t>(across.count);
-  sensor.azimuthStartDeg = across.least;
-  sensor.azimuthSpanDeg = std::min(span, 360.0);
-  for (size_t row = 0; row < up.count; ++row) {
-    const double part = up.count > 1 ? static_cast<double>(row) / static_cast<double>(up.count - 1) : 0;
-    sensor.channels.push_back({(1 - part) * up.least + part * up.most});
+  if (step * static_cast<double>(across.count) > 360 + 1e-9) {
+    if (across.count * up.count > 10'000'000) source.refuse("has more than 10000000 beams that are not evenly spaced");
+    sensor.patterns.push_back(listOf(across, up));
+  } else {
+    sensor.columns = static_cast<uint32_t>(across.count);
+    sensor.azimuthStartDeg = across.least;
+    sensor.azimuthSpanDeg = std::min(step * static_cast<double>(across.count), 360.0);
+    for (size_t row = 0; row < up.count; ++row) sensor.channels.push_back({angleAt(up, row)});
   }
   sensor.rangeMin = number(source, range, "min", 0);
   sensor.rangeMax = number(source, range, "max", 0);
   if (!range.child("max")) source.refuse("<max> of <range> is missing");
   for (const char* name : {"pose", "update_rate"})
     if (node.child(name)) source.ignore(std::string(name) + " of the sensor");
+  for (const pugi::xml_node& parent : {node, lidar})
+    if (parent.child("visibility_mask"))
+      source.ignore("the visibility mask of the lidar, which hides a visual with other visibility flags");
   if (lidar.child("noise")) source.ignore("noise of the lidar");
   if (range.child("resolution")) source.ignore("resolution of the ranges");
 }

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans in the point layouts of drivers. Each layout is a table of fields, and each field has a function of a return.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "base/units.hpp"
+#include "base/vector.hpp"
+#include "gnosphere/effects.hpp"
+#include "gnosphere/error.hpp"
+#include "gnosphere/output.hpp"
+#include "gnosphere/ros2.hpp"
+#include "scan/fields.hpp"
+
+namespace gnosphere::ros2 {
+namespace {
+
+constexpr int64_t kPerSecond = 1'000'000'000;
+
+struct Return {
+  float x, y, z, range, intensity, time;
+  uint16_t ring;
+  uint8_t number, count;
+};
+
+/// A return, and what its fields depend on beside it.
+struct Point {
+  const Return& value;
+  const Effects& effects;
+  int64_t stamp;  ///< ns, of the cloud
+  /// Returns the nanoseconds after the stamp.
+  double offset() const { return std::round(double{value.time} * kPerSecond); }
+  int64_t time() const { return stamp + static_cast<int64_t>(offset()); }
+};
+
+double x(const Point& point) {
+  return point.value.x;
+}
+double y(const Point& point) {
+  return point.value.y;
+}
+double z(const Point& point) {
+  return point.value.z;
+}
+double range(const Point& point) {
+  return point.value.range;
+}
+double millimetres(const Point& point) {
+  return double{point.value.range} * kMilliPerUnit;
+}
+double ring(const Point& point) {
+  return point.value.ring;
+}
+double zero(const Point&) {
+  return 0;
+}
+double seconds(const Point& point) {
+  return point.value.time;
+}
+double nanoseconds(const Point& point) {
+  return point.offset();
+}
+double unixNanoseconds(const Point& point) {
+  return static_cast<double>(point.time());
+}
+/// Seconds and their fraction apart, because a double has a step of 256 ns where nanoseconds since 1970 are.
+double unixSeconds(const Point& point) {
+  const int64_t time = point.time();
+  return static_cast<double>(time / kPerSecond) + static_cast<double>(time % kPerSecond) * kNano;
+}
+/// 100 for a diffuse white surface, more for retro-reflectors, at most 255.
+double reflectivity(const Point& point) {
+  const bool unit = point.effects.intensity.scale == Effects::Intensity::Scale::unit;
+  return std::clamp(double{point.value.intensity} * (unit ? 100 : 1), 0.0, 255.0);
+}
+double azimuth(const Point& point) {
+  const double angle = std::atan2(y(point), x(point));
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+}
+double elevation(const Point& point) {
+  return std::atan2(z(point), lengthOf(x(point), y(point)));
+}
+/// Livox's tag has the number of the return in bits 4 and 5; bits of 0 are a point without doubt.
+double livoxTag(const Point& point) {
+  return std::min(point.value.number - 1, 3) << 4;
+}
+/// Autoware's ReturnType: 0 unless the mode of returns tells which one is the strongest or the last.
+double autowareReturn(const Point& point) {
+  enum Type { unknown, singleStrongest, singleLast, dualStrongestFirst, dualWeakLast = 6, dualOnly };
+  switch (point.effects.returns.mode) {
+    case Effects::Returns::Mode::strongest: return singleStrongest;
+    case Effects::Returns::Mode::last: return singleLast;
+    case Effects::Returns::Mode::lastStrongest:
+      return point.value.count < 2 ? dualOnly : point.value.number == 1 ? dualStrongestFirst : dualWeakLast;
+    default: return unknown;
+  }
+}
+
+using Type = PointField::Type;
+
+struct DriverField {
+  const char* name;
+  uint32_t offset;
+  Type type;
+  double (*valueOf)(const Point&);
+};
+
+// clang-format off
+// Of velodyne_pointcloud 2 (PointXYZIRT), with timestamp_first_packet.
+constexpr DriverField kVelodyne[] = {
+    {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
+    {"intensity", 12, Type::f32, reflectivity}, {"ring", 16, Type::u16, ring}, {"time", 18, Type::f32, seconds}};
+// Of ouster-ros (ouster_ros::Point, point_type "original"), whose size is a multiple of 16.
+constexpr DriverField kOuster[] = {
+    {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
+    {"intensity", 16, Type::f32, reflectivity}, {"t", 20, Type::u32, nanoseconds},
+    {"reflectivity", 24, Type::u16, reflectivity}, {"ring", 26, Type::u16, ring}, {"ambient", 28, Type::u16, zero},
+    {"range", 32, Type::u32, millimetres}};
+// Of HesaiLidar_ROS_2.0 (PointXYZIRT) and rslidar_sdk (POINT_TYPE XYZIRT).
+constexpr DriverField kHesai[] = {
+    {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
+    {"intensity", 12, Type::f32, reflectivity}, {"ring", 16, Type::u16, ring},
+    {"timestamp", 18, Type::f64, unixSeconds}};
+// Of livox_ros_driver2 (LivoxPointXyzrtlt, xfer_format 0).
+constexpr DriverField kLivox[] = {
+    {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
+    {"intensity", 12, Type::f32, reflectivity}, {"tag", 16, Type::u8, livoxTag}, {"line", 17, Type::u8, ring},
+    {"timestamp", 18, Type::f64, unixNanoseconds}};
+// Of autoware_point_types (PointXYZIRCAEDT), which the drivers of Nebula publish.
+constexpr DriverField kAutoware[] = {
+    {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
+    {"intensity", 12, Type::u8, reflectivity}, {"return_type", 13, Type::u8, autowareReturn},
+    {"channel", 14, Type::u16, ring}, {"azimuth", 16, Type::f32, azimuth}, {"elevation", 20, Type::f32, elevation},
+    {"distance", 24, Type::f32, range}, {"time_stamp", 28, Type::u32, nanoseconds}};
+// clang-format on
+
+struct DriverLayout {
+  const char* name;  ///< in drive files
+  std::span<const DriverField> fields;
+  uint32_t step;
+};
+/// In the order of Driver.
+constexpr DriverLayout kLayouts[] = {{"velodyne", kVelodyne, 22}, {"ouster", kOuster, 48}, {"hesai", kHesai, 26},
+                                     {"robosense", kHesai, 26},   {"livox", kLivox, 26},   {"autoware", kAutoware, 32}};
+
+std::vector<Return> returnsOf(const Scan& scan) {
+  RecordLayout layout;
+  layout.stride = sizeof(Return);
+  layout.compact = true;
+  layout.values = {{Field::x, 0, offsetof(Return, x), ValueType::f32},
+                   {Field::y, 0, offsetof(Return, y), ValueType::f32},
+                   {Field::z, 0, offsetof(Return, z), ValueType::f32},
+                   {Field::range, 0, offsetof(Return, range), ValueType::f32},
+                   {Field::time, 0, offsetof(Return, time), ValueType::f32},
+                   {Field::ring, 0, offsetof(Return, ring), ValueType::u16},
+                   {Field::returnNumber, 0, offsetof(Return, number), ValueType::u8},
+                   {Field::returnCount, 0, offsetof(Return, count), ValueType::u8}};
+  if (scan.has(Field::intensity))
+    layout.values.push_back({Field::intensity, 0, offsetof(Return, intensity), ValueType::f32});
+  std::vector<Return> returns(scan.ranges.size(), Return{});
+  returns.resize(pack(scan, layout, std::as_writable_bytes(std::span(returns))));
+  std::stable_sort(returns.begin(), returns.end(), [](const Return& a, const Return& b) { return a.time < b.time; });
+  return returns;
+}
+
+template <typename T>
+T as(double value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return static_cast<T>(value);
+  else  // a time before the stamp is 0
+    return static_cast<T>(std::clamp(std::round(value), 0.0, double{std::numeric_limits<T>::max()}));
+}
+
+template <typename T>
+void fill(PointCloud2& cloud, const DriverField& field, std::span<const Return> returns, const Effects& effects) {
+  uint8_t* to = cloud.data.data() + field.offset;
+  for (const Return& value : returns) {
+    const T converted = as<T>(field.valueOf({value, effects, cloud.stamp}));
+    std::memcpy(to, &converted, sizeof(converted));
+    to += cloud.pointStep;
+  }
+}
+
+void check(const DriverLayout& layout, std::span<const Return> returns) {
+  const std::string named = std::string("driverCloudOf: the field '");
+  for (const DriverField& field : layout.fields) {
+    const auto refuse = [&](const std::string& why) {
+      throw Error(ErrorCode::invalidArgument, named + field.name + "' of the driver " + layout.name + " " + why);
+    };
+    if (field.type == Type::u32 && field.valueOf == nanoseconds && !returns.empty() &&
+        double{returns.back().time} * kPerSecond > std::numeric_limits<uint32_t>::max())
+      refuse("has times up to 4.29 s, and the scan takes longer");
+    if (field.type == Type::u8 && field.valueOf == ring &&
+        std::any_of(returns.begin(), returns.end(), [](const Return& value) { return value.ring > 255; }))
+      refuse("has numbers up to 255, and the scan has more channels");
+  }
+}
+
+}  // namespace
+
+std::optional<Driver> driverNamed(std::string_view name) {
+  for (size_t i = 0; i < std::size(kLayouts); ++i)
+    if (name == kLayouts[i].name) return static_cast<Driver>(i);
+  return std::nullopt;
+}
+
+PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,
+                          const Effects& effects) {
+  if (static_cast<size_t>(driver) >= std::size(kLayouts))
+    throw Error(ErrorCode::invalidArgument,
+                "driverCloudOf: there is no driver " + std::to_string(static_cast<int>(driver)));
+  const DriverLayout& layout = kLayouts[static_cast<size_t>(driver)];
+  const std::vector<Return> returns = returnsOf(scan);
+  check(layout, returns);
+  PointCloud2 cloud;
+  cloud.stamp = stamp;
+  cloud.frame = frame;
+  cloud.width = static_cast<uint32_t>(returns.size());
+  cloud.pointStep = layout.step;
+  cloud.data.resize(returns.size() * layout.step);
+  for (const DriverField& field : layout.fields) {
+    cloud.fields.push_back({field.name, field.offset, field.type, 1});
+    switch (field.type) {
+      case Type::u8: fill<uint8_t>(cloud, field, returns, effects); break;
+      case Type::u16: fill<uint16_t>(cloud, field, returns, effects); break;
+      case Type::u32: fill<uint32_t>(cloud, field, returns, effects); break;
+      case Type::f64: fill<double>(cloud, field, returns, effects); break;
+      default: fill<float>(cloud, field, returns, effects); break;
+    }
+  }
+  return cloud;
+}
+
+}  // namespace gnosphere::ros2
