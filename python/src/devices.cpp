@@ -128,7 +128,7 @@ void bindDevices(nb::module_& m) {
           "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
           "device; if empty, the best device.\n"
           "uuid: DeviceInfo.uuid of the device, 16 bytes, in which case `name` is ignored; zeros for any device.")
-      .def(nb::init<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
+      .def(nb::init_implicit<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
       .def_ro("kind", &DeviceChoice::kind, "Which kind of device.")
       .def_ro("name", &DeviceChoice::name, "Its number or a part of its name; empty for the best device.")
       .def_prop_ro(

@@ -70,10 +70,9 @@ void bindDrive(nb::module_& parent) {
             ownFunctions(self.simulator);
           },
           nb::rv_policy::reference_internal, "The drive's accuracy and other options replace its own.")
-      .def_rw(
-          "progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
-          "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "
-          "of it ends the run.");
+      .def_rw("progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
+              "Called when a frame is complete, with the number of frames made and that of frames to make, on a thread "
+              "of the run. An exception of it ends the run.");
 
   nb::class_<RunReport> report(m, "RunReport", "What was made, and what was there.");
   report.def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
@@ -91,13 +90,15 @@ void bindDrive(nb::module_& parent) {
   m.def(
       "run",
       [](const Drive& of, const RunOptions& options) {
-        const RunOptions chosen = options;
+        RunOptions chosen = options;
+        chosen.beforeFrame = SeesSignals();
         const ReleasedGil released;
         return drive::run(of, chosen);
       },
       "drive"_a, "options"_a,
       "Makes the frames that are not complete, without holding the GIL. A frame has the same bytes wherever and "
-      "whenever it is made. If this raises, complete frames stay, and a later call goes on from there. Raises "
+      "whenever it is made. Ctrl-C ends the run after the frame that is being scanned. If this raises, complete frames "
+      "stay, and a later call goes on from there. Raises "
       "Error(invalid_argument) for a shard or a range of frames that there is not.");
 }
 

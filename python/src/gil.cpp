@@ -44,4 +44,12 @@ void watchEnd() {
   }));
 }
 
+void SeesSignals::operator()(size_t /*done*/) {
+  const Clock::time_point now = Clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::milliseconds(100);
+  const AcquiredGil acquired;
+  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+}
+
 }  // namespace gnosphere::python

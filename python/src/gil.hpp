@@ -4,6 +4,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <chrono>
+
 namespace gnosphere::python {
 
 /// Releases the GIL while it lives. A thread that would take the GIL back while the interpreter ends sleeps until the
@@ -29,6 +31,17 @@ class AcquiredGil {
 
  private:
   PyGILState_STATE state_;
+};
+
+/// The progress of a long call, in which the functions of signals are called, such as that of Ctrl-C. Other threads may
+/// hold the GIL for a while, so it is asked for at most ten times a second.
+class SeesSignals {
+ public:
+  void operator()(size_t done = 0);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(100);
 };
 
 /// Makes ReleasedGil and AcquiredGil know when the interpreter ends.

@@ -2,7 +2,6 @@
 // Binds the simulator of gnosphere/simulator.hpp.
 #include "simulator.hpp"
 
-#include <chrono>
 #include <new>
 #include <stdexcept>
 
@@ -107,23 +106,6 @@ void withMemory(const std::vector<Shot>& shots, const Work& work) {
     refuseMemory();
   }
 }
-
-/// The progress of a batch, in which the functions of signals are called, such as that of Ctrl-C. Other threads may
-/// hold the GIL for a while, so it is asked for ten times a second and not for each view.
-class SeesSignals {
- public:
-  void operator()(size_t) {
-    const Clock::time_point now = Clock::now();
-    if (now < next_) return;
-    next_ = now + std::chrono::milliseconds(100);
-    const AcquiredGil acquired;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(100);
-};
 
 SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
                       const FieldList& list) {

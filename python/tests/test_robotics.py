@@ -944,7 +944,8 @@ def test_the_command(arm, tmp_path):
     command = [sys.executable, "-m", "gnosphere.robotics"]
     options = ["--search", tmp_path / "packages", "--joint", "slide=0.5", "-o", tmp_path / "arm.glb"]
     said = subprocess.run([*command, arm, *options], check=True, capture_output=True, text=True)
-    assert "joint shoulder: -1 to 1" in said.stdout and "lidar top: 270 beams on tip" in said.stdout
+    assert "joint shoulder: -1 to 1" in said.stdout and "lidar top: 270 beams" in said.stdout
+    assert re.search(r"\n  on tip at \S+, \S+, \S+; in the world at \S+, \S+, \S+\n", said.stdout)
     assert "left out: geometry that is no box, sphere, cylinder, capsule or mesh (1)" in said.stdout and not said.stderr
     scene = gnosphere.load_scene(tmp_path / "arm.glb")
     assert [instance.name for instance in scene.instances] == ["plinth", "upper", "tip", "follower"]

@@ -2,6 +2,7 @@
 """Threads: no call holds the GIL while it works, and a simulator belongs to one thread at a time."""
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -10,6 +11,7 @@ import time
 import pytest
 
 import gnosphere
+import gnosphere.drive
 
 
 @pytest.fixture(scope="module")
@@ -142,3 +144,20 @@ time.sleep(0.2)
     for _ in range(4):
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
         assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_ctrl_c_ends_a_drive(folder, device, tmp_path):
+    made = []
+
+    def progress(done, total):
+        made.append((done, total))
+        if done == 2:
+            signal.raise_signal(signal.SIGINT)
+
+    options = gnosphere.drive.RunOptions(
+        tmp_path / "out", end_frame=30, simulator=gnosphere.SimulatorOptions(device), progress=progress
+    )
+    with pytest.raises(KeyboardInterrupt):
+        gnosphere.drive.run(gnosphere.drive.read_drive(folder / "drive.json"), options)
+    assert 2 <= len(made) < 15 and made[0][1] == 30
+    assert not any((tmp_path / "out").glob("**/*.part"))

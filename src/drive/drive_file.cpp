@@ -289,7 +289,7 @@ std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, c
   for (size_t s = 0; s < listed.size(); ++s) sensors.push_back(find(names, listed[s], entryPath(path, s)));
   if (listed.is_null())
     for (size_t s = 0; s < (oneSensor ? 1 : names.size()); ++s) sensors.push_back(s);
-  if (oneSensor && sensors.size() > 1) refuse(path, "KITTI has one lidar; name one sensor");
+  if (oneSensor && sensors.size() > 1) refuse(path, "the format has one lidar; name one sensor");
   return sensors;
 }
 

@@ -99,7 +99,10 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
     for (const OutputFile& file : files) report.bytes += file.bytes.size();
     if (options.progress) options.progress(++done, frames.size());
   });
-  queue.run(frames, [&](FrameRecord& record) { scanner.scan(record); });
+  queue.run(frames, [&](FrameRecord& record) {
+    if (options.beforeFrame) options.beforeFrame();
+    scanner.scan(record);
+  });
 }
 
 }  // namespace

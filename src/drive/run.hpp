@@ -19,6 +19,7 @@ struct RunOptions {
   /// Called when a frame is complete, with the number of frames made and that of frames to make. The calls come one
   /// after another from a thread of the run, and not from that of the caller.
   std::function<void(uint64_t done, uint64_t total)> progress;
+  std::function<void()> beforeFrame;  ///< called on the caller's thread before each frame; an exception ends the run
 };
 
 struct RunReport {

@@ -586,6 +586,47 @@ TEST_CASE("LAS: what an output of a survey must not say") {
   CHECK_THAT(problem({{"format", "pcd"}, {"flight_line", 1}}), ContainsSubstring("flight_line: is only for las"));
 }
 
+// The tutorial for custom data sets of OpenPCDet, and its custom_dataset.py.
+TEST_CASE(
+    "OpenPCDet: the points of KITTI as an array, the boxes in the sensor's frame, and lists of frames with boxes") {
+  const DriveFolder& folder = made();
+  const std::string npy = folder.get("out/openpcdet/points/000003.npy");
+  const std::string points = folder.get("out/kitti/sequences/00/velodyne/000003.bin");
+  REQUIRE(npy.starts_with(std::string("\x93NUMPY\x01\x00", 8)));
+  const size_t head = 10 + at<uint16_t>(npy, 8);
+  CHECK(head % 64 == 0);
+  CHECK_THAT(npy.substr(10, head - 10), ContainsSubstring("'<f4'") && ContainsSubstring("'fortran_order': False") &&
+                                            ContainsSubstring("(" + std::to_string(points.size() / 16) + ", 4)"));
+  CHECK(npy.substr(head) == points);
+
+  std::istringstream labels(folder.get("out/openpcdet/labels/000003.txt")),
+      boxes(folder.get("out/boxes/top/000003.jsonl"));
+  size_t count = 0;
+  for (std::string line; std::getline(boxes, line); ++count) {
+    const Json box = Json::parse(line);
+    double x = 0, y = 0, z = 0, length = 0, width = 0, height = 0, heading = 0;
+    std::string name;
+    labels >> x >> y >> z >> length >> width >> height >> heading >> name;
+    CHECK_THAT(x, WithinAbs(box["sensor_frame"]["position"][0].get<double>(), 1e-4));
+    CHECK_THAT(z, WithinAbs(box["sensor_frame"]["position"][2].get<double>(), 1e-4));
+    CHECK_THAT(length, WithinAbs(box["size"][0].get<double>(), 1e-4));
+    CHECK_THAT(height, WithinAbs(box["size"][2].get<double>(), 1e-4));
+    CHECK_THAT(std::sin(heading / 2), WithinAbs(box["sensor_frame"]["orientation"][2].get<double>(), 1e-5));
+    CHECK(name == box["class"]);
+  }
+  CHECK(count > 0);
+  CHECK_FALSE(labels >> count);
+
+  std::istringstream train(folder.get("out/openpcdet/ImageSets/train.txt")),
+      validate(folder.get("out/openpcdet/ImageSets/val.txt"));
+  std::vector<std::string> frames, last;
+  for (std::string frame; train >> frame;) frames.push_back(frame);
+  for (std::string frame; validate >> frame;) last.push_back(frame);
+  REQUIRE(frames.size() + last.size() == 10);
+  CHECK(last == std::vector<std::string>{"000008", "000009"});
+  CHECK(frames.front() == "000000");
+}
+
 // https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.
 TEST_CASE("MCAP: records that follow each other, an index that leads to the chunks, clouds as ROS 2 has them") {
   const DriveFolder& folder = made();

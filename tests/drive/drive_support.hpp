@@ -117,8 +117,8 @@ inline drive::RunOptions optionsFor(const fs::path& out) {
   return options;
 }
 
-inline const std::vector<std::string> kEveryFormat = {"kitti", "semantickitti", "kitti-raw", "nuscenes", "pcd",
-                                                      "npy",   "las",           "mcap",      "osi",      "boxes"};
+inline const std::vector<std::string> kEveryFormat = {
+    "kitti", "semantickitti", "kitti-raw", "nuscenes", "openpcdet", "pcd", "npy", "las", "mcap", "osi", "boxes"};
 
 inline Json everyOutput() {
   Json outputs = Json::array();

@@ -7,11 +7,13 @@ import argparse
 import math
 import sys
 import warnings
-from typing import Any
+from typing import Any, Iterable
+
+import numpy as np
 
 from .. import _gnosphere as gno
 from .load import load
-from .robot_scene import RobotScene
+from .robot_scene import Matrix, RobotScene
 
 
 def main() -> int:
@@ -45,11 +47,23 @@ def describe(found: RobotScene) -> None:
     for name, (low, high) in found.joint_limits.items():
         print(f"joint {name}: {'any position' if math.isinf(low) and math.isinf(high) else f'{low:g} to {high:g}'}")
     for number, mounted in enumerate(found.sensors):
-        place = ", ".join(f"{value:.3f}" for value in found.pose(number).position)
         rate = f", {mounted.rate:g} scans a second" if mounted.rate else ""
-        print(f"lidar {mounted.name}: {mounted.sensor.beam_count():,} beams on {mounted.frame} at {place}{rate}")
+        print(f"lidar {mounted.name}: {mounted.sensor.beam_count():,} beams{rate}")
+        print(f"  on {mounted.frame} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}")
     for what, count in found.left_out.items():
         print(f"left out: {what} ({count})")
+
+
+def listed(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.3f}" for value in values)
+
+
+def place_of(local: Matrix) -> str:
+    """A mounting as a drive file has it: the position, and the angles where the sensor is turned."""
+    (r00, _, _), (r10, _, _), (r20, r21, r22) = local[:3, :3]
+    angles = math.atan2(r10, r00), -math.asin(min(max(r20, -1.0), 1.0)), math.atan2(r21, r22)
+    turned = f", yaw_pitch_roll_deg {listed(np.degrees(angles))}" if np.abs(angles).max() > 1e-6 else ""
+    return listed(local[:3, 3]) + turned
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ constexpr FormatInfo kFormats[] = {
     {.name = "semantickitti", .make = makeKitti, .shown = true, .oneSensor = true},
     {.name = "kitti-raw", .make = makeKittiRaw, .shown = true, .oneSensor = true},
     {.name = "nuscenes", .make = makeNuScenes, .shown = true, .keyframes = true},
+    {.name = "openpcdet", .make = makeOpenPcdet, .shown = false, .oneSensor = true},
     {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "las", .make = makeLas, .shown = false, .fields = "", .survey = true},

@@ -83,7 +83,7 @@ const FormatInfo& formatNamed(const std::string& name);
 std::string formatNames(bool (*chosen)(const FormatInfo& format));
 
 // One function per format, each in a source file of its own.
-MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeLas, makeMcap, makeOsi;
+MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeOpenPcdet, makeLas, makeMcap, makeOsi;
 
 /// Returns why LAS cannot have this field as an extra dimension, or an empty text.
 std::string mistakeOfLasField(Field field);

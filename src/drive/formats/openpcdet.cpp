@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The custom data set of OpenPCDet, which other trainers of detectors read, too: points/000000.npy of x, y, z,
+// intensity, labels/000000.txt of boxes in the frame of the points, and the frames to train with and to validate with.
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "base/decimal_point.hpp"
+#include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+/// Returns a file of NumPy with an array (rows, 4) of floats. Its head is a multiple of 64 bytes.
+std::string npyOf(const std::string& floats) {
+  const size_t rows = floats.size() / (4 * sizeof(float));
+  std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", 4), }";
+  constexpr size_t kMagicBytes = 10, kAlignment = 64;
+  head.append(kAlignment - 1 - (kMagicBytes + head.size()) % kAlignment, ' ').append("\n");
+  std::string file("\x93NUMPY\x01\x00", 8);
+  file += static_cast<char>(head.size() & 0xff);
+  file += static_cast<char>(head.size() >> 8);
+  return file + head + floats;
+}
+
+class OpenPcdet : public Format {
+ public:
+  using Format::Format;
+
+  std::vector<Field> fields() const override { return {Field::intensity}; }
+  bool needsBoxes() const override { return true; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    eachScan(frame, [&](const RecordedScan& recorded) {
+      const std::string number = numberText("%06llu", recorded.planned.number);
+      const std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
+      files.push_back({path("points/" + number + ".npy"), npyOf(rows), ""});
+      std::string labels;
+      for (const Box& box : recorded.boxes) labels += lineOf(box);
+      files.push_back({path("labels/" + number + ".txt"), labels, ""});
+    });
+  }
+
+  /// The last fifth of the drive validates: neighbouring frames are too alike to be in both lists. The reader of labels
+  /// needs a box in every frame that is listed.
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
+    std::vector<std::string> labelled;
+    eachScan(frames, [&](const ScanSummary& scan) {
+      if (!scan.boxes.empty()) labelled.push_back(numberText("%06llu\n", scan.planned.number));
+    });
+    const size_t training = labelled.size() - labelled.size() / 5;
+    std::string train, validate;
+    for (size_t i = 0; i < labelled.size(); ++i) (i < training ? train : validate) += labelled[i];
+    files.write(path("ImageSets/train.txt"), train);
+    files.write(path("ImageSets/val.txt"), validate);
+  }
+
+ private:
+  /// Words end at spaces, so names of classes have _ for them.
+  std::string lineOf(const Box& box) const {
+    const auto& [p, q] = box.inSensor;
+    std::string name = drive_.classes[drive_.actors[box.actor].category].name;
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return std::isspace(c); }, '_');
+    const DecimalPoint point;
+    char line[256];
+    std::snprintf(line, sizeof(line), "%.4f %.4f %.4f %.4f %.4f %.4f %.6f ", p.x, p.y, p.z, box.size.x, box.size.y,
+                  box.size.z, yawPitchRollOf(q)[0]);
+    return line + name + "\n";
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeOpenPcdet(const Drive& drive, const World& world, const Output& output) {
+  return std::make_unique<OpenPcdet>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive
