@@ -220,14 +220,20 @@ void bindRos2(nb::module_& parent) {
       "nanoseconds). `effects` are those of the scan: the scale of its intensities, and the mode of its returns. "
       "Raises Error(invalid_argument) for a scan without the field time, and for values that the driver's types do "
       "not hold.");
+  m.def("has_laser_scan", &hasLaserScan, "sensor"_a, "channel"_a = 0,
+        "Whether laser_scan_of() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern "
+        "whose beams are evenly spaced in azimuth.");
   m.def(
       "laser_scan_of",
       [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
         return laserScanOf(sensor, *scan.value, channel, frame, stamp);
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
-      "The first returns of one channel of a grid of beams that turns, from the first column to the last; `stamp` is "
-      "in nanoseconds. Raises Error(invalid_argument) for a channel that there is not, and for a list of beams.");
+      "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
+      "a return is inf, also if NearHits.hide has taken the return; one that the sensor masks, and with the field "
+      "cause "
+      "one that is dead or whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel that "
+      "there is not, for a scan of another sensor, and unless has_laser_scan().");
 }
 
 }  // namespace gnosphere::python

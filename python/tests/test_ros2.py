@@ -88,6 +88,7 @@ def test_a_scan_becomes_a_cloud_and_a_laser_scan(town, device):
     assert cloud.width == scan.counters.hits and cloud.point_step == 6
     records = np.frombuffer(cloud.data, [("x", "<f4"), ("ring", "<u2")])
     assert (records["x"] == scan.points[~np.isnan(scan.ranges), 0]).all()
+    assert ros2.has_laser_scan(sensor, 8) and not ros2.has_laser_scan(sensor, 16)
     laser = ros2.laser_scan_of(sensor, scan, 8, "top", 9)
     assert len(laser.ranges) == sensor.columns and laser.range_max == pytest.approx(sensor.range_max)
     with pytest.raises(gnosphere.Error, match="no channel 16"):
@@ -102,12 +103,12 @@ OUSTER = np.dtype(
 
 def test_a_scan_becomes_the_cloud_of_a_driver(town, device):
     def scan(fields):
-        request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), gnosphere.Effects.none(), fields=fields)
+        request = gnosphere.SensorRequest(gnosphere.builtin_sensor("Puck"), gnosphere.Effects.none(), fields=fields)
         return gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(device)).scan(gnosphere.Pose((0, 0, 1.8)))
 
     with pytest.raises(gnosphere.Error, match="'time'"):
         ros2.driver_cloud_of(scan(""), ros2.Driver.ouster, "top", 9)
-    timed = scan("time")
+    timed = scan("time,ring")
     cloud = ros2.driver_cloud_of(timed, ros2.Driver.ouster, "top", 9, gnosphere.Effects.none())
     points = np.frombuffer(cloud.data, OUSTER)
     assert cloud.stamp == 9 and len(points) == timed.counters.hits
