@@ -20,7 +20,8 @@ enum {
   GNO_ROS2_LASER_SCAN = 1,
   GNO_ROS2_TRANSFORMS = 2,
   GNO_ROS2_CLOCK = 3,
-  GNO_ROS2_IMU = 4
+  GNO_ROS2_IMU = 4,
+  GNO_ROS2_LIVOX_CUSTOM = 5
 };
 typedef int32_t gno_ros2_reliability;
 enum { GNO_ROS2_RELIABLE = 0, GNO_ROS2_BEST_EFFORT = 1 };
@@ -137,6 +138,9 @@ GNO_API gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan 
  * those of the scan, or null for automatic ones: the scale of its intensities, and the mode of its returns. */
 GNO_API gno_status gno_ros2_publish_driver_scan(gno_ros2_publisher publisher, gno_scan scan, gno_ros2_driver driver,
                                                 const char* frame, int64_t stamp, gno_effects effects);
+/* The returns of a scan in a livox_ros_driver2/CustomMsg, which FAST-LIO reads; otherwise as the function before. */
+GNO_API gno_status gno_ros2_publish_livox_custom(gno_ros2_publisher publisher, gno_scan scan, const char* frame,
+                                                 int64_t stamp, gno_effects effects);
 /* The first returns of one channel of a grid of beams, as a laser scan. */
 GNO_API gno_status gno_ros2_publish_channel(gno_ros2_publisher publisher, gno_sensor sensor, gno_scan scan,
                                             uint32_t channel, const char* frame, int64_t stamp);

@@ -73,9 +73,27 @@ struct Imu {
   std::array<double, 9> linearAccelerationCovariance{};
 };
 
+/// A point of a LivoxCustom.
+struct LivoxPoint {
+  uint32_t offsetTime = 0;  ///< ns after LivoxCustom::stamp
+  float x = 0, y = 0, z = 0;
+  uint8_t reflectivity = 0;
+  uint8_t tag = 0;   ///< the number of the return, from 0 on, in bits 4 and 5
+  uint8_t line = 0;  ///< the channel
+};
+
+/// A message of type livox_ros_driver2/CustomMsg, whose timebase is the stamp.
+struct LivoxCustom {
+  int64_t stamp = 0;  ///< nanoseconds
+  std::string frame;
+  uint8_t lidarId = 0;
+  std::vector<LivoxPoint> points;
+};
+
 /// A message that a publisher can send.
-using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock, Imu>;
-enum class MessageType { pointCloud2, laserScan, transforms, clock, imu };  ///< in the order of Message
+using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock, Imu, LivoxCustom>;
+/// In the order of Message.
+enum class MessageType { pointCloud2, laserScan, transforms, clock, imu, livoxCustom };
 
 /// Quality of service (QoS) of a publisher. Messages beyond `depth` replace the oldest ones ("keep last").
 struct Qos {
@@ -152,6 +170,11 @@ GNOSPHERE_API std::optional<Driver> driverNamed(std::string_view name);
 /// `effects` are those of the scan: the scale of its intensities, and the mode of its returns. Throws
 /// Error(invalidArgument) for a scan without Field::time, and for values that the driver's types do not hold.
 GNOSPHERE_API PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,
+                                        const Effects& effects = {});
+
+/// Returns the returns of a scan as Livox's driver publishes them in a message of its own (xfer_format 1), which
+/// FAST-LIO reads; otherwise as driverCloudOf() with Driver::livox.
+GNOSPHERE_API LivoxCustom livoxCustomOf(const Scan& scan, const std::string& frame, int64_t stamp,
                                         const Effects& effects = {});
 
 /// Whether laserScanOf() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern whose

@@ -133,6 +133,23 @@ void bindImu(nb::module_& m) {
       .def_ro("linear_acceleration_covariance", &Imu::linearAccelerationCovariance, "(m/s^2)^2, row by row.");
 }
 
+void bindLivoxCustom(nb::module_& m) {
+  nb::class_<LivoxPoint>(m, "LivoxPoint", "A point of a LivoxCustom.")
+      .def_ro("offset_time", &LivoxPoint::offsetTime, "Nanoseconds after the stamp.")
+      .def_ro("x", &LivoxPoint::x, "Metres.")
+      .def_ro("y", &LivoxPoint::y, "Metres.")
+      .def_ro("z", &LivoxPoint::z, "Metres.")
+      .def_ro("reflectivity", &LivoxPoint::reflectivity, "100 for a diffuse white surface.")
+      .def_ro("tag", &LivoxPoint::tag, "The number of the return, from 0 on, in bits 4 and 5.")
+      .def_ro("line", &LivoxPoint::line, "The channel.");
+  nb::class_<LivoxCustom> custom(
+      m, "LivoxCustom", "livox_ros_driver2/CustomMsg, whose timebase is the stamp: livox_custom_of() makes it.");
+  custom.def_rw("stamp", &LivoxCustom::stamp, "Nanoseconds.")
+      .def_rw("frame", &LivoxCustom::frame, "The frame of the points.")
+      .def_rw("lidar_id", &LivoxCustom::lidarId, "The number of the sensor.");
+  readTuple(custom, "points", &LivoxCustom::points, "The points in the order of their times.");
+}
+
 void bindPublisher(nb::module_& m) {
   nb::class_<PublisherCounts>(m, "PublisherCounts", "What has become of the messages of a publisher.")
       .def_ro("published", &PublisherCounts::published, "Messages that were given to publish().")
@@ -172,7 +189,8 @@ void bindRos2(nb::module_& parent) {
       .value("laser_scan", MessageType::laserScan)
       .value("transforms", MessageType::transforms)
       .value("clock", MessageType::clock)
-      .value("imu", MessageType::imu);
+      .value("imu", MessageType::imu)
+      .value("livox_custom", MessageType::livoxCustom);
   bindQos(m);
   bindCloud(m);
   bindLaserScan(m);
@@ -192,6 +210,7 @@ void bindRos2(nb::module_& parent) {
           "__init__", [](Clock* self, int64_t time) { new (self) Clock{time}; }, "time"_a)
       .def_ro("time", &Clock::time, "Nanoseconds.");
   bindImu(m);
+  bindLivoxCustom(m);
   bindPublisher(m);
   m.def("unavailable", &unavailable, "Why nothing can be published; an empty text if messages can be.");
   m.def(
@@ -220,6 +239,14 @@ void bindRos2(nb::module_& parent) {
       "nanoseconds). `effects` are those of the scan: the scale of its intensities, and the mode of its returns. "
       "Raises Error(invalid_argument) for a scan without the field time, and for values that the driver's types do "
       "not hold.");
+  m.def(
+      "livox_custom_of",
+      [](const SharedScan& scan, const std::string& frame, int64_t stamp, const Effects& effects) {
+        return livoxCustomOf(*scan.value, frame, stamp, effects);
+      },
+      "scan"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(), WithoutGil(),
+      "The returns of a scan as Livox's driver publishes them in a message of its own (xfer_format 1), which FAST-LIO "
+      "reads; otherwise as driver_cloud_of() with Driver.livox.");
   m.def("has_laser_scan", &hasLaserScan, "sensor"_a, "channel"_a = 0,
         "Whether laser_scan_of() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern "
         "whose beams are evenly spaced in azimuth.");

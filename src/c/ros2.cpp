@@ -88,6 +88,10 @@ ros2::Imu imuFrom(const gno_ros2_imu* imu) {
   return result;
 }
 
+Effects effectsOrAutomatic(gno_effects effects) {
+  return effects ? *Locked(effects) : Effects();
+}
+
 }  // namespace
 }  // namespace gnosphere::c
 
@@ -104,7 +108,7 @@ const char* gno_ros2_unavailable(void) {
 gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,
                                      gno_ros2_publisher* publisher) {
   return giveHandle(publisher, "publisher", [&] {
-    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::imu, "gno_ros2_type"),
+    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::livoxCustom, "gno_ros2_type"),
                                                     &the(topic, "topic"), publisherOptionsOf(options)));
   });
 }
@@ -144,9 +148,15 @@ gno_status gno_ros2_publish_driver_scan(gno_ros2_publisher publisher, gno_scan s
                                         const char* frame, int64_t stamp, gno_effects effects) {
   return guard([&] {
     Publishing to(publisher);
-    const Effects of = effects ? *Locked(effects) : Effects();
     to->publish(ros2::driverCloudOf(*Locked(scan), enumOf(driver, ros2::Driver::autoware, "gno_ros2_driver"),
-                                    orEmpty(frame), stamp, of));
+                                    orEmpty(frame), stamp, effectsOrAutomatic(effects)));
+  });
+}
+gno_status gno_ros2_publish_livox_custom(gno_ros2_publisher publisher, gno_scan scan, const char* frame, int64_t stamp,
+                                         gno_effects effects) {
+  return guard([&] {
+    Publishing to(publisher);
+    to->publish(ros2::livoxCustomOf(*Locked(scan), orEmpty(frame), stamp, effectsOrAutomatic(effects)));
   });
 }
 gno_status gno_ros2_publish_channel(gno_ros2_publisher publisher, gno_sensor sensor, gno_scan scan, uint32_t channel,

@@ -212,6 +212,7 @@ void DriveReader::sensors() {
     const double period = rigged.sensor.rotationPeriod;
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
     rigged.offset = object.value("offset", 0.0);
+    rigged.livoxCustom = object.value("driver", "") == "livox-custom";
     if (object.contains("driver")) rigged.driver = ros2::driverNamed(object["driver"].get<std::string>());
     if (rigged.rate * period > 1 + 1e-9)
       refuse(path + ".rate",

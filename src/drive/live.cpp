@@ -88,7 +88,7 @@ class Live {
         clock_(MessageType::clock, "/clock", optionsOf({.depth = 100})),
         schedule_(options.speed, 1 / drive.rate, report) {
     for (const RigSensor& sensor : drive.sensors) {
-      clouds_.emplace_back(MessageType::pointCloud2, topicOf(sensor.name, "/points"), optionsOf(options.qos));
+      clouds_.emplace_back(cloudTypeOf(sensor), topicOf(sensor.name, "/points"), optionsOf(options.qos));
       if (isFlat(sensor.sensor))
         lasers_.emplace(clouds_.size() - 1,
                         Publisher(MessageType::laserScan, topicOf(sensor.name, "/scan"), optionsOf(options.qos)));

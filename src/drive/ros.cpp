@@ -23,6 +23,7 @@ std::span<const Field> cloudFields() {
 ros2::PointCloud2 cloudMessage(const Drive& drive, const RecordedScan& recorded) {
   const RigSensor& sensor = drive.sensors[recorded.planned.sensor];
   const int64_t stamp = unixNanoseconds(drive, recorded.planned.time);
+  if (sensor.livoxCustom) return ros2::livoxCustomOf(recorded.scan, sensor.name, stamp, sensor.effects);
   if (sensor.driver) return ros2::driverCloudOf(recorded.scan, *sensor.driver, sensor.name, stamp, sensor.effects);
   std::vector<Field> fields(cloudFields().begin(), cloudFields().end());
   if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);

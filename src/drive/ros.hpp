@@ -13,9 +13,12 @@ namespace gnosphere::drive {
 /// The fields of the clouds that cloudMessage() makes.
 std::span<const Field> cloudFields();
 
-/// Returns the cloud of a scan as its sensor's driver publishes it, or with cloudFields(), and intensities in which a
-/// diffuse white surface is 1.
-ros2::PointCloud2 cloudMessage(const Drive& drive, const RecordedScan& recorded);
+/// Returns the type of the messages that a sensor's clouds are.
+ros2::MessageType cloudTypeOf(const RigSensor& sensor);
+
+/// Returns the cloud of a scan, in a message of cloudTypeOf(), as its sensor's driver publishes it, or with
+/// cloudFields(), and intensities in which a diffuse white surface is 1.
+ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded);
 
 /// Whether a sensor has one channel of evenly spaced beams, so that its scans are laser scans, too.
 bool isFlat(const Sensor& sensor);

@@ -99,6 +99,7 @@ const dds_topic_descriptor_t& descriptorOf(MessageType type) {
     case MessageType::transforms: return tf2_msgs_msg_dds__TFMessage__desc;
     case MessageType::clock: return rosgraph_msgs_msg_dds__Clock__desc;
     case MessageType::imu: return sensor_msgs_msg_dds__Imu__desc;
+    case MessageType::livoxCustom: return livox_ros_driver2_msg_dds__CustomMsg__desc;
     case MessageType::pointCloud2: break;
   }
   return sensor_msgs_msg_dds__PointCloud2__desc;
@@ -193,6 +194,19 @@ struct Writing {
   }
   dds_return_t operator()(const Clock& clock) const {
     const rosgraph_msgs_msg_dds__Clock_ message = {timeOf(clock.time)};
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const LivoxCustom& custom) const {
+    std::vector<livox_ros_driver2_msg_dds__CustomPoint_> points;
+    points.reserve(custom.points.size());
+    for (const LivoxPoint& p : custom.points)
+      points.push_back({p.offsetTime, p.x, p.y, p.z, p.reflectivity, p.tag, p.line});
+    livox_ros_driver2_msg_dds__CustomMsg_ message = {};
+    message.header = headerOf(custom.stamp, custom.frame);
+    message.timebase = static_cast<uint64_t>(custom.stamp);
+    message.point_num = static_cast<uint32_t>(points.size());
+    message.lidar_id = custom.lidarId;
+    message.points = sequenceOf<dds_sequence_livox_ros_driver2_msg_dds__CustomPoint_>(points);
     return dds_write(writer, &message);
   }
   dds_return_t operator()(const Imu& imu) const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <type_traits>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -130,6 +131,13 @@ constexpr DriverField kLivox[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::f32, reflectivity}, {"tag", 16, Type::u8, livoxTag}, {"line", 17, Type::u8, ring},
     {"timestamp", 18, Type::f64, unixNanoseconds}};
+// Of livox_ros_driver2 (CustomPoint, xfer_format 1), in the memory of a LivoxPoint.
+constexpr DriverField kCustomFields[] = {
+    {"offset_time", offsetof(LivoxPoint, offsetTime), Type::u32, nanoseconds},
+    {"x", offsetof(LivoxPoint, x), Type::f32, x}, {"y", offsetof(LivoxPoint, y), Type::f32, y},
+    {"z", offsetof(LivoxPoint, z), Type::f32, z},
+    {"reflectivity", offsetof(LivoxPoint, reflectivity), Type::u8, reflectivity},
+    {"tag", offsetof(LivoxPoint, tag), Type::u8, livoxTag}, {"line", offsetof(LivoxPoint, line), Type::u8, ring}};
 // Of autoware_point_types (PointXYZIRCAEDT), which the drivers of Nebula publish.
 constexpr DriverField kAutoware[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
@@ -143,6 +151,7 @@ struct DriverLayout {
   std::span<const DriverField> fields;
   uint32_t step;
 };
+constexpr DriverLayout kCustom = {"livox", kCustomFields, sizeof(LivoxPoint)};
 /// In the order of Driver.
 constexpr DriverLayout kLayouts[] = {{"velodyne", kVelodyne, 22}, {"ouster", kOuster, 48}, {"hesai", kHesai, 26},
                                      {"robosense", kHesai, 26},   {"livox", kLivox, 26},   {"autoware", kAutoware, 32}};
@@ -186,10 +195,10 @@ void fill(PointCloud2& cloud, const DriverField& field, std::span<const Return> 
 }
 
 void check(const DriverLayout& layout, std::span<const Return> returns) {
-  const std::string named = std::string("driverCloudOf: the field '");
   for (const DriverField& field : layout.fields) {
     const auto refuse = [&](const std::string& why) {
-      throw Error(ErrorCode::invalidArgument, named + field.name + "' of the driver " + layout.name + " " + why);
+      throw Error(ErrorCode::invalidArgument,
+                  std::string("the field '") + field.name + "' of the driver " + layout.name + " " + why);
     };
     if (field.type == Type::u32 && field.valueOf == nanoseconds && !returns.empty() &&
         double{returns.back().time} * kPerSecond > std::numeric_limits<uint32_t>::max())
@@ -200,20 +209,8 @@ void check(const DriverLayout& layout, std::span<const Return> returns) {
   }
 }
 
-}  // namespace
-
-std::optional<Driver> driverNamed(std::string_view name) {
-  for (size_t i = 0; i < std::size(kLayouts); ++i)
-    if (name == kLayouts[i].name) return static_cast<Driver>(i);
-  return std::nullopt;
-}
-
-PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,
-                          const Effects& effects) {
-  if (static_cast<size_t>(driver) >= std::size(kLayouts))
-    throw Error(ErrorCode::invalidArgument,
-                "driverCloudOf: there is no driver " + std::to_string(static_cast<int>(driver)));
-  const DriverLayout& layout = kLayouts[static_cast<size_t>(driver)];
+PointCloud2 cloudOf(const Scan& scan, const DriverLayout& layout, const std::string& frame, int64_t stamp,
+                    const Effects& effects) {
   const std::vector<Return> returns = returnsOf(scan);
   check(layout, returns);
   PointCloud2 cloud;
@@ -233,6 +230,33 @@ PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& fr
     }
   }
   return cloud;
+}
+
+}  // namespace
+
+std::optional<Driver> driverNamed(std::string_view name) {
+  for (size_t i = 0; i < std::size(kLayouts); ++i)
+    if (name == kLayouts[i].name) return static_cast<Driver>(i);
+  return std::nullopt;
+}
+
+PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,
+                          const Effects& effects) {
+  if (static_cast<size_t>(driver) >= std::size(kLayouts))
+    throw Error(ErrorCode::invalidArgument,
+                "driverCloudOf: there is no driver " + std::to_string(static_cast<int>(driver)));
+  return cloudOf(scan, kLayouts[static_cast<size_t>(driver)], frame, stamp, effects);
+}
+
+LivoxCustom livoxCustomOf(const Scan& scan, const std::string& frame, int64_t stamp, const Effects& effects) {
+  static_assert(std::is_standard_layout_v<LivoxPoint> && std::is_trivially_copyable_v<LivoxPoint>);
+  const PointCloud2 cloud = cloudOf(scan, kCustom, frame, stamp, effects);
+  LivoxCustom custom;
+  custom.stamp = stamp;
+  custom.frame = frame;
+  custom.points.resize(cloud.width);
+  if (cloud.width > 0) std::memcpy(custom.points.data(), cloud.data.data(), cloud.data.size());
+  return custom;
 }
 
 }  // namespace gnosphere::ros2

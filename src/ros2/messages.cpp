@@ -85,6 +85,12 @@ struct Checker {
     }
   }
   void operator()(const Clock& clock) const { checkStamp(clock.time, "Clock::time"); }
+  void operator()(const LivoxCustom& custom) const {
+    checkStamp(custom.stamp, "LivoxCustom::stamp");
+    if (custom.stamp < 0) refuse("LivoxCustom::stamp is before 1970, and its timebase has no sign");
+    checkText(custom.frame, "LivoxCustom::frame");
+    if (custom.points.size() > kMostBytes / sizeof(LivoxPoint)) refuse("LivoxCustom::points has too many points");
+  }
   void operator()(const Imu& imu) const {
     checkStamp(imu.stamp, "Imu::stamp");
     checkText(imu.frame, "Imu::frame");

@@ -511,5 +511,8 @@ TEST_CASE("a sensor has the driver of ROS 2 that the drive file names") {
     CHECK(driver);
     CHECK(driver == ros2::driverNamed(name));
   }
+  json["sensors"][0]["driver"] = "livox-custom";
+  CHECK(folder.read(json).sensors[0].livoxCustom);
+  CHECK(drive::cloudTypeOf(folder.read(json).sensors[0]) == ros2::MessageType::livoxCustom);
   checkRefused(changed("/sensors/0/driver", "ousters"), {"sensors[0].driver: 'ousters' is unknown", "ouster"});
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A subscriber of its own, with Cyclone DDS and without GnoSphere. The program prints a line
 // per message and the last line "end". listener DOMAIN TYPE QOS COUNT SECONDS SLEEP_MS
-//   TOPIC... TYPE is cloud, laser, transforms, imu or clock; QOS reliable, best-effort or
+//   TOPIC... TYPE is cloud, laser, transforms, imu, livox or clock; QOS reliable, best-effort or
 // latched. The program ends after COUNT messages or after so many seconds, and sleeps between
 // messages.
 #include <dds/dds.h>
@@ -53,6 +53,15 @@ void print(const char* topic, const tf2_msgs_msg_dds__TFMessage_& m) {
 
 void print(const char* topic, const rosgraph_msgs_msg_dds__Clock_& m) {
   std::printf("%s %d.%09u", topic, m.clock.sec, m.clock.nanosec);
+}
+
+void print(const char* topic, const livox_ros_driver2_msg_dds__CustomMsg_& m) {
+  std::printf("%s %d.%09u %s base %llu points %u id %u", topic, m.header.stamp.sec, m.header.stamp.nanosec,
+              m.header.frame_id, static_cast<unsigned long long>(m.timebase), m.point_num, m.lidar_id);
+  for (uint32_t i = 0; i < m.points._length; ++i) {
+    const auto& p = m.points._buffer[i];
+    std::printf(" %u:%g,%g,%g:%u:%u:%u", p.offset_time, p.x, p.y, p.z, p.reflectivity, p.tag, p.line);
+  }
 }
 
 void print(const char* topic, const sensor_msgs_msg_dds__Imu_& m) {
@@ -116,6 +125,8 @@ int main(int count, char** arguments) {
   if (type == "cloud") listen<sensor_msgs_msg_dds__PointCloud2_>(sensor_msgs_msg_dds__PointCloud2__desc, arguments);
   if (type == "laser") listen<sensor_msgs_msg_dds__LaserScan_>(sensor_msgs_msg_dds__LaserScan__desc, arguments);
   if (type == "transforms") listen<tf2_msgs_msg_dds__TFMessage_>(tf2_msgs_msg_dds__TFMessage__desc, arguments);
+  if (type == "livox")
+    listen<livox_ros_driver2_msg_dds__CustomMsg_>(livox_ros_driver2_msg_dds__CustomMsg__desc, arguments);
   if (type == "imu") listen<sensor_msgs_msg_dds__Imu_>(sensor_msgs_msg_dds__Imu__desc, arguments);
   if (type == "clock") listen<rosgraph_msgs_msg_dds__Clock_>(rosgraph_msgs_msg_dds__Clock__desc, arguments);
 }

@@ -88,7 +88,7 @@ TEST_CASE("ROS 2 from C: messages arrive") {
 TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   loopbackDomain();
   gno_ros2_publisher publisher = nullptr;
-  CHECK(failed(gno_ros2_publisher_create(5, "a", nullptr, &publisher), "none of 0..4"));
+  CHECK(failed(gno_ros2_publisher_create(6, "a", nullptr, &publisher), "none of 0..5"));
   CHECK(failed(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
   CHECK(failed(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
   CHECK(failed(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));
@@ -106,6 +106,7 @@ TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   CHECK(failed(gno_ros2_publish_clock(publisher, 0), "another type"));
   CHECK(failed(gno_ros2_publish_scan(publisher, nullptr, nullptr, 0, "c", 0), "scan"));
   CHECK(failed(gno_ros2_publish_driver_scan(publisher, nullptr, GNO_ROS2_OUSTER, "c", 0, nullptr), "scan"));
+  CHECK(failed(gno_ros2_publish_livox_custom(publisher, nullptr, "c", 0, nullptr), "scan"));
   CHECK(failed(gno_ros2_publish_channel(publisher, nullptr, nullptr, 0, "c", 0), "sensor"));
   CHECK(failed(gno_ros2_publisher_flush(publisher, 1, nullptr), "done is null"));
   REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);

@@ -303,6 +303,11 @@ TEST_CASE("ROS 2: clouds in the point layouts of drivers, in the order of times"
   effects.returns.mode = Effects::Returns::Mode::strongest;
   CHECK(fieldOf<uint8_t>(cloudOf(Driver::autoware, effects), 1, "return_type") == 1);
 
+  const LivoxCustom custom = livoxCustomOf(scan, "top", kStamp);
+  CHECK(received(custom, "livox") ==
+        "rt/a/b_1 1700000000.250000000 top base 1700000000250000000 points 4 id 0 400000:-8,0,6:13:0:1 "
+        "10000000:1,0,0:50:0:0 10000000:2,0,0:20:16:0 10000400:0,3,4:100:0:1");
+
   CHECK(driverNamed("ouster") == Driver::ouster);
   CHECK(!driverNamed("sick"));
 }

@@ -39,14 +39,15 @@ class CdrWriter {
     std::memcpy(bytes_.data() + start - sizeof(count), &count, sizeof(count));
     return *this;
   }
-  /// Writes a std_msgs/Header; `time` is in nanoseconds since 1970.
-  CdrWriter& header(int64_t time, const std::string& frame) {
+  /// Writes a builtin_interfaces/Time of nanoseconds since 1970.
+  CdrWriter& time(int64_t time) {
     constexpr int64_t kSecond = 1'000'000'000;
     const int64_t rest = ((time % kSecond) + kSecond) % kSecond;
     number(static_cast<int32_t>((time - rest) / kSecond));
-    number(static_cast<uint32_t>(rest));
-    return text(frame);
+    return number(static_cast<uint32_t>(rest));
   }
+  /// Writes a std_msgs/Header; its time is in nanoseconds since 1970.
+  CdrWriter& header(int64_t stamp, const std::string& frame) { return time(stamp).text(frame); }
 
  private:
   std::string& bytes_;
