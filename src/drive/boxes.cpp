@@ -69,9 +69,16 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
     const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
     const double entry = entryRange(from, along, size);
     if (!(entry < INFINITY)) return;
+    // Of rain, snow, fog and dust, and of beams without a return, nobody knows what lies behind or in front.
+    bool meets = false, arrives = false;
+    for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
+      const uint32_t met = recorded.scan.instances[i];
+      meets |= met != kNoTriangle;
+      arrives |= met == object || (met != kNoTriangle && recorded.scan.ranges[i] >= entry - kMargin);
+    }
+    if (!meets) return;
     ++through;
-    const size_t first = beam * returns;
-    if (recorded.scan.ranges[first] < entry - kMargin && recorded.scan.instances[first] != object) ++stopped;
+    if (!arrives) ++stopped;
   };
   // Few beams come near a box. The count of those of a block is vectorised, because it does not branch.
   constexpr size_t kBlock = 64;
@@ -106,16 +113,15 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
     box.points = times[a].size();
     const double seenAt = planned.time + median(times[a]);
     box.time = recorded.actorsMove ? seenAt : planned.time;
-    const Bounds bounds = world_.boundsOf(a, box.time);
+    const World::Placement placement = world_.placementOf(a, planned.time, recorded.endOfMotion(), box.time);
+    const Bounds& bounds = placement.bounds;
     box.size = bounds.max - bounds.min;
-    // An actor that goes during the scan is there until the scan ends.
-    const Pose actor = world_.poseOf(a, box.time).value_or(drive_.actors[a].trajectory.at(box.time));
-    box.inWorld = actor * Pose{0.5 * (bounds.min + bounds.max), {}};
+    box.inWorld = placement.pose * Pose{0.5 * (bounds.min + bounds.max), {}};
     const Pose seen =
         inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
     box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : seen;
-    box.velocity = world_.velocityOf(a, box.time);
-    box.moving = world_.isMoving(a, box.time);
+    box.velocity = placement.velocity;
+    box.moving = placement.isMoving();
     box.visibility = visibility(recorded, seen, box.size, world_.objectOfActor(a));
     boxes.push_back(box);
   }

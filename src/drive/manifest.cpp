@@ -85,8 +85,16 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
   }
   for (const RecordedScan& scan : frame.scans) {
     Json boxes = Json::array();
-    for (const Box& box : scan.boxes)
-      boxes.push_back({{"actor", box.actor}, {"points", box.points}, {"visibility", box.visibility}});
+    for (const Box& box : scan.boxes) {
+      const Quaternion& q = box.inWorld.orientation;
+      boxes.push_back({{"actor", box.actor},
+                       {"points", box.points},
+                       {"visibility", box.visibility},
+                       {"position", listOf(box.inWorld.position)},
+                       {"orientation", {q.x, q.y, q.z, q.w}},
+                       {"size", listOf(box.size)},
+                       {"moving", box.moving}});
+    }
     scans.push_back({{"sensor", scan.planned.sensor}, {"number", scan.planned.number}, {"points", scan.points}});
     if (!boxes.empty()) scans.back()["boxes"] = std::move(boxes);
   }

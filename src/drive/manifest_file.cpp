@@ -48,6 +48,12 @@ std::vector<ScanSummary> ManifestFile::scans(const std::vector<PlannedScan>& pla
         refuse("has a box of actor " + std::to_string(box.actor) + ", but the drive has " + std::to_string(actors));
       box.points = count(seen, "points");
       box.visibility = number(seen, "visibility");
+      const auto [x, y, z] = numbers<3>(seen, "position");
+      const auto [qx, qy, qz, qw] = numbers<4>(seen, "orientation");
+      const auto [length, width, height] = numbers<3>(seen, "size");
+      box.inWorld = {{x, y, z}, {qx, qy, qz, qw}};
+      box.size = {length, width, height};
+      box.moving = member(seen, "moving", &Json::is_boolean).get<bool>();
     }
   }
   return result;
@@ -74,6 +80,14 @@ uint64_t ManifestFile::count(const Json& object, const char* key) const {
 
 double ManifestFile::number(const Json& object, const char* key) const {
   return member(object, key, &Json::is_number).get<double>();
+}
+
+template <size_t N>
+std::array<double, N> ManifestFile::numbers(const Json& object, const char* key) const {
+  const Json& from = list(object, key);
+  if (from.size() != N || !std::all_of(from.begin(), from.end(), [](const Json& n) { return n.is_number(); }))
+    refuse(std::string("lacks '") + key + "', or it is not a list of " + std::to_string(N) + " numbers");
+  return from.get<std::array<double, N>>();
 }
 
 // Returns a path that cannot lead out of the folder of the drive.

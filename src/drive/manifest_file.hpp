@@ -2,6 +2,7 @@
 // Reads the manifests that Manifest writes.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -41,6 +42,8 @@ class ManifestFile {
   std::string text(const Json& object, const char* key) const;
   uint64_t count(const Json& object, const char* key) const;
   double number(const Json& object, const char* key) const;
+  template <size_t N>
+  std::array<double, N> numbers(const Json& object, const char* key) const;
   std::filesystem::path pathIn(const Json& object, const char* key) const;
 
   std::filesystem::path file_;

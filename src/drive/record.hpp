@@ -19,7 +19,7 @@ struct Box {
   Vec3 velocity;           ///< m/s in the world
   bool moving = false;
   uint64_t points = 0;    ///< returns from the actor
-  double visibility = 0;  ///< share of the beams through the box that nothing before the box stops
+  double visibility = 0;  ///< of the beams through the box that meet a surface, the share that arrives at it
 };
 
 struct RecordedScan {
@@ -32,6 +32,9 @@ struct RecordedScan {
   Scan scan;                ///< Scan::instances are numbers of objects, see World
   uint64_t points = 0;      ///< returns
   std::vector<Box> boxes;
+
+  /// When the scan stops to move actors: at its end, or at its start if they stand still in it.
+  double endOfMotion() const { return actorsMove ? planned.time + duration : planned.time; }
 };
 
 struct FrameRecord {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/world.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "drive/pose_math.hpp"
@@ -47,22 +50,59 @@ std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
   return numbers;
 }
 
-/// The box around a model after `size`, in a state or at rest.
-Bounds boundsAt(const Scene& model, const Transform& size, const SceneState* state) {
-  Scene placed;
-  for (size_t i = 0; i < model.meshes.size(); ++i) {
-    const Mesh& mesh = model.meshes[i];
-    Mesh shape;
-    shape.origin = mesh.origin;
-    shape.positions = deformedPositions(mesh, state ? state->deformations[i] : mesh.deformation);
-    placed.meshes.push_back(std::move(shape));
+/// The vertices of a model after `size`, in a state or at rest, in the order of its instances.
+std::vector<Vec3> verticesAt(const Scene& model, const Transform& size, const SceneState* state) {
+  std::vector<std::vector<float>> shapes;
+  for (size_t i = 0; i < model.meshes.size(); ++i)
+    shapes.push_back(deformedPositions(model.meshes[i], state ? state->deformations[i] : model.meshes[i].deformation));
+  std::vector<Vec3> vertices;
+  for (size_t i = 0; i < model.instances.size(); ++i) {
+    const Instance& instance = model.instances[i];
+    const Transform placed = size * (state ? state->transforms[i] : instance.transform);
+    const Vec3& origin = model.meshes[instance.mesh].origin;
+    const std::vector<float>& shape = shapes[instance.mesh];
+    for (size_t v = 0; v + 2 < shape.size(); v += 3)
+      vertices.push_back(placed * Vec3{origin.x + shape[v], origin.y + shape[v + 1], origin.z + shape[v + 2]});
   }
-  placed.instances = model.instances;
-  for (size_t i = 0; i < placed.instances.size(); ++i) {
-    Transform& transform = placed.instances[i].transform;
-    transform = size * (state ? state->transforms[i] : transform);
+  return vertices;
+}
+
+bool isFinite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+Bounds boundsAround(const std::vector<Vec3>& vertices) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const Vec3& v : vertices) {
+    if (!isFinite(v)) continue;
+    bounds.min = {std::min(bounds.min.x, v.x), std::min(bounds.min.y, v.y), std::min(bounds.min.z, v.z)};
+    bounds.max = {std::max(bounds.max.x, v.x), std::max(bounds.max.y, v.y), std::max(bounds.max.z, v.z)};
   }
-  return worldBounds(placed);
+  return bounds;
+}
+
+Vec3 middleOf(const Bounds& bounds) {
+  return 0.5 * (bounds.min + bounds.max);
+}
+
+/// The way of most of a body: the median of what its vertices go in each direction. Limbs that swing do not count.
+Vec3 wayOf(const std::vector<Vec3>& vertices, const Pose& start, const std::vector<Vec3>& later, const Pose& end) {
+  std::vector<double> ways[3];
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    const Vec3 way = end * later[v] - start * vertices[v];
+    if (!isFinite(way)) continue;
+    ways[0].push_back(way.x);
+    ways[1].push_back(way.y);
+    ways[2].push_back(way.z);
+  }
+  const auto median = [](std::vector<double>& all) {
+    if (all.empty()) return 0.0;
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end());
+    return *middle;
+  };
+  return {median(ways[0]), median(ways[1]), median(ways[2])};
 }
 
 }  // namespace
@@ -96,7 +136,7 @@ World::World(const Drive& drive) : drive_(drive) {
       objects_.push_back(static_cast<uint32_t>(body.first));
       scene_.instances.push_back({actor.name, body.meshes[instance.mesh], kAway, drive.classes[actor.category].id});
     }
-    body.bounds = boundsAt(model, body.size, nullptr);
+    body.bounds = boundsAround(verticesAt(model, body.size, nullptr));
     bodies_.push_back(std::move(body));
   }
 }
@@ -113,27 +153,69 @@ std::optional<Pose> World::poseOf(size_t actor, double time) const {
   return moving.trajectory.at(time);
 }
 
-Vec3 World::velocityOf(size_t actor, double time) const {
-  const Trajectory& trajectory = drive_.actors[actor].trajectory;
-  return (1 / (2 * kAround)) * (trajectory.at(time + kAround).position - trajectory.at(time - kAround).position);
+const std::vector<Vec3>& World::Shapes::at(double time) {
+  const auto [entry, isNew] = shapes_.try_emplace(time);
+  if (!isNew) return entry->second;
+  const SceneState state = world_.stateOf(body_, time);
+  return entry->second = verticesAt(*body_.model, body_.size, &state);
 }
 
-bool World::isMoving(size_t actor, double time) const {
-  const Vec3 velocity = velocityOf(actor, time);
+Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) const {
+  const Actor& moving = drive_.actors[actor];
+  const Trajectory& trajectory = moving.trajectory;
+  if (moving.goneOutside) {
+    to = std::min(to, trajectory.end());
+    from = std::max(trajectory.begin(), from < to ? from : to - kAround);
+  }
+  if (!(from < to)) return {};
+  const Body& body = bodies_[actor];
+  const Pose start = trajectory.at(from), end = trajectory.at(to);
+  const Vec3 middle = middleOf(body.bounds);
+  const Vec3 way = body.animation ? wayOf(shapes.at(from), start, shapes.at(to), end) : end * middle - start * middle;
+  return (1 / (to - from)) * way;
+}
+
+bool World::Placement::isMoving() const {
   return dot(velocity, velocity) > kMovingSpeed * kMovingSpeed;
+}
+
+World::Placement World::placementOf(size_t actor, double begin, double end, double time) const {
+  const Trajectory& trajectory = drive_.actors[actor].trajectory;
+  const Body& body = bodies_[actor];
+  Shapes shapes(*this, body);
+  if (begin == end) {
+    // The actor stands before and after its trajectory, so a speed is taken on one side of the trajectory's ends.
+    double from = time - kAround, to = time + kAround;
+    if (const double first = trajectory.begin(), last = trajectory.end(); first < last) {
+      if (trajectory.covers(time)) {
+        from = std::max(from, first);
+        to = std::min(to, last);
+      } else if (time < first) {
+        to = std::min(to, first);
+      } else {
+        from = std::max(from, last);
+      }
+    }
+    return {trajectory.at(time), body.animation ? boundsAround(shapes.at(time)) : body.bounds,
+            velocityOf(actor, from, to, shapes)};
+  }
+  const Pose start = trajectory.at(begin), stop = trajectory.at(end);
+  const Pose pose = Trajectory({{begin, start}, {end, stop}}).at(time);
+  const Vec3 velocity = velocityOf(actor, begin, end, shapes);
+  if (!body.animation) return {pose, body.bounds, velocity};
+  const std::vector<Vec3>&first = shapes.at(begin), &last = shapes.at(end);
+  const double share = (time - begin) / (end - begin);
+  const Pose toActor = inverse(pose);
+  std::vector<Vec3> vertices(first.size());
+  for (size_t v = 0; v < vertices.size(); ++v)
+    vertices[v] = toActor * ((1 - share) * (start * first[v]) + share * (stop * last[v]));
+  return {pose, boundsAround(vertices), velocity};
 }
 
 SceneState World::stateOf(const Body& body, double time) const {
   const Animation& animation = *body.animation;
   return stateAt(*body.model, body.model->animation.clips[animation.clip],
                  animation.offset + animation.speed * (time - drive_.start), animation.end);
-}
-
-Bounds World::boundsOf(size_t actor, double time) const {
-  const Body& body = bodies_[actor];
-  if (!body.animation) return body.bounds;
-  const SceneState state = stateOf(body, time);
-  return boundsAt(*body.model, body.size, &state);
 }
 
 void World::place(size_t actor, const std::optional<Pose>& pose, double time, const Setter& set) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -29,12 +30,18 @@ class World {
 
   /// The pose of an actor; none where it is gone.
   std::optional<Pose> poseOf(size_t actor, double time) const;
-  /// Returns the bounds of an actor in its own frame, which enclose its vertices as they are deformed at `time`
-  /// (seconds).
-  Bounds boundsOf(size_t actor, double time) const;
-  /// Whether the actor moves faster than 0.1 m/s around a time.
-  bool isMoving(size_t actor, double time) const;
-  Vec3 velocityOf(size_t actor, double time) const;
+  /// Where an actor is at a time.
+  struct Placement {
+    Pose pose;
+    Bounds bounds;  ///< in its own frame; they enclose its vertices as they are deformed
+    Vec3 velocity;  ///< m/s in the world
+    /// Whether it moves faster than 0.1 m/s.
+    bool isMoving() const;
+  };
+  /// Returns where a scan from `begin` to `end` finds an actor at `time`: on the straight way from its place at `begin`
+  /// to that at `end`, see place(), with the mean velocity of this way. If both are the same time, the actor stands
+  /// during the scan, and has the velocity of its trajectory.
+  Placement placementOf(size_t actor, double begin, double end, double time) const;
 
   /// The functions by which place() hands over the transform of each instance and the deformation of each mesh.
   struct Setter {
@@ -60,6 +67,20 @@ class World {
     Bounds bounds;  // at rest; unused for scenes
   };
   SceneState stateOf(const Body& body, double time) const;
+  /// The vertices of an animated body in its own frame at times, each computed once.
+  class Shapes {
+   public:
+    Shapes(const World& world, const Body& body) : world_(world), body_(body) {}
+    const std::vector<Vec3>& at(double time);
+
+   private:
+    const World& world_;
+    const Body& body_;
+    std::map<double, std::vector<Vec3>> shapes_;
+  };
+  /// Returns the mean velocity of an actor between two times, which the time of its trajectory bounds if it is gone
+  /// outside of that.
+  Vec3 velocityOf(size_t actor, double from, double to, Shapes& shapes) const;
   void place(const Body& body, const Transform& place, double time, const Setter& set) const;
 
   const Drive& drive_;

@@ -68,6 +68,9 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
       if (box["name"] == "front") {
         CHECK_THAT(box["world_frame"]["position"][0].get<double>(),
                    WithinAbs(5 + start + box["time"].get<double>(), 1e-5));
+        // Only its animation moves the actor.
+        CHECK_THAT(box["velocity"][0].get<double>(), WithinAbs(1, 1e-5));
+        CHECK(box["moving"] == true);
       }
     }
     CHECK(found == 2);

@@ -64,18 +64,22 @@ class Kitti : public Format {
     const Scan& scan = recorded.scan;
     const auto classes = scan.column<uint16_t>(Field::classId);
     std::vector<uint32_t> actors(world_.scene().instances.size());  // by object: number of the actor, 0 for none
-    std::vector<bool> moving(drive_.actors.size() + 1);             // by number of the actor
-    for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
+    for (size_t actor = 0; actor < drive_.actors.size(); ++actor)
       actors[world_.objectOfActor(actor)] = static_cast<uint32_t>(actor + 1);
-      moving[actor + 1] = world_.isMoving(actor, recorded.planned.time);
-    }
+    std::vector<std::optional<bool>> moving(drive_.actors.size() + 1);  // by number of those that the scan has hit
+    moving[0] = false;
+    const auto isMoving = [&](uint32_t actor) {
+      const double time = recorded.planned.time;
+      if (!moving[actor]) moving[actor] = world_.placementOf(actor - 1, time, recorded.endOfMotion(), time).isMoving();
+      return *moving[actor];
+    };
     std::string bytes;
     bytes.reserve(scan.ranges.size() * sizeof(uint32_t));
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
       if (!scan.returned(entry)) continue;
       const uint32_t object = scan.instances[entry], actor = object == kNoTriangle ? 0 : actors[object];
       const uint16_t own = object == kNoTriangle ? kOutlier : classes[entry];
-      const uint32_t label = (moving[actor] ? movingIdOf(own, actor - 1) : own) | actor << 16;
+      const uint32_t label = (isMoving(actor) ? movingIdOf(own, actor - 1) : own) | actor << 16;
       bytes.append(reinterpret_cast<const char*>(&label), sizeof(label));
     }
     return bytes;

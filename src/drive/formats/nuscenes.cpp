@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The layout of nuScenes (Caesar et al., CVPR 2020): v1.0-drive/*.json, samples and sweeps. Every lidar is a channel. A
-// .pcd.bin file has x, y, z, intensity 0..255 and ring as floats.
+// .pcd.bin file has x, y, z, intensity 0..255 and ring as floats. As in nuScenes, its points are where the sensor would
+// have seen them from its pose at the time of the sweep, which is the start of the scan.
 #include <algorithm>
+#include <cstring>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 
 #include "base/hash.hpp"
 #include "base/json_text.hpp"
@@ -62,7 +65,8 @@ class NuScenes : public Format {
  private:
   bool isKey(uint64_t frame) const { return frame % output_.keyframes == 0; }
   std::string token(const std::string& what, uint64_t a = 0, uint64_t b = 0) const {
-    return hashOf(drive_.name + "/" + what + "/" + std::to_string(a) + "/" + std::to_string(b));
+    return hashOf(drive_.name + "/" + what + "/" + std::to_string(a) + "/" +
+                  std::to_string(b));
   }
   std::string dataToken(const PlannedScan& scan) const { return token("sample_data", scan.sensor, scan.number); }
   int64_t microseconds(double time) const { return unixNanoseconds(drive_, time) / 1000; }
@@ -80,7 +84,31 @@ class NuScenes : public Format {
     std::string rows = packedRows(recorded.scan, layout);
     scaleFloat(std::as_writable_bytes(std::span(rows)), layout.stride, 12,
                intensityFactor(drive_.sensors[recorded.planned.sensor], 255));
+    if (recorded.scan.skewed) compensate(recorded, rows, layout.stride);
     return rows;
+  }
+
+  /// Moves the points of a scan, of which each is in the frame of the sensor at its own time, to the frame at the
+  /// scan's start.
+  void compensate(const RecordedScan& recorded, std::string& rows, size_t stride) const {
+    const Scan& scan = recorded.scan;
+    const auto seconds = scan.column<float>(Field::time);
+    const Pose toStart = inverse(recorded.pose);
+    std::unordered_map<float, Pose> moves;  // by time: the beams of a column fire at the same time
+    char* row = rows.data();
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+      if (!scan.returned(entry)) continue;
+      const float after = seconds[entry];
+      const auto [move, isNew] = moves.try_emplace(after);
+      if (isNew)
+        move->second = toStart * drive_.sensorPose(recorded.planned.sensor, recorded.planned.time + double{after});
+      float point[3];
+      std::memcpy(point, row, sizeof(point));
+      const Vec3 moved = move->second * Vec3{point[0], point[1], point[2]};
+      const float result[3] = {static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z)};
+      std::memcpy(row, result, sizeof(result));
+      row += stride;
+    }
   }
 
   std::vector<Entry> entriesOf(const std::vector<FrameSummary>& frames) const;
@@ -89,8 +117,7 @@ class NuScenes : public Format {
   }
   void writeConstants(FinalFiles& files) const;
   void writeData(FinalFiles& files, const std::vector<Entry>& entries, const std::vector<uint64_t>& samples) const;
-  void writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries,
-                        const std::vector<uint64_t>& samples) const;
+  void writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries) const;
   double sampleTime(uint64_t sample, const std::vector<Entry>& entries) const;
 };
 
@@ -138,7 +165,8 @@ void NuScenes::writeConstants(FinalFiles& files) const {
         {{"token", std::to_string(i + 1)},
          {"level", levels[i]},
          {"description",
-          std::string("share of the beams through the box that nothing before it stops: ") + (levels[i] + 1) + " %"}});
+          std::string("of the beams through the box that meet a surface, the share that arrives at it: ") +
+              (levels[i] + 1) + " %"}});
   write(files, "attribute", attributes);
   write(files, "visibility", visibilities);
   const std::string day = dateText(unixNanoseconds(drive_, drive_.start)).substr(0, 10);
@@ -206,11 +234,11 @@ void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
                       {"description", ""}}}));
 }
 
-void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries,
-                                const std::vector<uint64_t>& samples) const {
+void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries) const {
   struct Sight {
     uint64_t points = 0;
     double visibility = 0;
+    const Box* box = nullptr;  // of the sensor that has the most points of the actor
   };
   std::map<size_t, std::map<uint64_t, Sight>> sights;  // by actor and sample
   for (const Entry& entry : entries) {
@@ -218,29 +246,25 @@ void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& ent
     for (const Box& box : entry.scan.boxes) {
       Sight& sight = sights[box.actor][entry.frame];
       sight.points += box.points;
+      if (!sight.box || box.points > sight.box->points) sight.box = &box;
       sight.visibility = std::max(sight.visibility, box.visibility);
     }
   }
-  std::map<uint64_t, double> times;
-  for (uint64_t sample : samples) times[sample] = sampleTime(sample, entries);
   Json rows = Json::array(), instances = Json::array();
   for (const auto& [actor, bySample] : sights) {
     std::vector<uint64_t> seen;
     for (const auto& [sample, sight] : bySample) seen.push_back(sample);
     for (size_t i = 0; i < seen.size(); ++i) {
-      const double time = times[seen[i]];
       const Sight& sight = bySample.at(seen[i]);
-      const Bounds bounds = world_.boundsOf(actor, time);
-      const Vec3 size = bounds.max - bounds.min;
-      const Pose box = drive_.actors[actor].trajectory.at(time) * Pose{0.5 * (bounds.min + bounds.max), {}};
+      const Box& box = *sight.box;
       rows.push_back({{"token", token("annotation", actor, seen[i])},
                       {"sample_token", token("sample", seen[i])},
                       {"instance_token", token("instance", actor)},
                       {"visibility_token", std::to_string(visibilityBin(sight.visibility))},
-                      {"attribute_tokens", {token(world_.isMoving(actor, time) ? "moving" : "standing")}},
-                      {"translation", listOf(box.position)},
-                      {"size", {size.y, size.x, size.z}},
-                      {"rotation", turnOf(box.orientation)},
+                      {"attribute_tokens", {token(box.moving ? "moving" : "standing")}},
+                      {"translation", listOf(box.inWorld.position)},
+                      {"size", {box.size.y, box.size.x, box.size.z}},
+                      {"rotation", turnOf(box.inWorld.orientation)},
                       {"prev", i == 0 ? "" : token("annotation", actor, seen[i - 1])},
                       {"next", i + 1 == seen.size() ? "" : token("annotation", actor, seen[i + 1])},
                       {"num_lidar_pts", sight.points},
@@ -264,7 +288,7 @@ void NuScenes::finish(const std::vector<FrameSummary>& frames, FinalFiles& files
   if (samples.empty()) return;
   writeConstants(files);
   writeData(files, entries, samples);
-  writeAnnotations(files, entries, samples);
+  writeAnnotations(files, entries);
 }
 
 }  // namespace

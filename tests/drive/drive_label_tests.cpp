@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether the boxes of a drive are where its points are, move as these do, and say how much of an actor is seen.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "base/vector.hpp"
+#include "bits.hpp"
+#include "drive/pose_math.hpp"
+#include "drive/world.hpp"
+#include "drive_support.hpp"
+#include "npy_rows.hpp"
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+Json car(const char* name, const std::vector<Json>& waypoints) {
+  return {{"name", name},
+          {"model", "cube"},
+          {"class", "car"},
+          {"size", {4, 2, 1.5}},
+          {"trajectory", {{"waypoints", waypoints}}}};
+}
+
+Json facing(Json stamp, double yaw) {
+  stamp["yaw_deg"] = yaw;
+  return stamp;
+}
+
+/// A drive without weather, whose one sensor stands at the origin and hits nothing but actors.
+Json actorDrive() {
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["ego"]["trajectory"]["waypoints"] = {waypoint(0, 0, 0, 0), waypoint(1, 0, 0, 0)};
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"]["columns"] = 360;
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}};
+  json["scenes"] = {{{"file", "floor.obj"}, {"class", "ground"}, {"pose", {{"position", {0, 0, -0.5}}}}}};
+  json["actors"] = Json::array();
+  json["outputs"].push_back({{"format", "boxes"}});
+  return json;
+}
+
+/// By name, the boxes of a scan of the sensor "top".
+std::map<std::string, Json> boxesOf(const DriveFolder& folder, int scan, const std::string& out = "out") {
+  std::istringstream lines(folder.get(out + "/boxes/top/00000" + std::to_string(scan) + ".jsonl"));
+  std::map<std::string, Json> boxes;
+  for (std::string line; std::getline(lines, line);) boxes[Json::parse(line)["name"]] = Json::parse(line);
+  return boxes;
+}
+
+Vec3 vectorOf(const Json& list) {
+  return {list[0], list[1], list[2]};
+}
+
+bool isIn(const Vec3& inBox, const Vec3& size, double margin) {
+  return std::abs(inBox.x) <= size.x / 2 + margin && std::abs(inBox.y) <= size.y / 2 + margin &&
+         std::abs(inBox.z) <= size.z / 2 + margin;
+}
+
+}  // namespace
+
+TEST_CASE("a box's visibility does not depend on fog before it, nor on returns that are lost") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["duration"] = 0.1;
+  json["sensors"][0]["sensor"]["columns"] = 720;
+  // A wall hides the lower part of one car, and all of the other one is seen.
+  json["models"]["wall"] = {{"file", "cube.obj"}};
+  json["actors"] = {car("hidden", {facing(waypoint(0, 8, 0, 0.75), 90)}),
+                    car("free", {facing(waypoint(0, -8, 0, 0.75), 90)}), car("wall", {waypoint(0, 4, 0, 0.5)})};
+  json["actors"][2]["size"] = {0.2, 8, 1.4};
+  const auto visibilities = [&](const std::string& out, const Json& effects) {
+    json["sensors"][0]["effects"] = effects;
+    folder.run(json, out);
+    std::map<std::string, Json> boxes = boxesOf(folder, 0, out);
+    REQUIRE((boxes.contains("hidden") && boxes.contains("free")));
+    return std::pair<double, double>(boxes["hidden"]["visibility"], boxes["free"]["visibility"]);
+  };
+  const auto [hidden, free] = visibilities("clear", "auto");
+  CHECK(hidden > 0.2);
+  CHECK(hidden < 0.8);
+  CHECK(free == 1);
+  const Json fog = {{"visibility", 30}};
+  for (const auto& [out, effects] :
+       std::map<std::string, Json>{{"two", {{"fog", fog}, {"returns", {{"count", 2}}}}},
+                                   {"last", {{"fog", fog}, {"returns", {{"mode", "last"}}}}},
+                                   {"strongest", {{"fog", fog}, {"returns", {{"mode", "strongest"}}}}},
+                                   {"dropped", {{"drop-out", {{"general_rate", 0.5}}}}}}) {
+    INFO(out);
+    const auto [seen, whole] = visibilities(out, effects);
+    CHECK_THAT(seen, WithinAbs(hidden, 0.12));
+    CHECK(whole == 1);
+  }
+}
+
+TEST_CASE("the velocity of an actor is taken within its trajectory, and it stands before and after that") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  const std::vector<Json> way = {waypoint(0.25, 0, 3, 0.75), waypoint(0.65, 4, 3, 0.75)};
+  json["actors"] = {car("held", way), car("gone", way), car("standing", {waypoint(0.3, 1, 1, 1)})};
+  json["actors"][1]["outside"] = "gone";
+  const drive::Drive drive = folder.read(json);
+  const drive::World world(drive);
+  const auto speed = [&](size_t actor, double begin, double end) {
+    const drive::World::Placement placement = world.placementOf(actor, begin, end, begin);
+    CHECK(placement.isMoving() == (placement.velocity.x > 0.1));
+    CHECK((placement.velocity.y == 0 && placement.velocity.z == 0));
+    return placement.velocity.x;
+  };
+  // Without motion within the scan.
+  for (const double time : {0.25, 0.26, 0.3, 0.6, 0.64, 0.65})
+    for (const size_t actor : {size_t{0}, size_t{1}}) CHECK_THAT(speed(actor, time, time), WithinAbs(10, 1e-9));
+  for (const double time : {0.0, 0.2, 0.24, 0.66, 0.7, 0.9}) CHECK(speed(0, time, time) == 0);
+  // With it; an actor that arrives within a scan moves more slowly in it.
+  for (const size_t actor : {size_t{0}, size_t{1}}) CHECK_THAT(speed(actor, 0.25, 0.35), WithinAbs(10, 1e-9));
+  CHECK_THAT(speed(0, 0.6, 0.7), WithinAbs(5, 1e-9));
+  CHECK_THAT(speed(1, 0.6, 0.7), WithinAbs(10, 1e-9));
+  CHECK_THAT(speed(1, 0.65, 0.75), WithinAbs(10, 1e-9));
+  CHECK(speed(0, 0.1, 0.2) == 0);
+  for (const double time : {0.1, 0.3, 0.5}) CHECK(speed(2, time, time) == 0);
+}
+
+TEST_CASE("boxes fit the points of actors that turn, stop or leave within a scan") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}, {"sensor-motion", {{"deskew", true}}}};
+  // At 0.345 s, in the middle of the scan 3.
+  json["actors"] = {car("turns", {facing(waypoint(0, 5, -10, 0.75), 0), facing(waypoint(0.345, 5, -5, 0.75), 0),
+                                  facing(waypoint(0.7, 0, -5, 0.75), 0)}),
+                    car("stops", {waypoint(0, -12, 5, 0.75), waypoint(0.345, -3, 5, 0.75)}),
+                    car("leaves", {waypoint(0, -12, -7, 0.75), waypoint(0.345, -3, -7, 0.75)})};
+  json["actors"][2]["outside"] = "gone";
+  folder.run(json);
+  for (const int scan : {2, 3}) {
+    INFO("scan " << scan);
+    const std::map<std::string, Json> boxes = boxesOf(folder, scan);
+    REQUIRE(boxes.size() == 3);
+    for (const auto& [name, box] : boxes) {
+      INFO(name);
+      const auto q = box["sensor_frame"]["orientation"].get<std::array<double, 4>>();
+      const Pose toBox = drive::inverse({vectorOf(box["sensor_frame"]["position"]), {q[0], q[1], q[2], q[3]}});
+      uint64_t points = 0;
+      for (const Row& row : rowsOf(folder.get("out/npy/top/00000" + std::to_string(scan) + ".npy"))) {
+        if (row.instance != box["object"]) continue;
+        ++points;
+        // The actor moves on between its returns.
+        const Vec3 drift = (row.time - box["time"].get<double>()) * vectorOf(box["velocity"]);
+        const Vec3 inBox = drive::operator*(toBox, Vec3{row.x, row.y, row.z} - drift);
+        CHECK(isIn(inBox, {4, 2, 1.5}, 0.05));
+      }
+      CHECK(points > 10);
+    }
+  }
+}
+
+TEST_CASE("nuScenes: the points of a sample lie in its boxes, although the vehicle drives") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["duration"] = 0.3;
+  json["epoch"] = 1700000000;
+  json["ego"]["trajectory"]["waypoints"] = {facing(waypoint(0, 0, 0, 0), 0), facing(waypoint(1, 15, 0, 0), 60)};
+  json["actors"] = {car("before", {waypoint(0, 10, -3, 0.75)}), car("behind", {facing(waypoint(0, -7, 2, 0.75), 30)}),
+                    car("beside", {facing(waypoint(0, 2, 6, 0.75), 120)}),
+                    car("passing", {waypoint(0, -3, -6, 0.75), waypoint(1, 7, -6, 0.75)})};
+  for (const bool deskew : {false, true}) {
+    INFO("deskew " << deskew);
+    json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}, {"sensor-motion", {{"deskew", deskew}}}};
+    json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 1}}};
+    const std::string out = deskew ? "deskewed" : "fired";
+    folder.run(json, out);
+    const auto table = [&](const std::string& name) {
+      return Json::parse(folder.get(out + "/nuscenes/v1.0-drive/" + name + ".json"));
+    };
+    const auto poseOf = [](const Json& row) {
+      const auto q = row["rotation"].get<std::array<double, 4>>();
+      return Pose{vectorOf(row["translation"]), {q[1], q[2], q[3], q[0]}};
+    };
+    std::map<std::string, Pose> vehicles;
+    for (const Json& row : table("ego_pose")) vehicles[row["token"]] = poseOf(row);
+    const Pose mount = poseOf(table("calibrated_sensor")[0]);
+    size_t notes = 0;
+    for (const Json& data : table("sample_data")) {
+      const std::string points = folder.get(out + "/nuscenes/" + data["filename"].get<std::string>());
+      const Pose sensor = drive::operator*(vehicles.at(data["ego_pose_token"]), mount);
+      for (const Json& note : table("sample_annotation")) {
+        if (note["sample_token"] != data["sample_token"]) continue;
+        ++notes;
+        const Pose toBox = drive::operator*(drive::inverse(poseOf(note)), sensor);
+        const bool moving = note["attribute_tokens"][0] == table("attribute")[0]["token"];
+        uint64_t inside = 0;
+        for (size_t i = 0; i < points.size(); i += 20) {
+          const Vec3 point = {at<float>(points, i), at<float>(points, i + 4), at<float>(points, i + 8)};
+          inside += isIn(drive::operator*(toBox, point), {4, 2, 1.5}, moving ? 0.05 : 0.02);
+        }
+        const auto wanted = note["num_lidar_pts"].get<uint64_t>();
+        CHECK(inside <= wanted);
+        CHECK(static_cast<double>(inside) >= (moving ? 0.8 : 1) * static_cast<double>(wanted));
+      }
+    }
+    CHECK(notes == 12);
+  }
+}
