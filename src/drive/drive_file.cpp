@@ -14,6 +14,7 @@
 #include "drive/fingerprint.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/ros.hpp"
+#include "drive/schedule.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
 
@@ -303,6 +304,25 @@ void DriveReader::checkBag(const Output& output, const std::string& path) {
                                  shown(drive_.epoch + drive_.start) + " s: give an epoch");
 }
 
+/// Warns of sensors that start no scan in some of the frames that are samples.
+void DriveReader::warnOfSamples(const Output& output, const std::string& path) {
+  constexpr uint64_t kMost = 1000;  // samples that are looked at
+  std::vector<uint64_t> missed(drive_.sensors.size());
+  uint64_t samples = 0;
+  for (; samples < kMost && samples * output.keyframes < drive_.frameCount(); ++samples) {
+    std::vector<bool> seen(drive_.sensors.size());
+    for (const PlannedScan& scan : scansOf(drive_, samples * output.keyframes)) seen[scan.sensor] = true;
+    for (size_t sensor : output.sensors) missed[sensor] += seen[sensor] ? 0 : 1;
+  }
+  for (size_t sensor : output.sensors)
+    if (missed[sensor] > 0)
+      drive_.warnings.push_back(path + ": " + inQuotes(drive_.sensors[sensor].name) + " starts no scan in " +
+                                std::to_string(missed[sensor]) + " of " + std::to_string(samples) +
+                                " samples, which lack its data, because it makes " +
+                                gnosphere::numberText(drive_.sensors[sensor].rate) +
+                                " scans a second; choose another rate or other keyframes");
+}
+
 /// Reads and checks what an output states of a survey.
 void DriveReader::survey(const json& object, Output& output, const std::string& path) {
   for (const Field field : output.fields)
@@ -351,6 +371,7 @@ void DriveReader::outputs() {
     for (const char* name : {"crs", "flight_line", "one_file"})
       if (object.contains(name) && !format.survey)
         refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
+    if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
     if (format.survey) survey(object, output, path);
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     drive_.outputs.push_back(std::move(output));

@@ -205,3 +205,14 @@ TEST_CASE("nuScenes: the points of a sample lie in its boxes, although the vehic
     CHECK(notes == 12);
   }
 }
+
+TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 2}}};
+  CHECK(folder.read(json).warnings.empty());  // the side has 5 scans a second from 0.05 s on
+  json["outputs"][0]["keyframes"] = 1;
+  const std::vector<std::string> warnings = folder.read(json).warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].starts_with("outputs[0]: 'side' starts no scan in 5 of 10 samples"));
+}

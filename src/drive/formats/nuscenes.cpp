@@ -65,7 +65,7 @@ class NuScenes : public Format {
  private:
   bool isKey(uint64_t frame) const { return frame % output_.keyframes == 0; }
   std::string token(const std::string& what, uint64_t a = 0, uint64_t b = 0) const {
-    return hashOf(drive_.name + "/" + what + "/" + std::to_string(a) + "/" +
+    return hashOf(drive_.fingerprint + "/" + drive_.name + "/" + what + "/" + std::to_string(a) + "/" +
                   std::to_string(b));
   }
   std::string dataToken(const PlannedScan& scan) const { return token("sample_data", scan.sensor, scan.number); }
