@@ -125,9 +125,45 @@ void DriveReader::scenes() {
     classify(object, path, "instances", usual, scene.instances, unknown);
     classify(object, path, "materials", 0, scene.materials, unknown);
     warnOfClasses(unknown, path);
+    if (object.contains("boxes")) takeBoxed(object, path, scene);
     drive_.sceneAnimations.push_back(animation(root_["scenes"][i], path, scene));
     drive_.scenes.push_back(std::move(scene));
   }
+}
+
+/// Makes actors of the instances of a scene that have boxes.
+void DriveReader::takeBoxed(const json& object, const std::string& path, Scene& scene) {
+  if (object.contains("animation"))
+    refuse(path + ".boxes", "cannot be with an animation; make actors of what it moves");
+  std::map<uint16_t, size_t> categories;  // by the number of the class
+  for (size_t i = 0; i < object["boxes"].size(); ++i) {
+    const size_t category = find(classNames_, object["boxes"][i], entryPath(path + ".boxes", i));
+    if (category < drive_.classes.size()) categories.try_emplace(drive_.classes[category].id, category);
+  }
+  const size_t before = standing_.actors.size();
+  takeStanding(
+      scene,
+      [&](const Instance& instance) -> std::optional<size_t> {
+        const auto found = categories.find(instance.classId);
+        return found == categories.end() ? std::optional<size_t>() : found->second;
+      },
+      standing_);
+  if (standing_.actors.size() == before)
+    drive_.warnings.push_back(path + ".boxes: no instance has any of these classes");
+}
+
+/// Appends the actors that scenes have had, with names of their own.
+void DriveReader::addStanding() {
+  std::set<std::string> names;
+  for (const Actor& actor : drive_.actors) names.insert(actor.name);
+  for (Actor& actor : standing_.actors) {
+    const std::string stated = actor.name;
+    for (int number = 2; !names.insert(actor.name).second; ++number)
+      actor.name = stated + " (" + std::to_string(number) + ")";
+    actor.model += drive_.models.size();
+    drive_.actors.push_back(std::move(actor));
+  }
+  for (Scene& model : standing_.models) drive_.models.push_back(std::move(model));
 }
 
 void DriveReader::models() {
@@ -391,6 +427,7 @@ Drive DriveReader::read(const fs::path& file) {
   models();
   materialTable();
   actors();
+  addStanding();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);

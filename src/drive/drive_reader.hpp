@@ -11,6 +11,7 @@
 #include "base/path.hpp"
 #include "drive/drive.hpp"
 #include "drive/schema_check.hpp"
+#include "drive/standing.hpp"
 
 namespace gnosphere::drive {
 
@@ -61,6 +62,8 @@ class DriveReader {
   void classify(const nlohmann::json& object, const std::string& path, const std::string& table, uint16_t usual,
                 std::vector<Named>& all, std::set<std::string>& unknown);
   uint16_t classNamed(const nlohmann::json& name, const std::string& path);
+  void takeBoxed(const nlohmann::json& object, const std::string& path, Scene& scene);
+  void addStanding();
   void warnOfClasses(const std::set<std::string>& unknown, const std::string& path);
   void models();
   void materialTable();
@@ -83,6 +86,7 @@ class DriveReader {
   const nlohmann::json& root_;
   Drive drive_;
   std::vector<std::string> mistakes_, classNames_, modelNames_;
+  StandingActors standing_;
   std::set<std::string> names_;                 // of the sensors and the inertial unit
   std::vector<std::filesystem::path> folders_;  // of the outputs
 };

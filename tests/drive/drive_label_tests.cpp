@@ -206,13 +206,85 @@ TEST_CASE("nuScenes: the points of a sample lie in its boxes, although the vehic
   }
 }
 
-TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes") {
+TEST_CASE("instances of a scene whose classes have boxes are actors that stand") {
+  const DriveFolder folder;
+  // Two parked cars, of which the y axis of the file points up and z is the longer side, and a wall that is none.
+  std::string parked = "# boxes 2 m wide, 1.5 m high and 4 m long\n";
+  int vertices = 0;
+  const auto box = [&](const std::string& name, double x, double z) {
+    parked += "o " + name + "\n";
+    for (const auto& [dx, dy, dz] : std::initializer_list<std::array<double, 3>>{
+             {-1, 0, -2}, {1, 0, -2}, {1, 1.5, -2}, {-1, 1.5, -2}, {-1, 0, 2}, {1, 0, 2}, {1, 1.5, 2}, {-1, 1.5, 2}})
+      parked += "v " + std::to_string(x + dx) + " " + std::to_string(dy) + " " + std::to_string(z + dz) + "\n";
+    for (const auto& [a, b, c] : std::initializer_list<std::array<int, 3>>{{1, 3, 2},
+                                                                           {1, 4, 3},
+                                                                           {5, 6, 7},
+                                                                           {5, 7, 8},
+                                                                           {1, 2, 6},
+                                                                           {1, 6, 5},
+                                                                           {2, 3, 7},
+                                                                           {2, 7, 6},
+                                                                           {3, 4, 8},
+                                                                           {3, 8, 7},
+                                                                           {4, 1, 5},
+                                                                           {4, 5, 8}})
+      parked += "f " + std::to_string(vertices + a) + " " + std::to_string(vertices + b) + " " +
+                std::to_string(vertices + c) + "\n";
+    vertices += 8;
+  };
+  box("car 1", 5, -6);
+  box("car 2", -5, -6);
+  box("wall", 0, 8);
+  put(folder / "parked.obj", parked);
+  Json json = actorDrive();
+  json["duration"] = 0.1;
+  json["scenes"].push_back({{"file", "parked.obj"},
+                            {"up", "y"},
+                            {"pose", {{"yaw_pitch_roll_deg", {20, 0, 0}}}},
+                            {"instances", {{"car*", "car"}, {"wall*", "ground"}}},
+                            {"boxes", {"car", "person"}}});
+  json["actors"] = {car("car 1", {waypoint(0, -8, -3, 0.75)})};
+  json["outputs"].push_back({{"format", "semantickitti"}});
+  folder.run(json);
+  const std::map<std::string, Json> boxes = boxesOf(folder, 0);
+  REQUIRE(boxes.size() == 3);
+  const std::vector<Row> rows = rowsOf(folder.get("out/npy/top/000000.npy"));
+  const std::string labels = folder.get("out/semantickitti/sequences/00/labels/000000.label");
+  REQUIRE(labels.size() == 4 * rows.size());
+  std::map<uint32_t, size_t> ofActor;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto label = at<uint32_t>(labels, 4 * i);
+    CHECK((label & 0xffff) == (label >> 16 == 0 ? 40 : 10));
+    ++ofActor[label >> 16];
+  }
+  CHECK(ofActor.size() == 4);
+  for (const char* name : {"car 1 (2)", "car 2"}) {
+    INFO(name);
+    REQUIRE(boxes.contains(name));
+    const Json& parkedBox = boxes.at(name);
+    const Vec3 size = vectorOf(parkedBox["size"]), middle = vectorOf(parkedBox["world_frame"]["position"]);
+    CHECK_THAT(size.x, WithinAbs(4, 1e-5));
+    CHECK_THAT(size.y, WithinAbs(2, 1e-5));
+    CHECK_THAT(size.z, WithinAbs(1.5, 1e-5));
+    CHECK_THAT(middle.z, WithinAbs(0.75, 1e-5));
+    CHECK(parkedBox["moving"] == false);
+    const auto q = parkedBox["sensor_frame"]["orientation"].get<std::array<double, 4>>();
+    const Pose toBox = drive::inverse({vectorOf(parkedBox["sensor_frame"]["position"]), {q[0], q[1], q[2], q[3]}});
+    for (const Row& row : rows)
+      if (row.instance == parkedBox["object"])
+        CHECK(isIn(drive::operator*(toBox, Vec3{row.x, row.y, row.z}), size, 0.01));
+  }
+}
+
+TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and of boxes that no instance has") {
   const DriveFolder folder;
   Json json = smallDrive();
   json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 2}}};
   CHECK(folder.read(json).warnings.empty());  // the side has 5 scans a second from 0.05 s on
   json["outputs"][0]["keyframes"] = 1;
+  json["scenes"][0]["boxes"] = {"person"};
   const std::vector<std::string> warnings = folder.read(json).warnings;
-  REQUIRE(warnings.size() == 1);
+  REQUIRE(warnings.size() == 2);
   CHECK(warnings[0].starts_with("outputs[0]: 'side' starts no scan in 5 of 10 samples"));
+  CHECK(warnings[1] == "scenes[0].boxes: no instance has any of these classes");
 }
