@@ -349,11 +349,12 @@ typedef struct gno_sensor_settings {
   double range_min, range_max;
   double divergence_horizontal, divergence_vertical; /* rad, full angles of a beam's footprint */
   uint32_t max_returns;                              /* echoes that the sensor reports per beam, 1..5 */
-  double rotation_period;                            /* seconds; 0: all beams fire at once */
+  double rotation_period;                            /* seconds of a sweep; 0: all beams fire at once */
   gno_near_hits near_hits;
   const uint32_t* masked_beams; /* indices of beams that never fire */
   size_t masked_beam_count;
   double range_at_10_percent; /* m, from which on a Lambertian target of 10 % is not detected; 0 if not stated */
+  double scan_period;         /* seconds from the start of a scan to that of the next; 0: rotation_period */
 } gno_sensor_settings;
 
 /* Beam index = channel * columns + column; the beam in column i has the azimuth start + span * i / columns. */

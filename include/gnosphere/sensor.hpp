@@ -63,8 +63,8 @@ struct Sensor {
   /// Full angles of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a line.
   double divergenceHorizontal = 0, divergenceVertical = 0;
   uint32_t maxReturns = 1;  ///< number of echoes that the sensor reports per beam, 1..5
-  /// Column i of a grid fires at i / columns of this time in seconds; if 0, all columns fire at once. The beams of a
-  /// list fire at BeamList::times.
+  /// Seconds in which a grid sweeps azimuthSpanDeg, less than those of a turn if that is a sector: column i fires at
+  /// i / columns of them. If 0, all columns fire at once. The beams of a list fire at BeamList::times.
   double rotationPeriod = 0;
   /// Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.
   double azimuthStartDeg = -180, azimuthSpanDeg = 360;
@@ -73,6 +73,9 @@ struct Sensor {
   std::vector<BeamList> patterns;
   /// Metres from which on a Lambertian target that reflects 10 % is no longer detected; 0 if this is not stated.
   double rangeAt10Percent = 0;
+  /// Seconds from the start of a scan to that of the next, at least those in which its beams fire; if 0, this is not
+  /// stated, and the scans of a grid follow each other every rotationPeriod.
+  double scanPeriod = 0;
 
   bool isGrid() const { return patterns.empty(); }
   size_t beamCount() const { return isGrid() ? size_t{columns} * channels.size() : patterns[0].size(); }
@@ -90,10 +93,10 @@ GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
 /// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
-/// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s or a rotation period, a channel whose own
-/// range window is empty, lists of unequal lengths, patterns of unequal sizes or without beams, organised clouds of
-/// another size, or more than 2,147,483,647 beams. Zero channels are allowed, but not in a file: the cloud is then
-/// empty.
+/// beam's beyond 1 km, a rotation period above 10 s, a scan period that is not finite or shorter than a scan, time
+/// offsets above 1 s or a rotation period, a channel whose own range window is empty, lists of unequal lengths,
+/// patterns of unequal sizes or without beams, organised clouds of another size, or more than 2,147,483,647 beams. Zero
+/// channels are allowed, but not in a file: the cloud is then empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// Returns the five models of Table 2 of the GnoSphere360 paper.

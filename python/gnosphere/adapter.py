@@ -328,7 +328,7 @@ def laser_scan(
         "angle_max": float(angles[-1]),
         "angle_increment": float(steps.mean()) if len(steps) else 0.0,
         "time_increment": increment,
-        "scan_time": sensor.rotation_period,
+        "scan_time": sensor.scan_period or sensor.rotation_period,
         "range_min": float(nearest.min()) if len(nearest) else sensor.range_min,
         "range_max": float(farthest.max()) if len(farthest) else sensor.range_max,
         "ranges": np.where(np.isnan(ranges) & ~invalid, np.float32(np.inf), ranges),

@@ -124,8 +124,14 @@ void bindSensorItself(nb::module_& m) {
   readWriteWhole(sensor, "max_returns", &Sensor::maxReturns,
                  "Number of echoes that the sensor reports per beam, 1..5.");
   sensor
-      .def_rw("rotation_period", &Sensor::rotationPeriod,
-              "Seconds; column i fires at i / columns of it. If 0, all beams fire at once.")
+      .def_rw(
+          "rotation_period", &Sensor::rotationPeriod,
+          "Seconds in which a grid sweeps azimuth_span_deg, in a sector less than those of a turn; column i fires at "
+          "i / columns of it. If 0, all beams fire at once.")
+      .def_rw(
+          "scan_period", &Sensor::scanPeriod,
+          "Seconds from the start of a scan to that of the next, at least those in which its beams fire; if 0, this "
+          "is not stated, and the scans of a grid follow each other every rotation_period.")
       .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg, "Azimuth of column 0, counter-clockwise from the x axis.")
       .def_rw("azimuth_span_deg", &Sensor::azimuthSpanDeg,
               "Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.");

@@ -255,6 +255,9 @@ def test_laser_scans_on_both_sides_of_180_degrees(device, start, span, columns):
     assert line["angle_max"] == pytest.approx(line["angle_min"] + (columns - 1) * line["angle_increment"])
     met = np.flatnonzero(np.isfinite(line["ranges"])).tolist()
     assert met == [round(10 / abs(step))]
+    assert line["scan_time"] == 0.1
+    sensor.scan_period = 0.125
+    assert adapter.laser_scan(scan, sensor)["scan_time"] == 0.125
     assert scan.column(gnosphere.Field.time)[met[0]] == pytest.approx(met[0] * line["time_increment"], abs=1e-6)
     assert (line["range_min"], line["range_max"]) == (3, 20)
     for channel in (-1, 1):

@@ -99,6 +99,7 @@ def test_urdf_at_positions_of_its_joints(arm, tmp_path):
     np.testing.assert_allclose(rows[3, 0, :2], (np.cos(1.1), -np.sin(1.1)), atol=1e-12)  # 2 * 0.5 + 0.1
     mounted = robot.sensors[0]
     assert (mounted.name, mounted.frame, mounted.rate, mounted.sensor.beam_count()) == ("top", "tip", 10, 270)
+    assert mounted.sensor.scan_period == 0.1
     turned = np.array([[np.cos(0.5), 0, np.sin(0.5)], [0, 1, 0], [-np.sin(0.5), 0, np.cos(0.5)]])
     np.testing.assert_allclose(robot.pose("top").position, tip + turned @ [0.1, 0, 0.2], atol=1e-12)
     np.testing.assert_allclose(adapter.rows_of(robot.pose())[:3, 0], turned @ [0, 1, 0], atol=1e-9)

@@ -20,6 +20,7 @@ void apply(const gno_sensor_settings* settings, Sensor& sensor) {
   sensor.nearHits = enumOf(from.near_hits, NearHits::hide, "gno_sensor_settings::near_hits");
   sensor.maskedBeams.assign(masked.begin(), masked.end());
   sensor.rangeAt10Percent = from.range_at_10_percent;
+  sensor.scanPeriod = from.scan_period;
 }
 
 gno_sensor checked(Sensor sensor) {
@@ -150,6 +151,7 @@ gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* setti
     to->masked_beams = orNull(from.maskedBeams);
     to->masked_beam_count = from.maskedBeams.size();
     to->range_at_10_percent = from.rangeAt10Percent;
+    to->scan_period = from.scanPeriod;
   });
 }
 

@@ -17,6 +17,7 @@
 #include "drive/schedule.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 
@@ -28,14 +29,6 @@ namespace {
 constexpr double kLastTime = 9.2e9;          // s: the year 2261
 constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
 constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
-
-/// Returns how many seconds after the start of a scan the last beam of a list fires; 0 for a grid.
-double lastTimeOf(const Sensor& sensor) {
-  double last = 0;
-  for (const BeamList& list : sensor.patterns)
-    for (const double time : list.times) last = std::max(last, time);
-  return last;
-}
 
 /// All mistakes in one line.
 [[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
@@ -246,7 +239,7 @@ void DriveReader::sensors() {
     rigged.sensor = sensor(object["sensor"], path + ".sensor");
     rigged.effects = effects(memberOf(object, "effects"), path + ".effects");
     rigged.mount = pose(memberOf(object, "mount"), path + ".mount");
-    const double period = rigged.sensor.rotationPeriod;
+    const double period = scanPeriodOf(rigged.sensor);
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
     rigged.offset = object.value("offset", 0.0);
     rigged.livoxCustom = object.value("driver", "") == "livox-custom";

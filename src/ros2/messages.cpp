@@ -174,7 +174,7 @@ LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, 
   laser.angleMax = static_cast<float>(row.begin + row.step * (row.columns - 1));
   laser.angleIncrement = static_cast<float>(row.step);
   laser.timeIncrement = static_cast<float>(row.timeStep);
-  laser.scanTime = static_cast<float>(durationOf(sensor, 0));
+  laser.scanTime = static_cast<float>(sensor.scanPeriod > 0 ? sensor.scanPeriod : durationOf(sensor, 0));
   laser.rangeMin = static_cast<float>(window.least);
   laser.rangeMax = static_cast<float>(window.most);
   const std::set<size_t> masked(sensor.maskedBeams.begin(), sensor.maskedBeams.end());

@@ -195,6 +195,17 @@ double durationOf(const Sensor& sensor, uint64_t frame) {
   return sensor.rotationPeriod > 0 ? sensor.rotationPeriod : scanTimesOf(sensor, true, frame).last;
 }
 
+double lastTimeOf(const Sensor& sensor) {
+  double last = 0;
+  for (const BeamList& list : sensor.patterns)
+    for (const double time : list.times) last = std::max(last, time);
+  return last;
+}
+
+double scanPeriodOf(const Sensor& sensor) {
+  return sensor.scanPeriod > 0 ? sensor.scanPeriod : sensor.rotationPeriod;
+}
+
 RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (!sensor.isGrid()) {
     const BeamList& pattern = patternOf(sensor, frame);

@@ -75,6 +75,11 @@ Vec3 middleOfLasers(const Sensor& sensor);
 /// instance during a scan takes as long.
 double durationOf(const Sensor& sensor, uint64_t frame);
 
+/// Seconds from the start of a scan to the firing of the last beam of a list; 0 for a grid.
+double lastTimeOf(const Sensor& sensor);
+/// Seconds from the start of a scan to that of the next; 0 if the sensor states none.
+double scanPeriodOf(const Sensor& sensor);
+
 /// Whether each beam never fires, because Sensor::maskedBeams names it.
 std::vector<bool> silentBeams(const Sensor& sensor);
 

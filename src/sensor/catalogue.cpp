@@ -68,10 +68,16 @@ std::vector<double> numbersOf(const char* text, size_t count) {
   return numbers;
 }
 
-/// Sets the columns, the sector and the period that a mode of a head has.
+/// The scans of a mode in a second.
+double rateOf(std::string_view mode) {
+  const size_t x = mode.find('x');
+  return numberAt(x == mode.npos ? mode : mode.substr(x + 1));
+}
+
+/// Sets the columns, the sector and the periods that a mode of a head has.
 void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) {
   const size_t x = mode.find('x');
-  const double rate = numberAt(x == mode.npos ? mode : mode.substr(x + 1));
+  const double rate = rateOf(mode);
   sensor.azimuthStartDeg = figures.startDeg;
   sensor.azimuthSpanDeg = figures.spanDeg;
   if (x != mode.npos) {
@@ -90,6 +96,7 @@ void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) 
 Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
   Sensor sensor;
   setMode(figures, mode, sensor);
+  if (const double period = 1 / rateOf(mode); sensor.rotationPeriod < period) sensor.scanPeriod = period;
   sensor.rangeMin = figures.rangeMin;
   sensor.rangeMax = figures.rangeMax;
   sensor.rangeAt10Percent = figures.rangeAt10Percent;

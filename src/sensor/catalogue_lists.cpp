@@ -114,6 +114,7 @@ Sensor prismSensor(const PrismHead& head) {
   sensor.divergenceHorizontal = kDegree * head.divergenceHorizontal;
   sensor.divergenceVertical = kDegree * head.divergenceVertical;
   sensor.maxReturns = head.returns;
+  sensor.scanPeriod = kFrame;
   const auto beams = static_cast<size_t>(std::lround(kFrame * head.beamsPerSecond));
   for (size_t frame = 0; frame < static_cast<size_t>(head.frames); ++frame) {
     BeamList& list = sensor.patterns.emplace_back();
@@ -155,6 +156,7 @@ Sensor zonesSensor() {
   sensor.rangeMin = 0.2;
   sensor.rangeMax = 200;
   sensor.maxReturns = 2;
+  sensor.scanPeriod = kFrame;
   BeamList& list = sensor.patterns.emplace_back();
   list.width = kLasers * kColumns;
   list.height = kLines;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // {"name": "...", "columns": N, "range": {"min": m, "max": m}, "range_at_10_percent": m, "divergence_mrad": [h, v],
-//  "max_returns": N, "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z],
-//  ...], "time_offset": [...], "range_min": [...], "range_max": [...], "azimuth_start_deg": d, "azimuth_span_deg": d,
-//  "near_hits": "hide", "masked_beams": [...]}
+//  "max_returns": N, "rotation_period": s, "scan_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...],
+//  "origin": [[x, y, z], ...], "time_offset": [...], "range_min": [...], "range_max": [...], "azimuth_start_deg": d,
+//  "azimuth_span_deg": d, "near_hits": "hide", "masked_beams": [...]}
 // Required are the name, columns, range and elevations. Instead of the lists, "channels": [{"elevation_deg": d,
 // "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s, "range_min": m, "range_max": m}, ...] may be given.
 // Instead of columns and channels, a sensor has "patterns": [{"width": N, "height": N, "directions": [[x, y, z], ...],
@@ -164,6 +164,8 @@ void readPulses(const Source& source, const json& root, Sensor& sensor) {
   if (const auto period = root.find("rotation_period"); period != root.end()) {
     sensor.rotationPeriod = number(source, *period, "rotation_period");
   }
+  if (const auto period = root.find("scan_period"); period != root.end())
+    sensor.scanPeriod = number(source, *period, "scan_period");
   if (const auto range = root.find("range_at_10_percent"); range != root.end())
     sensor.rangeAt10Percent = number(source, *range, "range_at_10_percent");
 }
@@ -253,9 +255,26 @@ void readGrid(const Source& source, const json& root, Sensor& sensor) {
 Sensor sensorFromRoot(const Source& source, const json& root) {
   if (!root.is_object()) source.refuse("a sensor is a JSON object");
   checkKeys(source, root, "the sensor",
-            {"name", "columns", "range", "range_at_10_percent", "divergence_mrad", "max_returns", "rotation_period",
-             "elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max", "channels",
-             "azimuth_start_deg", "azimuth_span_deg", "near_hits", "masked_beams", "patterns"});
+            {"name",
+             "columns",
+             "range",
+             "range_at_10_percent",
+             "divergence_mrad",
+             "max_returns",
+             "rotation_period",
+             "scan_period",
+             "elevation_deg",
+             "azimuth_offset_deg",
+             "origin",
+             "time_offset",
+             "range_min",
+             "range_max",
+             "channels",
+             "azimuth_start_deg",
+             "azimuth_span_deg",
+             "near_hits",
+             "masked_beams",
+             "patterns"});
   Sensor sensor;
   const json& name = member(source, root, "the sensor", "name");
   if (!name.is_string()) source.refuse("'name' must be a text");

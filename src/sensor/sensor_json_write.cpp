@@ -134,6 +134,7 @@ std::string toJson(const Sensor& sensor) {
   if (sensor.maxReturns != 1) out += ",\n  \"max_returns\": " + std::to_string(sensor.maxReturns);
   if (!isZero(sensor.rangeAt10Percent)) out += ",\n  \"range_at_10_percent\": " + text(sensor.rangeAt10Percent);
   if (!isZero(sensor.rotationPeriod)) out += ",\n  \"rotation_period\": " + text(sensor.rotationPeriod);
+  if (!isZero(sensor.scanPeriod)) out += ",\n  \"scan_period\": " + text(sensor.scanPeriod);
   if (sensor.azimuthStartDeg != -180) out += ",\n  \"azimuth_start_deg\": " + text(sensor.azimuthStartDeg);
   if (sensor.azimuthSpanDeg != 360) out += ",\n  \"azimuth_span_deg\": " + text(sensor.azimuthSpanDeg);
   if (sensor.nearHits == NearHits::hide) out += ",\n  \"near_hits\": \"hide\"";

@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "base/vector.hpp"
 #include "gnosphere/sensor.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -123,6 +124,16 @@ void checkPatterns(const Sensor& sensor) {
   }
 }
 
+/// Refuses scans that begin before the one in front of them has ended. Rates and periods are rounded.
+void checkScanPeriod(const Sensor& sensor) {
+  const double period = sensor.scanPeriod;
+  if (!std::isfinite(period) || period < 0) refuse(sensor, "scan period must be finite and at least 0");
+  if (period == 0) return;
+  const double last = std::max(sensor.rotationPeriod, lastTimeOf(sensor));
+  if (last > period * (1 + 1e-9))
+    refuse(sensor, "scan period must be at least that of a scan, " + numberText(last) + " s, is " + numberText(period));
+}
+
 /// Whether there are beams for which the sensor's own ranges count.
 bool hasBeamsWithoutRanges(const Sensor& sensor) {
   const auto isWithout = [](const Channel& channel) { return channel.rangeMax == 0; };
@@ -157,6 +168,7 @@ void validate(const Sensor& sensor) {
     refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
   if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
     refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod));
+  checkScanPeriod(sensor);
 }
 
 }  // namespace gnosphere

@@ -249,6 +249,7 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   settings.name = "mine";
   settings.range_max = 50;
   settings.range_at_10_percent = 20;
+  settings.scan_period = 0.2;
   REQUIRE(gno_sensor_create_grid(&settings, &grid, &sensor) == GNO_OK);
   gno_beam_list beams = gno_beam_list_init();
   REQUIRE(gno_sensor_get_beams(sensor, 0, &beams) == GNO_OK);
@@ -272,7 +273,7 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   CHECK((size.beams == 180 && size.patterns == 1));
   gno_sensor_settings got = gno_sensor_settings_init();
   REQUIRE(gno_sensor_get_settings(again, &got) == GNO_OK);
-  CHECK((got.range_max == 50 && got.range_at_10_percent == 20));
+  CHECK((got.range_max == 50 && got.range_at_10_percent == 20 && got.scan_period == 0.2));
   for (gno_sensor each : {sensor, list, again}) CHECK(gno_sensor_destroy(each) == GNO_OK);
 
   gno_effects effects = nullptr;

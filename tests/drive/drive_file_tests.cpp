@@ -313,6 +313,21 @@ TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates
   CHECK(next[1] == 21);  // 0.05 s and every seventh of a second, before 3.05 s
 }
 
+TEST_CASE("a sector is not scanned again before the rest of its turn is over") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  Json& sensor = json["sensors"][0];
+  sensor["sensor"] = "TiM781";  // in 50 ms, every 67 ms
+  json["rate"] = 30;
+  CHECK(folder.read(json).sensors[0].rate == 15);
+  json["rate"] = 10;
+  CHECK(folder.read(json).sensors[0].rate == 10);
+  sensor["rate"] = 15;
+  CHECK(folder.read(json).sensors[0].rate == 15);
+  sensor["rate"] = 19;
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("is 19 scans a second, but the sensor takes 0.0666666"));
+}
+
 TEST_CASE("a list of beams is not fired again before its last beam, and what a sensor file leaves open is told") {
   const DriveFolder folder;
   Json json = smallDrive();

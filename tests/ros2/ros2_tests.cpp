@@ -191,6 +191,10 @@ TEST_CASE("ROS 2: a scan as a cloud and as a laser scan") {
   CHECK(laser.timeIncrement == Approx(0.025));
   CHECK(laser.scanTime == Approx(0.1));
   CHECK(laser.rangeMax == 50);
+  sensor.azimuthSpanDeg = 270;
+  sensor.scanPeriod = 0.15;
+  CHECK(laserScanOf(sensor, scan, 0, "top", 9).scanTime == Approx(0.15));
+  CHECK(laserScanOf(sensor, scan, 0, "top", 9).timeIncrement == Approx(0.025));
   CHECK_THROWS_WITH(laserScanOf(sensor, scan, 1, "top", 0), ContainsSubstring("no channel 1"));
 }
 
@@ -352,6 +356,8 @@ TEST_CASE("ROS 2: a list of evenly spaced beams is a laser scan, and dead beams 
   CHECK(laser.angleIncrement == Approx(9 * M_PI / 180));
   CHECK(laser.timeIncrement == Approx(0.001));
   CHECK(laser.scanTime == Approx(0.003));
+  sensor.scanPeriod = 0.1;
+  CHECK(laserScanOf(sensor, scan, 0, "front", 0).scanTime == Approx(0.1));
   CHECK(laser.ranges[0] == INFINITY);
   CHECK(std::isnan(laser.ranges[1]));
   CHECK(std::isnan(laser.ranges[2]));

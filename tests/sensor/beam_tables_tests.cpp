@@ -62,11 +62,16 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
   const Sensor spread =
       readSensorFile("azimuth,elevation,pattern\n0,0,0\n1,0,0\n0,0,1\n1,0,1\n", "p.csv", {.scanRate = 20}).sensor;
   CHECK_THAT(timeOf(spread, 1, 1), WithinAbs(0.025, 1e-12));
+  CHECK(spread.scanPeriod == 0.05);
   // The scan of a head whose sector is less than a turn takes all the time.
   std::string beams = "azimuth,elevation\n";
   for (int i = 0; i < 811; ++i) beams += std::to_string(i / 3.0) + ",0\n";
   const Sensor tim = readSensorFile(beams, "t.csv", {.head = "TiM781"}).sensor;
   CHECK_THAT(timeOf(tim, 810), WithinAbs(810 / 16200.0, 1e-9));
+  CHECK(tim.scanPeriod == 1 / 15.0);
+  CHECK(readSensorFile(beams, "t.csv", {.head = "TiM781", .scanRate = 5}).sensor.scanPeriod == 0.2);
+  CHECK(readSensorFile("Time/s,Azimuth/deg,Zenith/deg\n0,10,90\n0.5,10,90\n", "l.csv", {.head = "TiM781"})
+            .sensor.scanPeriod == 0);  // its last beam fires later
   CHECK_THAT(readSensorFile("azimuth,elevation,origin_x_mm,origin_y_mm,origin_z_mm\n0,0,1,2,3\n", "o.csv")
                  .sensor.patterns[0]
                  .origins[0]

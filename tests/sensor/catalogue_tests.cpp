@@ -115,6 +115,11 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);
   CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-9);
   CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 / 16200.0) < 1e-12);
+  CHECK(builtinSensor("TiM781").scanPeriod == 1 / 15.0);
+  CHECK(builtinSensor("AT128").scanPeriod == 0.1);
+  CHECK(builtinSensor("Puck:20Hz").scanPeriod == 0.05);
+  CHECK(builtinSensor("OS1-128").scanPeriod == 0);  // the columns fill the turn
+  for (const char* list : {"Mid-40", "Avia", "RS-M1"}) CHECK(builtinSensor(list).scanPeriod == 0.1);
   CHECK(std::abs(builtinSensor("TiM781").rangeAt10Percent - 5 * std::sqrt(0.1 / 0.05)) < 0.005);
   // A range image of Waymo's has the azimuth pi (1 - (2 c + 1) / columns) in column c.
   const Sensor waymo = builtinSensor("Waymo-Top");

@@ -166,6 +166,7 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
   sensor.divergenceHorizontal = 3e-3;
   sensor.maxReturns = 3;
   sensor.rotationPeriod = 0.4;
+  sensor.scanPeriod = 2.0 / 3;
   sensor.channels[0].origin = {1.0 / 3, -0.0, 5e-324};
   sensor.channels[1].timeOffset = -1.0 / 3;
   for (double mrad : {0.0, 1.5, 1.0 / 3, 100.0 / 3, 1e-6, 100.0}) {
@@ -176,6 +177,7 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
     CHECK(bits(back.divergenceVertical) == bits(mrad / 1000));
     CHECK(back.maxReturns == 3);
     CHECK(bits(back.rotationPeriod) == bits(0.4));
+    CHECK(bits(back.scanPeriod) == bits(2.0 / 3));
     CHECK(bits(back.channels[0].origin.x) == bits(1.0 / 3));
     CHECK(bits(back.channels[0].origin.y) == bits(-0.0));
     CHECK(bits(back.channels[0].origin.z) == bits(5e-324));
@@ -186,7 +188,7 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
   CHECK_THAT(toJson(sensor), ContainsSubstring("\"divergence_mrad\": [3, 100]"));
   for (const Sensor& builtin : builtinSensors()) {
     const std::string json = toJson(builtin);
-    for (const char* key : {"divergence", "max_returns", "rotation_period", "origin", "time_offset"})
+    for (const char* key : {"divergence", "max_returns", "rotation_period", "scan_period", "origin", "time_offset"})
       CHECK(json.find(key) == json.npos);
   }
 }
@@ -370,7 +372,8 @@ TEST_CASE("validate refuses invalid sensors") {
   sensor = small();
   sensor.rangeMin = bad;
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
-  for (double Sensor::*member : {&Sensor::divergenceHorizontal, &Sensor::divergenceVertical, &Sensor::rotationPeriod}) {
+  for (double Sensor::*member :
+       {&Sensor::divergenceHorizontal, &Sensor::divergenceVertical, &Sensor::rotationPeriod, &Sensor::scanPeriod}) {
     sensor = small();
     sensor.*member = bad;
     CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
@@ -407,6 +410,26 @@ TEST_CASE("validate refuses channels that measure nothing or fire in another tur
   CHECK_NOTHROW(validate(sensor));
   sensor.rotationPeriod = 0;
   sensor.channels[1].timeOffset = 0.5;
+  CHECK_NOTHROW(validate(sensor));
+}
+
+TEST_CASE("validate refuses a scan that begins before the one in front of it has ended") {
+  Sensor sensor = small();
+  sensor.rotationPeriod = 0.1;
+  sensor.scanPeriod = 0.1 * (1 - 1e-12);  // as periods are rounded
+  CHECK_NOTHROW(validate(sensor));
+  const auto mistake = [&](double period) {
+    sensor.scanPeriod = period;
+    return test::problemOf([&] { validate(sensor); }, ErrorCode::invalidArgument);
+  };
+  CHECK_THAT(mistake(0.09), ContainsSubstring("scan period must be at least that of a scan, 0.1 s, is 0.09"));
+  CHECK_THAT(mistake(-0.1), ContainsSubstring("scan period must be finite and at least 0"));
+  sensor = {.name = "list", .rangeMax = 10};
+  sensor.patterns.resize(2);
+  for (BeamList& list : sensor.patterns) list.directions = {{1, 0, 0}, {0, 1, 0}};
+  sensor.patterns[1].times = {0, 0.5};
+  CHECK_THAT(mistake(0.4), ContainsSubstring("that of a scan, 0.5 s, is 0.4"));
+  sensor.scanPeriod = 0.5;
   CHECK_NOTHROW(validate(sensor));
 }
 

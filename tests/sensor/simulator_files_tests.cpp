@@ -114,6 +114,11 @@ TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of
   CHECK_THAT(elevationDeg(file.sensor, 5), WithinAbs(7.5, 1e-9));
   CHECK(file.sensor.rangeMin == 0.08);
   CHECK(file.sensor.rangeMax == 10.5);
+  CHECK(file.sensor.scanPeriod == 0.1);
+  CHECK_FALSE(lists(file.ignored, "update_rate"));
+  CHECK(readSensorFile(replaced(text, "<update_rate>10", "<update_rate>0"), "model.sdf").sensor.scanPeriod == 0);
+  CHECK_THAT(problemOf(replaced(text, "<update_rate>10", "<update_rate>x"), "model.sdf"),
+             ContainsSubstring("<update_rate> is 'x'"));
   CHECK(lists(file.assumed, "the first of the lidars front, round"));
   const SensorFile round = readSensorFile(text, "model.sdf", {.mode = "round"});
   CHECK(round.sensor.columns == 8);

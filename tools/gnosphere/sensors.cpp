@@ -101,6 +101,7 @@ void describe(const SensorFile& file) {
   if (const size_t masked = sensor.beamCount() - all.fired; masked > 0) beams += ", " + grouped(masked) + " masked";
   say("beams", beams);
   if (sensor.isGrid()) say("turn", turnText(sensor));
+  if (sensor.scanPeriod > 0) say("scans", formatted("one every %.6g ms", 1000 * sensor.scanPeriod));
   say("rings", all.ring.text(""));
   say("azimuth", all.azimuth.text(" degrees"));
   say("elevation", all.elevation.text(" degrees"));

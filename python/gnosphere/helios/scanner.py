@@ -162,6 +162,7 @@ def _turning(element: ET.Element, sweep: Sweep, channels: bool) -> Scanner:
     sensor.columns = columns
     whole = max(round(sweep.duration * turns), 1)
     rate = turns if swept == 360 else 1 / sweep.duration
+    sensor.scan_period = max(1 / rate, sensor.rotation_period)
     return Scanner(sensor, rate, whole, np.eye(3), found.assumed)
 
 

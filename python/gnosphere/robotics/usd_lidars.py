@@ -53,5 +53,5 @@ def mount(prim: Any, parts: Parts, resources: Resources, place: Matrix, time: An
         return parts.leave_out(f"the lidar {path}: {error}")
     turn = place.copy()
     turn[:3, :3] /= np.linalg.norm(place[:3, :3], axis=0)
-    period = file.sensor.rotation_period
+    period = file.sensor.scan_period or file.sensor.rotation_period
     parts.mount(file.sensor, name, path, turn, 1 / period if period > 0 else 0.0)

@@ -69,7 +69,7 @@ def mount(sensor: ET.Element, parts: Parts, name: str, frame: Any, frame_to_sens
         parts.leave_out(f"the lidar {error}")
         return
     for what in file.ignored:
-        if not what.startswith(("pose", "update_rate")):
+        if not what.startswith("pose"):
             parts.leave_out(f"{what} '{name}'" if not what.startswith("the last column") else f"of '{name}' {what}")
     local = pose_of(sensor.find("pose")) if frame_to_sensor is None else frame_to_sensor
     parts.mount(file.sensor, name, frame, local, number(sensor, "update_rate", 0.0))

@@ -146,6 +146,7 @@ Channel channelAlong(const Vec3& d, const Vec3& position) {
 void setHeadTurn(Sensor& sensor, double columns, double columnRate, double turns) {
   sensor.columns = static_cast<uint32_t>(columns);
   sensor.rotationPeriod = columns / columnRate;
+  sensor.scanPeriod = std::max(1 / turns, sensor.rotationPeriod);
   sensor.azimuthStartDeg = 0;
   sensor.azimuthSpanDeg = std::min(360 * columns * turns / columnRate, 360.0);
 }
@@ -284,6 +285,7 @@ void readLines(SensorSource& source, const Scanner& scanner) {
   source.assume("scans of " + shownNumber(periods * period) + " s, " + shownNumber(periods) +
                 " of the mirror's periods; " + shownNumber(1 / (periods * period)) +
                 " scans a second leave no gap, and `gnosphere sensors --rate` sets another number");
+  source.file.sensor.scanPeriod = periods * period;
   BeamList list;
   list.width = static_cast<uint32_t>(pulses.size());
   list.height = static_cast<uint32_t>(periods) * static_cast<uint32_t>(beams.size());

@@ -9,6 +9,7 @@
 #include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "sensor/beams.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -180,6 +181,7 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
   const double columns = std::floor(fireRate / scanRate);
   sensor.columns = static_cast<uint32_t>(columns);
   sensor.rotationPeriod = columns / fireRate;
+  sensor.scanPeriod = 1 / scanRate;
   const bool clockwise = !sameWord(textIn(profile, "rotationDirection"), "CCW");
   const double start =
       numberIn(source, profile, "startAzimuthDeg", numberIn(source, profile, "validStartAzimuthDeg", 0));
@@ -219,6 +221,7 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
     list.height = static_cast<uint32_t>(rows);
     sensor.columns = 0;
     sensor.patterns.push_back(std::move(list));
+    sensor.scanPeriod = std::max(sensor.scanPeriod, lastTimeOf(sensor));
   }
   // The head fires only between the two azimuths.
   if (end - start >= 360 || end <= start) return;

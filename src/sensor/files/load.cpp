@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/vector.hpp"
+#include "sensor/beams.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -292,6 +293,11 @@ void completeFigures(SensorSource& source, const Sensor& from) {
   if (dropAssumedRange(source.file)) sensor.rangeMax = from.rangeMax;
 }
 
+/// Makes a list that states no rate start its scans as often as a head, if its beams have fired by then.
+void takeScanPeriod(Sensor& sensor, const Sensor& from) {
+  if (const double period = scanPeriodOf(from); lastTimeOf(sensor) <= period) sensor.scanPeriod = period;
+}
+
 /// Applies the values of a built-in head that a calibration or a pattern does not state.
 void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   Sensor& sensor = source.file.sensor;
@@ -304,6 +310,7 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
       sensor.azimuthStartDeg = from.azimuthStartDeg;
       sensor.azimuthSpanDeg = from.azimuthSpanDeg;
       sensor.rotationPeriod = from.rotationPeriod;
+      sensor.scanPeriod = from.scanPeriod;
     }
     const auto delayed = [](const Channel& channel) { return channel.timeOffset != 0; };
     const bool statesTimes =
@@ -314,6 +321,7 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
       if (sensor.maskedBeams.empty() && !from.maskedBeams.empty()) maskRestingLasers(sensor, from);
     }
   }
+  if (!sensor.isGrid() && !source.rateAsked) takeScanPeriod(sensor, from);
   sensor.rangeMin = from.rangeMin;
   sensor.rangeMax = from.rangeMax;
   sensor.rangeAt10Percent = from.rangeAt10Percent;

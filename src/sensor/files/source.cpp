@@ -94,7 +94,10 @@ void setPatterns(SensorSource& source, std::vector<BeamList> patterns) {
     timed = timed || !list.times.empty();
     if (list.times.empty() && source.options.scanRate > 0) spreadOver(list, source.options.scanRate);
   }
-  if (timed) ignoreRate(source);
+  if (timed)
+    ignoreRate(source);
+  else if (source.options.scanRate > 0)
+    source.file.sensor.scanPeriod = 1 / source.options.scanRate;
   source.file.sensor.patterns = std::move(patterns);
 }
 
@@ -110,6 +113,7 @@ void setBeams(SensorSource& source, BeamList list) {
   const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
   if (source.options.scanRate == 0 && !timed)
     source.assume("10 scans per second; `gnosphere sensors --rate` sets another number");
+  if (!timed) source.file.sensor.scanPeriod = 1 / rate;
   for (size_t first = 0; first + size <= count; first += size) {
     BeamList& part = source.file.sensor.patterns.emplace_back();
     const auto cut = [&](auto& to, const auto& from) {

@@ -99,8 +99,9 @@ void readSdf(SensorSource& source) {
   sensor.rangeMin = number(source, range, "min", 0);
   sensor.rangeMax = number(source, range, "max", 0);
   if (!range.child("max")) source.refuse("<max> of <range> is missing");
-  for (const char* name : {"pose", "update_rate"})
-    if (node.child(name)) source.ignore(std::string(name) + " of the sensor");
+  // At a rate of 0 SDF scans as often as it can.
+  if (const double rate = number(source, node, "update_rate", 0); rate > 0) sensor.scanPeriod = 1 / rate;
+  if (node.child("pose")) source.ignore("pose of the sensor");
   for (const pugi::xml_node& parent : {node, lidar})
     if (parent.child("visibility_mask"))
       source.ignore("the visibility mask of the lidar, which hides a visual with other visibility flags");
