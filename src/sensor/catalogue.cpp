@@ -82,6 +82,10 @@ void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) 
   sensor.azimuthSpanDeg = figures.spanDeg;
   if (x != mode.npos) {
     sensor.columns = static_cast<uint32_t>(numberAt(mode.substr(0, x)));
+    // Another mode sweeps further or less far in its columns, as the head turns faster or slower.
+    const std::string first = wordsOf(figures.modes)[0];
+    if (figures.cycle > 0)
+      sensor.azimuthSpanDeg *= sensor.columns * rate / (numberAt(first.substr(0, first.find('x'))) * rateOf(first));
     sensor.rotationPeriod = figures.cycle > 0 ? kMicro * figures.cycle * sensor.columns : 1 / rate;
     return;
   }

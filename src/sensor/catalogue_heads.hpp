@@ -12,7 +12,7 @@ struct HeadFigures {
   const char *name, *product, *source, *remarks;
   const char* modes;                            ///< "10Hz ..." or "COLUMNSxRATE ...", the default first
   double cycle;                                 ///< microseconds between columns; 0 if they fill the time of a scan
-  double startDeg, spanDeg;                     ///< Sensor::azimuthStartDeg, azimuthSpanDeg
+  double startDeg, spanDeg;                     ///< Sensor::azimuthStartDeg, azimuthSpanDeg of the default mode
   double rangeMin, rangeMax, rangeAt10Percent;  ///< metres
   const char* divergence;                       ///< horizontal and vertical, milliradians
   uint32_t returns;
@@ -520,6 +520,114 @@ inline constexpr HeadFigures kHeads[] = {
    "One layer; it turns counter-clockwise, as SICK's drivers count. The Isaac Sim profile spreads the beams over the "
    "whole turn. Range at 10 %: of the 5 m at 5 % that the profile states. Divergence: not stated there.",
    "811x15", 61.7283950617284, -135, 270.333333333333, 0.05, 25, 7.07, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"UST-10LX", "Hokuyo UST-10LX",
+   "UST-10LX instruction manual, sections 2-2 and 4: 270 degrees in 1,081 steps of 0.25, 25 ms a scan, 0.06 to 10 m "
+   "on white and 4 m at 10 %; a head's answer to SCIP's PP: steps 0 to 1080 of 1,440, 540 ahead, 2,400 turns a "
+   "minute; SCIP manual C-42-03320B: counter-clockwise",
+   "Ranges that the manual guarantees; the head reports up to 30 m. It rests in the 90 degrees behind it. Divergence: "
+   "not stated there.",
+   "1081x40", 17.3611111111111, -135, 270.25, 0.06, 10, 4, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"UST-20LX", "Hokuyo UST-20LX",
+   "TouchDesigner, Hokuyo CHOP: steps and times as the UST-10LX; presets of drivers: 0.06 to 20 m, 40 Hz",
+   "Range at 10 % and divergence: not stated there. It rests in the 90 degrees behind it.",
+   "1081x40", 17.3611111111111, -135, 270.25, 0.06, 20, 0, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"UTM-30LX", "Hokuyo UTM-30LX",
+   "SCIP manual C-42-03320B, Table 2: steps 0 to 1080 of 1,440, 540 ahead, counter-clockwise; Hokuyo's specification: "
+   "0.1 to 30 m, 25 ms a scan",
+   "Range on white. Range at 10 % and divergence: not stated there. It rests in the 90 degrees behind it.",
+   "1081x40", 17.3611111111111, -135, 270.25, 0.1, 30, 0, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"UTM-30LX-EW", "Hokuyo UTM-30LX-EW",
+   "A head's answer to SCIP's PP: steps 0 to 1080 of 1,440, 540 ahead, 2,400 turns a minute; Hokuyo's specification: "
+   "0.1 to 30 m on white, 25 ms a scan, several echoes; urg_library, urg_sensor.h: 3 echoes at most",
+   "Ranges that are guaranteed; the head reports up to 60 m. Range at 10 % and divergence: not stated there. It rests "
+   "in the 90 degrees behind it.",
+   "1081x40", 17.3611111111111, -135, 270.25, 0.1, 30, 0, "", 3, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"LMS111", "SICK LMS111",
+   "SICK's page of the LMS111-10100: 270 degrees in steps of 0.5 or 0.25, 50 or 25 Hz, 0.5 to 20 m (18 m at 10 %), 2 "
+   "echoes; LMS1xx operating instructions 8012471: beam of 8 mm and 15 mrad; SickToolbox, SickLMS1xx.hh: -45 to 225 "
+   "degrees, with 90 ahead",
+   "It turns counter-clockwise, as SICK's drivers count, and rests in the 90 degrees behind it. The 8 mm of the beam "
+   "at the head are left out.",
+   "541x50 1081x25", 27.7777777777778, -135, 270.5, 0.5, 20, 18, "15 15", 2, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"microScan3", "SICK microScan3 with a protective field of 9 m",
+   "sick_safetyscanners, issue 94: 0.51306 degrees and 43 us from beam to beam, 30 ms a scan; Isaac Sim profile "
+   "SICK_microscan3_ABAZ90ZA1P01.json: 275 degrees, 0.05 to 64 m, 9 m at 2 %",
+   "537 beams: the azimuths of the issue are whole steps of 275 / 536 degrees from -137.5 on. It turns "
+   "counter-clockwise, as SICK's drivers count. Range at 10 %: of the 9 m at 2 % that the profile states. The Isaac "
+   "Sim profile has 2,750 beams. Divergence: not stated there.",
+   "537x33.3333333", 42.7549751243781, -137.5, 275.513059701493, 0.05, 64, 20.1, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"nanoScan3", "SICK nanoScan3",
+   "sick_safetyscanners2, issue 2: 1/6 degree and 14 us from beam to beam, 30 ms a scan, 0.1 to 40 m; issue 50: 275 "
+   "degrees, 40 m",
+   "1,651 beams, both ends of the 275 degrees. It turns counter-clockwise, as SICK's drivers count. Range at 10 % and "
+   "divergence: not stated there.",
+   "1651x33.3333333", 13.8888888888889, -137.5, 275.166666666667, 0.1, 40, 0, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"RPLIDAR-A1", "Slamtec RPLIDAR A1M8",
+   "RPLIDAR A1M8 data sheet, Measurement Performance: 0.15 to 12 m on white, up to 8,000 samples a second, 5.5 turns "
+   "a second and at most 10; interface protocol: clockwise",
+   "At the most samples a second; at 4,000 it has half the columns. Range at 10 % and divergence: not stated there. A "
+   "triangulating head, whose errors grow with the range.",
+   "5.5Hz 10Hz", 125, 0, -360, 0.15, 12, 0, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"RPLIDAR-A2", "Slamtec RPLIDAR A2M8",
+   "RPLIDAR A2M8 data sheet, revision 2.5: up to 12 m, 8,000 samples a second, 0.45 degrees at 10 turns a second, "
+   "which may be 5 to 15; rplidar_ros, node.cpp: from 0.15 m; interface protocol: clockwise",
+   "Range at 10 % and divergence: not stated there. A triangulating head, whose errors grow with the range.",
+   "10Hz 5Hz 15Hz", 125, 0, -360, 0.15, 12, 0, "", 1, false,
+   "0",
+   "",
+   "",
+   0, "",
+   ""},
+  {"RPLIDAR-S2E", "Slamtec RPLIDAR S2E",
+   "Isaac Sim profile RPLIDAR_S2E.json, of the data sheet 1.3: 32,000 samples and 10 turns a second, clockwise, 0.05 "
+   "to 30 m (10 m at 10 %)",
+   "Divergence: not stated there.",
+   "10Hz", 31.25, 0, -360, 0.05, 30, 10, "", 1, false,
    "0",
    "",
    "",

@@ -143,6 +143,48 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(narrow.channels[31].elevationDeg == 15);
 }
 
+TEST_CASE("scanners of one plane have the beams, the sector and the rate of their sheets") {
+  const struct {
+    const char* name;
+    uint32_t beams;
+    double first, last, step, rate;  // degrees counter-clockwise, with 0 ahead; scans a second
+    double least, most, between;     // metres; microseconds from beam to beam
+    uint32_t returns;
+  } sheets[] = {{"UST-10LX", 1081, -135, 135, 0.25, 40, 0.06, 10, 25e3 / 1440, 1},
+                {"UST-20LX", 1081, -135, 135, 0.25, 40, 0.06, 20, 25e3 / 1440, 1},
+                {"UTM-30LX", 1081, -135, 135, 0.25, 40, 0.1, 30, 25e3 / 1440, 1},
+                {"UTM-30LX-EW", 1081, -135, 135, 0.25, 40, 0.1, 30, 25e3 / 1440, 3},
+                {"LMS111", 541, -135, 135, 0.5, 50, 0.5, 20, 20e3 / 720, 2},
+                {"LMS111:1081x25", 1081, -135, 135, 0.25, 25, 0.5, 20, 40e3 / 1440, 2},
+                {"microScan3", 537, -137.5, 137.5, 0.51306, 1 / 0.03, 0.05, 64, 43, 1},
+                {"nanoScan3", 1651, -137.5, 137.5, 1 / 6.0, 1 / 0.03, 0.1, 40, 14, 1},
+                {"TiM781", 811, -135, 135, 1 / 3.0, 15, 0.05, 25, 1e6 / 16200, 1},
+                {"RPLIDAR-A1", 1454, 0, -359.6175, -360 * 5.5 / 8000, 5.5, 0.15, 12, 125, 1},
+                {"RPLIDAR-A2", 800, 0, -359.55, -0.45, 10, 0.15, 12, 125, 1},
+                {"RPLIDAR-S2E", 3200, 0, -359.8875, -0.1125, 10, 0.05, 30, 31.25, 1}};
+  for (const auto& sheet : sheets) {
+    INFO(sheet.name);
+    const Sensor sensor = builtinSensor(sheet.name);
+    CHECK(sensor.beamCount() == sheet.beams);
+    const auto azimuthDeg = [&](size_t beam) { return azimuthOf(sensor, beam) * 180 / std::numbers::pi; };
+    CHECK(std::abs(std::remainder(azimuthDeg(0) - sheet.first, 360)) < 1e-9);
+    CHECK(std::abs(std::remainder(azimuthDeg(sheet.beams - 1) - sheet.last, 360)) < 1e-6);
+    CHECK(std::abs(std::remainder(azimuthDeg(1) - azimuthDeg(0) - sheet.step, 360)) < 1e-6);
+    CHECK(std::abs(1 / scanPeriodOf(sensor) - sheet.rate) < 1e-6);
+    CHECK(std::abs(1e6 * timeOf(sensor, 1) - sheet.between) < (sheet.beams == 537 || sheet.beams == 1651 ? 0.5 : 1e-9));
+    // A mirror that turns evenly is back at the start of the sector when the next scan begins.
+    CHECK(std::abs(sensor.azimuthSpanDeg / sensor.rotationPeriod * scanPeriodOf(sensor)) > 359.99);
+    CHECK(std::abs(sensor.azimuthSpanDeg / sensor.rotationPeriod * scanPeriodOf(sensor)) < 360.01);
+    CHECK(sensor.rangeMin == sheet.least);
+    CHECK(sensor.rangeMax == sheet.most);
+    CHECK(sensor.maxReturns == sheet.returns);
+  }
+  CHECK(builtinSensor("UST-10LX").rangeAt10Percent == 4);
+  CHECK(builtinSensor("LMS111").rangeAt10Percent == 18);
+  CHECK(std::abs(builtinSensor("microScan3").rangeAt10Percent - 9 * std::sqrt(0.1 / 0.02)) < 0.05);
+  CHECK(builtinSensor("LMS111").divergenceHorizontal == 0.015);
+}
+
 TEST_CASE("the Alpha Prime has the angles of the vendor's calibration") {
   // Lasers 0, 2, 7, 36 and 59 of ros-drivers/velodyne, params/VLS128.yaml: vert_correction and rot_correction.
   const struct {
