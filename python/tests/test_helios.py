@@ -127,6 +127,7 @@ def test_a_sector_of_a_tripod(surveys):
     (leg,) = survey.legs
     assert leg.duration == pytest.approx(12)  # 120 degrees at 10 a second
     assert leg.sensor.columns == 240 and leg.sensor.azimuth_span_deg == pytest.approx(120)
+    assert leg.sensor.scan_period == pytest.approx(12)
     waypoint = leg.drive["ego"]["trajectory"]["waypoints"][0]
     assert waypoint["position"] == [0, 0, 5] and waypoint["yaw_deg"] == 90  # on the ground, to the north
     (file,) = survey.write(surveys / "out")

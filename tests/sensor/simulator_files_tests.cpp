@@ -25,6 +25,8 @@ TEST_CASE("Isaac Sim: a rotary profile is a grid at exact firing times") {
   CHECK(sensor.columns == 333);  // 3333 firings a second, 10 turns
   CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(6.5, 1e-12));
   CHECK_THAT(azimuthDeg(sensor, 10), WithinAbs(6.5 - 36000.0 / 3333, 1e-12));
+  CHECK_THAT(sensor.rotationPeriod, WithinAbs(333.0 / 3333, 1e-15));
+  CHECK(sensor.scanPeriod == 0.1);
   CHECK_THAT(timeOf(sensor, 333 + 10), WithinAbs(10.0 / 3333 + 2.665e-6, 1e-15));
   checkOrigin(sensor.channels[1].origin, {0, 0.01, 0.066});
   CHECK(rangeWindowOf(sensor, 0).most == 200);
@@ -65,6 +67,7 @@ TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan t
   const Sensor turning = readSensorFile(text, "i.json").sensor;
   REQUIRE(turning.patterns.size() == 1);
   CHECK(turning.width() == 333);
+  CHECK(turning.scanPeriod == 0.1);
   CHECK_THAT(elevationDeg(turning, 0), WithinAbs(30, 1e-12));
   CHECK_THAT(elevationDeg(turning, 1), WithinAbs(-11.75, 1e-12));
   CHECK_THAT(azimuthDeg(turning, 333 + 2), WithinAbs(2 - 2 * 3600.0 / 3333, 1e-12));
@@ -205,6 +208,7 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(sensor.name == "vlp16");
   CHECK(sensor.columns == 937);  // 18750 pulses per second, 20 turns
   CHECK_THAT(sensor.rotationPeriod, WithinAbs(937 / 18750.0, 1e-15));
+  CHECK(sensor.scanPeriod == 0.05);
   CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(7200 / 18750.0, 1e-9));
   CHECK_THAT(elevationDeg(sensor, 0), WithinAbs(-15, 1e-9));
   CHECK_THAT(elevationDeg(sensor, 937), WithinAbs(1, 1e-9));
@@ -280,6 +284,7 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
   CHECK(sensor.divergenceHorizontal == 0.0005);
   CHECK(sensor.maxReturns == 5);
   CHECK(lists(file.assumed, "the mirror's largest frequency, 50 Hz"));
+  CHECK_THAT(sensor.scanPeriod, WithinAbs(0.02, 1e-15));
   CHECK(lists(file.assumed, "scans of 0.02 s, 1 of the mirror's periods; 50 scans a second leave no gap"));
 
   const Sensor second = readSensorFile(heliosScanner(polygon), "scanners.xml", {.scanRate = 2, .columns = 40}).sensor;
@@ -356,6 +361,7 @@ TEST_CASE("HELIOS++: a head on a tripod turns while its mirror sweeps lines") {
   const SensorFile slow = readSensorFile(text, "scanners.xml", {.scanRate = 0.025, .columns = 360});
   CHECK(slow.sensor.columns == 360);
   CHECK(slow.sensor.rotationPeriod == 0);
+  CHECK(slow.sensor.scanPeriod == 40);
   CHECK_THAT(azimuthDeg(slow.sensor, 1) - azimuthDeg(slow.sensor, 0), WithinAbs(1, 1e-9));
   CHECK(lists(slow.assumed, "that all beams fire at once: a turn takes 40 s, and that of a sensor at most 10 s"));
   CHECK_THAT(problemOf(text, "scanners.xml", {.columns = 1000}),

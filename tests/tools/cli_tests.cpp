@@ -318,6 +318,7 @@ TEST_CASE("sensors tells how a file was understood, writes its beams and draws t
                              "masked_beams": [3, 3]})");
   CHECK_THAT(place.run("sensors twice.json").out, ContainsSubstring("7 in a cloud of 8 x 1, 1 masked\n"));
   CHECK_THAT(place.run("sensors os1-64:2048x10").out, ContainsSubstring("131,072") && ContainsSubstring("data sheet"));
+  CHECK_THAT(place.run("sensors tim781").out, ContainsSubstring("one every 66.6667 ms\n"));
   CHECK_THAT(place.run("sensors vlp-16").out, ContainsSubstring("Table 2 of the GnoSphere360 paper"));
   checkRefused("sensors OS1-64:7", 2, "has no mode '7', but 1024x10, 512x10");
   checkRefused("sensors --beams b.csv", 2, "name a sensor");

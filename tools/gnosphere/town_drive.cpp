@@ -59,6 +59,14 @@ Json patternsFor(const Scene& town) {
   return patterns;
 }
 
+/// The classes of vehicles and people that the patterns name: what stands in the town has boxes, as what moves has.
+Json boxedClasses(const Json& patterns) {
+  Json boxed = Json::array();
+  for (const char* name : {"car", "bicycle", "bus", "other-vehicle", "person"})
+    if (std::any_of(patterns.begin(), patterns.end(), [&](const Json& of) { return of == name; })) boxed.push_back(name);
+  return boxed;
+}
+
 Json car(const char* name, const std::string& trajectory, double ahead) {
   return {{"name", name},
           {"model", "car"},
@@ -148,6 +156,7 @@ void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vect
   Json scene = {{"file", fs::relative(townFile, fs::absolute(file).parent_path()).generic_string()}};
   const Json patterns = patternsFor(town);
   if (!patterns.empty()) scene["instances"] = patterns;
+  if (const Json boxed = boxedClasses(patterns); !boxed.empty()) scene["boxes"] = boxed;
   const Json drive = {
       {"name", "town"},
       {"duration", 10},
