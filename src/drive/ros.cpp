@@ -20,7 +20,11 @@ std::span<const Field> cloudFields() {
   return kFields;
 }
 
-ros2::PointCloud2 cloudMessage(const Drive& drive, const RecordedScan& recorded) {
+ros2::MessageType cloudTypeOf(const RigSensor& sensor) {
+  return sensor.livoxCustom ? ros2::MessageType::livoxCustom : ros2::MessageType::pointCloud2;
+}
+
+ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded) {
   const RigSensor& sensor = drive.sensors[recorded.planned.sensor];
   const int64_t stamp = unixNanoseconds(drive, recorded.planned.time);
   if (sensor.livoxCustom) return ros2::livoxCustomOf(recorded.scan, sensor.name, stamp, sensor.effects);

@@ -14,8 +14,8 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr const char* kLine = "================================================================================\n";
-constexpr const char* kHeader = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n";
-constexpr const char* kTime = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr const char* kHeaderText = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n";
+constexpr const char* kTimeText = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
 constexpr const char* kVector = "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
 constexpr const char* kQuaternion = "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
 
@@ -95,31 +95,31 @@ std::vector<McapSchema> messageSchemas() {
                    "MSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\n"
                    "uint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\n"
                    "uint8 datatype\nuint32 count\n",
-                   kHeader, kTime})},
+                   kHeaderText, kTimeText})},
           {"sensor_msgs/msg/LaserScan",
            joined({"std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\n"
                    "float32 time_increment\nfloat32 scan_time\nfloat32 range_min\nfloat32 range_max\n"
                    "float32[] ranges\nfloat32[] intensities\n",
-                   kHeader, kTime})},
+                   kHeaderText, kTimeText})},
           {"tf2_msgs/msg/TFMessage",
            joined({"geometry_msgs/TransformStamped[] transforms\n",
                    "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
                    "geometry_msgs/Transform transform\n",
                    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
                    "geometry_msgs/Quaternion rotation\n",
-                   kVector, kQuaternion, kHeader, kTime})},
-          {"rosgraph_msgs/msg/Clock", joined({"builtin_interfaces/Time clock\n", kTime})},
+                   kVector, kQuaternion, kHeaderText, kTimeText})},
+          {"rosgraph_msgs/msg/Clock", joined({"builtin_interfaces/Time clock\n", kTimeText})},
           {"sensor_msgs/msg/Imu",
            joined({"std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
                    "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
                    "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
-                   kVector, kQuaternion, kHeader, kTime})},
+                   kVector, kQuaternion, kHeaderText, kTimeText})},
           {"livox_ros_driver2/msg/CustomMsg",
            joined({"std_msgs/Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\nuint8[3] rsvd\n"
                    "livox_ros_driver2/CustomPoint[] points\n",
                    "MSG: livox_ros_driver2/CustomPoint\nuint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\n"
                    "uint8 reflectivity\nuint8 tag\nuint8 line\n",
-                   kHeader, kTime})}};
+                   kHeaderText, kTimeText})}};
 }
 
 uint16_t schemaOf(ros2::MessageType type) {
