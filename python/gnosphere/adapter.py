@@ -277,7 +277,12 @@ def point_cloud2(
 
 
 def laser_scan(
-    scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0,
+    scan: gno.Scan,
+    sensor: gno.Sensor,
+    channel: int = 0,
+    *,
+    frame_id: str = "lidar",
+    stamp: float = 0.0,
     frame: Optional[int] = None,
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
@@ -294,7 +299,9 @@ def laser_scan(
             f"{sensor.width()}: it is a scan of another sensor"
         )
     if len(sensor.patterns) > 1 and frame is None:
-        raise ValueError(f"the sensor {sensor.name} has {len(sensor.patterns)} patterns; `frame` chooses that of the scan")
+        raise ValueError(
+            f"the sensor {sensor.name} has {len(sensor.patterns)} patterns; `frame` chooses that of the scan"
+        )
     if not 0 <= channel < scan.channels:
         raise ValueError(f"there is no channel {channel}; the scan has {scan.channels}, counted from 0")
     columns = scan.columns
@@ -320,7 +327,9 @@ def laser_scan(
     ranges = scan.ranges[entries][order]
     invalid = np.isin(order + channel * columns, sensor.masked_beams)
     if scan.has(gno.Field.cause):
-        invalid |= np.isin(scan.column(gno.Field.cause)[entries][order], [int(gno.Cause.dead), int(gno.Cause.dropped_out)])
+        invalid |= np.isin(
+            scan.column(gno.Field.cause)[entries][order], [int(gno.Cause.dead), int(gno.Cause.dropped_out)]
+        )
     nearest, farthest = own(beams.range_min), own(beams.range_max)
     message: dict[str, Any] = {
         "header": header(frame_id, stamp),

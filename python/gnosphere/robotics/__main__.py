@@ -49,7 +49,9 @@ def describe(found: RobotScene) -> None:
     for number, mounted in enumerate(found.sensors):
         rate = f", {mounted.rate:g} scans a second" if mounted.rate else ""
         print(f"lidar {mounted.name}: {mounted.sensor.beam_count():,} beams{rate}")
-        print(f"  on {mounted.frame} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}")
+        print(
+            f"  on {mounted.frame} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}"
+        )
     for what, count in found.left_out.items():
         print(f"left out: {what} ({count})")
 
