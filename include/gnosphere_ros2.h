@@ -134,8 +134,9 @@ GNO_API gno_status gno_ros2_publish_imu(gno_ros2_publisher publisher, const gno_
 /* The returns of a scan with these fields, as a cloud. */
 GNO_API gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
                                          size_t field_count, const char* frame, int64_t stamp);
-/* The returns of a scan as a driver publishes them, in the order of their times. The scan needs GNO_FIELD_TIME. `effects` are
- * those of the scan, or null for automatic ones: the scale of its intensities, and the mode of its returns. */
+/* The returns of a scan as a driver publishes them, in the order of their times. The scan needs GNO_FIELD_TIME.
+ * `effects` are those of the scan, or null for automatic ones: the scale of its intensities, and the mode of its
+ * returns. */
 GNO_API gno_status gno_ros2_publish_driver_scan(gno_ros2_publisher publisher, gno_scan scan, gno_ros2_driver driver,
                                                 const char* frame, int64_t stamp, gno_effects effects);
 /* The returns of a scan in a livox_ros_driver2/CustomMsg, which FAST-LIO reads; otherwise as the function before. */
