@@ -63,7 +63,8 @@ Json patternsFor(const Scene& town) {
 Json boxedClasses(const Json& patterns) {
   Json boxed = Json::array();
   for (const char* name : {"car", "bicycle", "bus", "other-vehicle", "person"})
-    if (std::any_of(patterns.begin(), patterns.end(), [&](const Json& of) { return of == name; })) boxed.push_back(name);
+    if (std::any_of(patterns.begin(), patterns.end(), [&](const Json& of) { return of == name; }))
+      boxed.push_back(name);
   return boxed;
 }
 
