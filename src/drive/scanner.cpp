@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drive/pose_math.hpp"
+#include "drive/ros.hpp"
 #include "gnosphere/options.hpp"
 #include "sensor/beams.hpp"
 
@@ -65,6 +66,7 @@ void Scanner::scan(FrameRecord& record) {
 SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {
   const RigSensor& rigged = drive_.sensors[sensor];
   fields.insert(Field::time);
+  if (isFlat(rigged.sensor)) fields.insert(Field::cause);  // a laser scan has NaN for beams that are dead or lost
   if (rigged.effects.intensity.use == EffectUse::off) fields.erase(Field::intensity);
   SensorRequest request(rigged.sensor, rigged.effects, {fields.begin(), fields.end()});
   request.sensor.name = rigged.name;  // which warnings and errors tell, as a rig may have several heads of one kind
