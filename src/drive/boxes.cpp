@@ -69,7 +69,7 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
     const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
     const double entry = entryRange(from, along, size);
     if (!(entry < INFINITY)) return;
-    // Of rain, snow, fog and dust, and of beams without a return, nobody knows what lies behind or in front.
+    // A beam without a return from a surface does not tell whether something stands before the box.
     bool meets = false, arrives = false;
     for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
       const uint32_t met = recorded.scan.instances[i];

@@ -12,7 +12,7 @@
 namespace gnosphere::drive {
 namespace {
 
-/// A scene that has one mesh of another one, its materials and their images.
+/// Returns a scene that has one mesh of another one, its materials and their images.
 Scene modelOf(const Scene& scene, uint32_t mesh) {
   Scene model;
   model.meshes = {scene.meshes[mesh]};
@@ -33,6 +33,7 @@ Scene modelOf(const Scene& scene, uint32_t mesh) {
   return model;
 }
 
+/// Returns the upright pose of an instance of a mesh with these bounds, see takeStanding().
 Pose uprightPoseOf(const Transform& transform, const Bounds& bounds) {
   const auto& r = transform.rows;
   const Vec3 extent = bounds.max - bounds.min;
@@ -52,7 +53,13 @@ Pose uprightPoseOf(const Transform& transform, const Bounds& bounds) {
 void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const Instance&)>& category,
                   StandingActors& standing) {
   constexpr double kSteps = 1e9;  // of the numbers in the matrix of a model, so that equal cars share one
-  std::map<std::pair<uint32_t, std::array<double, 12>>, size_t> models;
+  const size_t before = standing.actors.size();
+  struct Shape {
+    Scene model;
+    Bounds bounds;
+  };
+  std::map<uint32_t, Shape> shapes;                                      // by mesh
+  std::map<std::pair<uint32_t, std::array<double, 12>>, size_t> models;  // by mesh and matrix
   std::vector<Instance> rest;
   for (Instance& instance : scene.instances) {
     const std::optional<size_t> chosen = category(instance);
@@ -60,14 +67,19 @@ void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const 
       rest.push_back(std::move(instance));
       continue;
     }
-    Scene model = modelOf(scene, instance.mesh);
-    const Pose pose = uprightPoseOf(instance.transform, worldBounds(model));
+    const auto [found, isFirst] = shapes.try_emplace(instance.mesh);
+    Shape& shape = found->second;
+    if (isFirst) {
+      shape.model = modelOf(scene, instance.mesh);
+      shape.bounds = worldBounds(shape.model);
+    }
+    const Pose pose = uprightPoseOf(instance.transform, shape.bounds);
     Transform inFrame = transformOf(inverse(pose)) * instance.transform;
     for (double& number : inFrame.rows) number = std::round(number * kSteps) / kSteps;
     const auto [shared, isNew] = models.try_emplace({instance.mesh, inFrame.rows}, standing.models.size());
     if (isNew) {
+      Scene& model = standing.models.emplace_back(shape.model);
       model.instances[0].transform = inFrame;
-      standing.models.push_back(std::move(model));
     }
     Actor& actor = standing.actors.emplace_back();
     actor.name = instance.name;
@@ -75,9 +87,8 @@ void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const 
     actor.category = *chosen;
     actor.trajectory = Trajectory({{0, pose}});
   }
-  if (standing.actors.empty()) return;
   scene.instances = std::move(rest);
-  scene.animation = {};
+  if (standing.actors.size() > before) scene.animation = {};
 }
 
 }  // namespace gnosphere::drive

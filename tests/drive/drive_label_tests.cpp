@@ -98,6 +98,27 @@ TEST_CASE("a box's visibility does not depend on fog before it, nor on returns t
   }
 }
 
+TEST_CASE("a car behind glass is seen") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["duration"] = 0.1;
+  json["sensors"][0]["effects"] = {{"returns", {{"count", 2}}}};
+  json["actors"] = {car("behind", {facing(waypoint(0, 8, 0, 0.75), 90)})};
+  folder.run(json, "clear");
+  MeshBuilder quad;
+  quad.quad({4, -9, -1}, {0, 18, 0}, {0, 0, 6});
+  Scene pane = sceneOf(quad.take());
+  pane.materials.resize(1);
+  pane.materials[0].transmission = 0.5f;
+  writeGlb(pane, folder / "pane.glb");
+  json["scenes"].push_back({{"file", "pane.glb"}, {"class", "ground"}});
+  folder.run(json, "glass");
+  const Json clear = boxesOf(folder, 0, "clear")["behind"], behind = boxesOf(folder, 0, "glass")["behind"];
+  CHECK(clear["visibility"] == 1);
+  CHECK(behind["visibility"] == 1);
+  CHECK(behind["points"].get<uint64_t>() > 0);
+}
+
 TEST_CASE("the velocity of an actor is taken within its trajectory, and it stands before and after that") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -116,7 +137,7 @@ TEST_CASE("the velocity of an actor is taken within its trajectory, and it stand
   for (const double time : {0.25, 0.26, 0.3, 0.6, 0.64, 0.65})
     for (const size_t actor : {size_t{0}, size_t{1}}) CHECK_THAT(speed(actor, time, time), WithinAbs(10, 1e-9));
   for (const double time : {0.0, 0.2, 0.24, 0.66, 0.7, 0.9}) CHECK(speed(0, time, time) == 0);
-  // With it; an actor that arrives within a scan moves more slowly in it.
+  // With motion within the scan, an actor that arrives in the scan is slower there.
   for (const size_t actor : {size_t{0}, size_t{1}}) CHECK_THAT(speed(actor, 0.25, 0.35), WithinAbs(10, 1e-9));
   CHECK_THAT(speed(0, 0.6, 0.7), WithinAbs(5, 1e-9));
   CHECK_THAT(speed(1, 0.6, 0.7), WithinAbs(10, 1e-9));
@@ -287,4 +308,14 @@ TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and 
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0].starts_with("outputs[0]: 'side' starts no scan in 5 of 10 samples"));
   CHECK(warnings[1] == "scenes[0].boxes: no instance has any of these classes");
+}
+
+TEST_CASE("a scene of which no instance has boxes keeps its instances and their names") {
+  const DriveFolder folder;
+  put(folder / "floor.obj", std::string("o a floor that has more letters than a short string\n") + kFloor);
+  Json json = smallDrive();
+  json["scenes"][0]["boxes"] = {"person"};
+  const std::vector<Instance> instances = folder.read(json).scenes[0].instances;
+  REQUIRE(instances.size() == 1);
+  CHECK(instances[0].name == "a floor that has more letters than a short string");
 }
