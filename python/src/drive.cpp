@@ -98,8 +98,8 @@ void bindDrive(nb::module_& parent) {
       "drive"_a, "options"_a,
       "Makes the frames that are not complete, without holding the GIL. A frame has the same bytes wherever and "
       "whenever it is made. Ctrl-C ends the run after the frame that is being scanned. If this raises, complete frames "
-      "stay, and a later call goes on from there. Raises "
-      "Error(invalid_argument) for a shard or a range of frames that there is not.");
+      "stay, and a later call goes on from there. Raises Error(invalid_argument) for a shard or a range of frames that "
+      "there is not.");
 }
 
 }  // namespace gnosphere::python

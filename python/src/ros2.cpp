@@ -258,9 +258,8 @@ void bindRos2(nb::module_& parent) {
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
       "a return is inf, also if NearHits.hide has taken the return; one that the sensor masks, and with the field "
-      "cause "
-      "one that is dead or whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel that "
-      "there is not, for a scan of another sensor, and unless has_laser_scan().");
+      "cause one that is dead or whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel "
+      "that there is not, for a scan of another sensor, and unless has_laser_scan().");
 }
 
 }  // namespace gnosphere::python

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the header of NPY 1.0 to 3.0: a Python dictionary, in the few forms in which NumPy writes it.
+// Reads the header of NPY 1.0 to 3.0, a Python dictionary in the few forms in which NumPy writes it, and writes that of
+// NPY 1.0.
 #pragma once
 
 #include <charconv>
@@ -134,6 +135,19 @@ inline NpyHeader readNpyHeader(std::string_view bytes, const std::string& file) 
   header.dataAt = start + size;
   NpyDictionary(file, bytes.substr(start, size)).read(header);
   return header;
+}
+
+/// Returns the header of NPY 1.0 for a type and a shape as Python writes them, such as "'<f4'" and "(5, 4)": magic,
+/// version, length of the text, and the text, padded so that the data starts at a multiple of 64 bytes.
+inline std::string npyHeaderOf(const std::string& type, const std::string& shape) {
+  std::string text = "{'descr': " + type + ", 'fortran_order': False, 'shape': " + shape + ", }";
+  constexpr size_t kFixed = 10;
+  text.append(63 - (kFixed + text.size()) % 64, ' ');
+  text += '\n';
+  std::string header("\x93NUMPY\x01\x00", 8);
+  header += static_cast<char>(text.size() & 0xff);
+  header += static_cast<char>(text.size() >> 8);
+  return header + text;
 }
 
 }  // namespace gnosphere

@@ -14,6 +14,20 @@
 
 namespace gnosphere::drive {
 
+namespace {
+
+/// Returns the times of the numbers `first` to `next` - 1 at a rate, or of those from `first` on until all scans have
+/// ended in the `last` frame.
+std::vector<double> timesOf(const Drive& drive, uint64_t frame, bool last, uint64_t first, uint64_t next, double rate) {
+  const double end = last ? endOfScans(drive, frame) : 0;
+  std::vector<double> times;
+  for (uint64_t i = first; last ? times.empty() || times.back() < end : i < next; ++i)
+    times.push_back(drive.start + static_cast<double>(i) / rate);
+  return times;
+}
+
+}  // namespace
+
 std::span<const Field> cloudFields() {
   static constexpr Field kFields[] = {Field::x,    Field::y,    Field::z,       Field::intensity,
                                       Field::time, Field::ring, Field::classId, Field::instance};
@@ -62,12 +76,8 @@ uint64_t firstMeasurement(const Drive& drive, uint64_t frame) {
 }
 
 std::vector<double> imuTimes(const Drive& drive, uint64_t frame, bool last) {
-  const uint64_t first = firstMeasurement(drive, frame), next = firstMeasurement(drive, frame + 1);
-  const double end = last ? endOfScans(drive, frame) : 0;
-  std::vector<double> times;
-  for (uint64_t i = first; last ? times.empty() || times.back() < end : i < next; ++i)
-    times.push_back(drive.start + static_cast<double>(i) / drive.imu->rate);
-  return times;
+  return timesOf(drive, frame, last, firstMeasurement(drive, frame), firstMeasurement(drive, frame + 1),
+                 drive.imu->rate);
 }
 
 ros2::Imu imuMessage(const Drive& drive, double time) {
@@ -127,12 +137,8 @@ uint64_t posesPerFrame(const Drive& drive) {
 }
 
 std::vector<double> poseTimes(const Drive& drive, uint64_t frame, bool last) {
-  const uint64_t count = posesPerFrame(drive), first = frame * count;
-  const double rate = drive.rate * static_cast<double>(count), end = last ? endOfScans(drive, frame) : 0;
-  std::vector<double> times;
-  for (uint64_t i = 0; last ? times.empty() || times.back() < end : i < count; ++i)
-    times.push_back(drive.start + static_cast<double>(first + i) / rate);
-  return times;
+  const uint64_t count = posesPerFrame(drive);
+  return timesOf(drive, frame, last, frame * count, (frame + 1) * count, drive.rate * static_cast<double>(count));
 }
 
 }  // namespace gnosphere::drive

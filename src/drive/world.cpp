@@ -2,10 +2,10 @@
 #include "drive/world.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "base/vector.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive {
@@ -67,17 +67,13 @@ std::vector<Vec3> verticesAt(const Scene& model, const Transform& size, const Sc
   return vertices;
 }
 
-bool isFinite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 Bounds boundsAround(const std::vector<Vec3>& vertices) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const Vec3& v : vertices) {
     if (!isFinite(v)) continue;
-    bounds.min = {std::min(bounds.min.x, v.x), std::min(bounds.min.y, v.y), std::min(bounds.min.z, v.z)};
-    bounds.max = {std::max(bounds.max.x, v.x), std::max(bounds.max.y, v.y), std::max(bounds.max.z, v.z)};
+    bounds.min = lowest(bounds.min, v);
+    bounds.max = highest(bounds.max, v);
   }
   return bounds;
 }

@@ -38,9 +38,9 @@ class World {
     /// Whether it moves faster than 0.1 m/s.
     bool isMoving() const;
   };
-  /// Returns where a scan from `begin` to `end` finds an actor at `time`: on the straight way from its place at `begin`
-  /// to that at `end`, see place(), with the mean velocity of this way. If both are the same time, the actor stands
-  /// during the scan, and has the velocity of its trajectory.
+  /// Returns the placement at `time` of an actor that moves within a scan from `begin` to `end`: the actor is on the
+  /// straight way between its places at these two times, and has the mean velocity of this way. If `begin` is `end`,
+  /// the actor stands during the scan, and has the velocity of its trajectory.
   Placement placementOf(size_t actor, double begin, double end, double time) const;
 
   /// The functions by which place() hands over the transform of each instance and the deformation of each mesh.

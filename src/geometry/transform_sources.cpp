@@ -2,9 +2,9 @@
 #include "geometry/transform_sources.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/room.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -24,8 +24,7 @@ void validate(const CallerTransforms& buffer) {
     refuse("has " + std::to_string(buffer.bytes) + " bytes; " + std::to_string(buffer.instances) + " transforms, " +
            std::to_string(buffer.stride) + " bytes apart, need " + std::to_string(needed));
   if (needed > UINT32_MAX) refuse("takes more than 4 GiB");
-  if (!std::isfinite(buffer.origin.x) || !std::isfinite(buffer.origin.y) || !std::isfinite(buffer.origin.z))
-    refuse("has an origin that is not finite");
+  if (!isFinite(buffer.origin)) refuse("has an origin that is not finite");
 }
 
 void TransformSources::set(const CallerTransforms& buffer) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/file.hpp"
+#include "base/npy.hpp"
 #include "output/cloud_bytes.hpp"
 #include "output/cloud_format.hpp"
 #include "output/cloud_rows.hpp"
@@ -155,27 +156,17 @@ std::string plyHeader(const CloudRows& table, bool ascii) {
   return header + "end_header\n";
 }
 
-/// Returns the header of NPY 1.0: magic, version, length of the text, and the text, padded so that the data starts at a
-/// multiple of 64 bytes.
 std::string npyHeader(const CloudRows& table, bool) {
-  std::string text = "{'descr': [";
+  std::string types = "[";
   for (const ColumnInfo& info : table.columns) {
-    text.append("('").append(info.name).append(sizeOf(info.type) == 1 ? "', '|" : "', '<");
-    text.append(letterOf(info.type) == 'F' ? "f" : "u").append(std::to_string(sizeOf(info.type))).append("'), ");
+    types.append("('").append(info.name).append(sizeOf(info.type) == 1 ? "', '|" : "', '<");
+    types.append(letterOf(info.type) == 'F' ? "f" : "u").append(std::to_string(sizeOf(info.type))).append("'), ");
   }
-  text.resize(text.size() - 2);
-  text += "], 'fortran_order': False, 'shape': (";
-  text += table.rows.compact()
-              ? std::to_string(table.rows.count()) + ","
-              : std::to_string(table.rows.scan().channels) + ", " + std::to_string(table.rows.scan().columns);
-  text += "), }";
-  constexpr size_t kFixed = 10;
-  text.append(63 - (kFixed + text.size()) % 64, ' ');
-  text += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += static_cast<char>(text.size() & 0xff);
-  header += static_cast<char>(text.size() >> 8);
-  return header + text;
+  types.replace(types.size() - 2, 2, "]");
+  const Scan& scan = table.rows.scan();
+  return npyHeaderOf(types, table.rows.compact()
+                                ? "(" + std::to_string(table.rows.count()) + ",)"
+                                : "(" + std::to_string(scan.channels) + ", " + std::to_string(scan.columns) + ")");
 }
 
 std::string csvHeader(const CloudRows& table, bool) {

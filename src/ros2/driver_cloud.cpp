@@ -73,7 +73,7 @@ double unixSeconds(const Point& point) {
   const int64_t time = point.time();
   return static_cast<double>(time / kPerSecond) + static_cast<double>(time % kPerSecond) * kNano;
 }
-/// 100 for a diffuse white surface, more for retro-reflectors, at most 255.
+/// Returns 100 for a diffuse white surface, more for retro-reflectors, at most 255.
 double reflectivity(const Point& point) {
   const bool unit = point.effects.intensity.scale == Effects::Intensity::Scale::unit;
   return std::clamp(double{point.value.intensity} * (unit ? 100 : 1), 0.0, 255.0);
@@ -111,34 +111,34 @@ struct DriverField {
 };
 
 // clang-format off
-// Of velodyne_pointcloud 2 (PointXYZIRT), with timestamp_first_packet.
+// velodyne_pointcloud 2 publishes these with timestamp_first_packet (PointXYZIRT).
 constexpr DriverField kVelodyne[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::f32, reflectivity}, {"ring", 16, Type::u16, ring}, {"time", 18, Type::f32, seconds}};
-// Of ouster-ros (ouster_ros::Point, point_type "original"), whose size is a multiple of 16.
+// ouster-ros publishes these with the point_type "original" (ouster_ros::Point, whose size is a multiple of 16).
 constexpr DriverField kOuster[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 16, Type::f32, reflectivity}, {"t", 20, Type::u32, nanoseconds},
     {"reflectivity", 24, Type::u16, reflectivity}, {"ring", 26, Type::u16, ring}, {"ambient", 28, Type::u16, zero},
     {"range", 32, Type::u32, millimetres}};
-// Of HesaiLidar_ROS_2.0 (PointXYZIRT) and rslidar_sdk (POINT_TYPE XYZIRT).
+// HesaiLidar_ROS_2.0 (PointXYZIRT) and rslidar_sdk (POINT_TYPE XYZIRT) publish these.
 constexpr DriverField kHesai[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::f32, reflectivity}, {"ring", 16, Type::u16, ring},
     {"timestamp", 18, Type::f64, unixSeconds}};
-// Of livox_ros_driver2 (LivoxPointXyzrtlt, xfer_format 0).
+// livox_ros_driver2 publishes these with xfer_format 0 (LivoxPointXyzrtlt).
 constexpr DriverField kLivox[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::f32, reflectivity}, {"tag", 16, Type::u8, livoxTag}, {"line", 17, Type::u8, ring},
     {"timestamp", 18, Type::f64, unixNanoseconds}};
-// Of livox_ros_driver2 (CustomPoint, xfer_format 1), in the memory of a LivoxPoint.
+// livox_ros_driver2 publishes these with xfer_format 1 (CustomPoint). The offsets are those in a LivoxPoint.
 constexpr DriverField kCustomFields[] = {
     {"offset_time", offsetof(LivoxPoint, offsetTime), Type::u32, nanoseconds},
     {"x", offsetof(LivoxPoint, x), Type::f32, x}, {"y", offsetof(LivoxPoint, y), Type::f32, y},
     {"z", offsetof(LivoxPoint, z), Type::f32, z},
     {"reflectivity", offsetof(LivoxPoint, reflectivity), Type::u8, reflectivity},
     {"tag", offsetof(LivoxPoint, tag), Type::u8, livoxTag}, {"line", offsetof(LivoxPoint, line), Type::u8, ring}};
-// Of autoware_point_types (PointXYZIRCAEDT), which the drivers of Nebula publish.
+// The drivers of Nebula publish the PointXYZIRCAEDT of autoware_point_types.
 constexpr DriverField kAutoware[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::u8, reflectivity}, {"return_type", 13, Type::u8, autowareReturn},

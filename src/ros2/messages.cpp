@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
+#include <optional>
 #include <span>
 
 #include "base/units.hpp"
@@ -97,7 +97,7 @@ struct Checker {
   }
 };
 
-/// A row of the organised cloud of a sensor, as its beams follow one another.
+/// A row of the organised cloud of a sensor, whose beams are evenly spaced in azimuth.
 struct Row {
   size_t first;
   uint32_t columns;
@@ -116,9 +116,10 @@ struct Row {
     timeStep = columns > 1 ? (timeOf(sensor, first + columns - 1) - timeOf(sensor, first)) / (columns - 1) : 0;
   }
 
-  /// Whether the azimuths of a list are where begin and step put them.
+  /// Whether the azimuths of a list are where begin and step put them, within less than a turn.
   bool isEven(const Sensor& sensor) const {
     constexpr double kTolerance = 1e-4;  // rad, as single precision of directions and decimals of files allow
+    if (std::abs(step) * (columns - 1) >= 2 * std::numbers::pi) return false;
     for (uint32_t i = 0; i < columns; ++i) {
       const double azimuth = azimuthOf(sensor, first + i), wanted = begin + step * i;
       if (std::abs(std::remainder(azimuth - wanted, 2 * std::numbers::pi)) > kTolerance) return false;
@@ -126,6 +127,13 @@ struct Row {
     return true;
   }
 };
+
+/// Returns the row of a channel, or none unless a LaserScan can have its beams.
+std::optional<Row> rowOf(const Sensor& sensor, uint32_t channel) {
+  if (channel >= sensor.height() || sensor.patterns.size() > 1) return {};
+  const Row row(sensor, channel);
+  return sensor.isGrid() || row.isEven(sensor) ? std::optional(row) : std::nullopt;
+}
 
 }  // namespace
 
@@ -151,39 +159,36 @@ PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const st
 }
 
 bool hasLaserScan(const Sensor& sensor, uint32_t channel) {
-  if (channel >= sensor.height() || sensor.patterns.size() > 1) return false;
-  if (sensor.isGrid()) return true;
-  const Row row(sensor, channel);
-  return std::abs(row.step) * (row.columns - 1) < 2 * std::numbers::pi && row.isEven(sensor);
+  return rowOf(sensor, channel).has_value();
 }
 
 LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
                       int64_t stamp) {
   if (channel >= sensor.height() || scan.columns != sensor.width() || scan.channels != sensor.height())
     refuse("laserScanOf: the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
-  if (!hasLaserScan(sensor, channel))
+  const std::optional<Row> row = rowOf(sensor, channel);
+  if (!row)
     refuse("laserScanOf: the sensor " + sensor.name +
            " is a list of beams, of which a LaserScan needs one pattern whose "
            "beams are evenly spaced in azimuth");
-  const Row row(sensor, channel);
-  const RangeWindow window = rangeWindowOf(sensor, row.first);
+  const RangeWindow window = rangeWindowOf(sensor, row->first);
   LaserScan laser;
   laser.stamp = stamp;
   laser.frame = frame;
-  laser.angleMin = static_cast<float>(row.begin);
-  laser.angleMax = static_cast<float>(row.begin + row.step * (row.columns - 1));
-  laser.angleIncrement = static_cast<float>(row.step);
-  laser.timeIncrement = static_cast<float>(row.timeStep);
+  laser.angleMin = static_cast<float>(row->begin);
+  laser.angleMax = static_cast<float>(row->begin + row->step * (row->columns - 1));
+  laser.angleIncrement = static_cast<float>(row->step);
+  laser.timeIncrement = static_cast<float>(row->timeStep);
   laser.scanTime = static_cast<float>(sensor.scanPeriod > 0 ? sensor.scanPeriod : durationOf(sensor, 0));
   laser.rangeMin = static_cast<float>(window.least);
   laser.rangeMax = static_cast<float>(window.most);
-  const std::set<size_t> masked(sensor.maskedBeams.begin(), sensor.maskedBeams.end());
+  const std::vector<bool> silent = silentBeams(sensor);
   const bool intense = scan.has(Field::intensity), explained = scan.has(Field::cause);
-  for (size_t beam = row.first; beam < row.first + row.columns; ++beam) {
+  for (size_t beam = row->first; beam < row->first + row->columns; ++beam) {
     const size_t entry = beam * scan.returns;
     const bool returned = scan.returned(entry);
     const auto cause = static_cast<Cause>(explained ? scan.column<uint8_t>(Field::cause)[entry] : 0);
-    const bool invalid = masked.contains(beam) || cause == Cause::dead || cause == Cause::droppedOut;
+    const bool invalid = silent[beam] || cause == Cause::dead || cause == Cause::droppedOut;
     laser.ranges.push_back(returned  ? scan.ranges[entry]
                            : invalid ? std::numeric_limits<float>::quiet_NaN()
                                      : std::numeric_limits<float>::infinity());

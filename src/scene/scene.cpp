@@ -54,7 +54,7 @@ Bounds worldBounds(const Scene& scene) {
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
       const Vec3 p = instance.transform * Vec3{mesh.origin.x + positions[3 * v], mesh.origin.y + positions[3 * v + 1],
                                                mesh.origin.z + positions[3 * v + 2]};
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+      if (!isFinite(p)) continue;
       bounds.min = lowest(bounds.min, p);
       bounds.max = highest(bounds.max, p);
     }

@@ -52,7 +52,7 @@ class Mcap : public Format {
       const int64_t end = timeOf(recorded.planned.time + recorded.duration);
       add(cloudChannel(sensor), recorded.planned.number, end, kMostPointBytes * recorded.points,
           [&] { return cloudMessage(drive_, recorded); });
-      if (isFlat(drive_.sensors[sensor].sensor))
+      if (hasLaserScans(sensor))
         add(laserChannel(sensor), recorded.planned.number, end, 2 * sizeof(float) * recorded.scan.beamCount(),
             [&] { return laserMessage(drive_, recorded); });
     }
@@ -97,7 +97,7 @@ class Mcap : public Format {
     std::map<uint16_t, uint64_t> counts = {{kTf, lastFrame * posesPerFrame(drive_) + last.size()}, {kTfStatic, 1}};
     eachScan(frames, [&](const ScanSummary& scan) {
       ++counts[cloudChannel(scan.planned.sensor)];
-      if (isFlat(drive_.sensors[scan.planned.sensor].sensor)) ++counts[laserChannel(scan.planned.sensor)];
+      if (hasLaserScans(scan.planned.sensor)) ++counts[laserChannel(scan.planned.sensor)];
     });
     if (drive_.imu) counts[imuChannel()] = firstMeasurement(drive_, lastFrame) + measured.size();
     uint64_t messages = 0;
@@ -126,6 +126,7 @@ class Mcap : public Format {
 
   int64_t timeOf(double time) const { return unixNanoseconds(drive_, time); }
   std::string chunkPath(uint64_t frame) const { return path(numberText("chunks/%06llu", frame)); }
+  bool hasLaserScans(size_t sensor) const { return std::ranges::count(flat_, sensor) > 0; }
   static uint16_t placeOf(size_t sensor, const std::vector<size_t>& sensors) {
     return static_cast<uint16_t>(std::find(sensors.begin(), sensors.end(), sensor) - sensors.begin());
   }

@@ -88,8 +88,8 @@ class NuScenes : public Format {
     return rows;
   }
 
-  /// Moves the points of a scan, of which each is in the frame of the sensor at its own time, to the frame at the
-  /// scan's start.
+  /// Moves the points of a scan to the sensor's frame at the scan's start. Before, each point is in the frame that the
+  /// sensor has at the time of the point.
   void compensate(const RecordedScan& recorded, std::string& rows, size_t stride) const {
     const Scan& scan = recorded.scan;
     const auto seconds = scan.column<float>(Field::time);

@@ -6,23 +6,12 @@
 #include <cstdio>
 
 #include "base/decimal_point.hpp"
+#include "base/npy.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive {
 namespace {
-
-/// Returns a file of NumPy with an array (rows, 4) of floats. Its head is a multiple of 64 bytes.
-std::string npyOf(const std::string& floats) {
-  const size_t rows = floats.size() / (4 * sizeof(float));
-  std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", 4), }";
-  constexpr size_t kMagicBytes = 10, kAlignment = 64;
-  head.append(kAlignment - 1 - (kMagicBytes + head.size()) % kAlignment, ' ').append("\n");
-  std::string file("\x93NUMPY\x01\x00", 8);
-  file += static_cast<char>(head.size() & 0xff);
-  file += static_cast<char>(head.size() >> 8);
-  return file + head + floats;
-}
 
 class OpenPcdet : public Format {
  public:
@@ -35,7 +24,8 @@ class OpenPcdet : public Format {
     eachScan(frame, [&](const RecordedScan& recorded) {
       const std::string number = numberText("%06llu", recorded.planned.number);
       const std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
-      files.push_back({path("points/" + number + ".npy"), npyOf(rows), ""});
+      const std::string shape = "(" + std::to_string(rows.size() / (4 * sizeof(float))) + ", 4)";
+      files.push_back({path("points/" + number + ".npy"), npyHeaderOf("'<f4'", shape) + rows, ""});
       std::string labels;
       for (const Box& box : recorded.boxes) labels += lineOf(box);
       files.push_back({path("labels/" + number + ".txt"), labels, ""});

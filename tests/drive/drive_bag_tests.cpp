@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bags of ROS 2: laser scans, and what an inertial unit measures.
+#include <algorithm>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+
+#include "base/vector.hpp"
+#include "bits.hpp"
+#include "drive/pose_math.hpp"
+#include "drive/ros.hpp"
+#include "drive_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+/// Returns the messages of a channel of an MCAP file, in their order in the chunks.
+std::vector<std::string> messagesOf(const std::string& mcap, uint16_t channel, std::vector<int64_t>* times = nullptr) {
+  std::vector<std::string> messages;
+  for (size_t chunk = 8; chunk < mcap.size() - 8; chunk += 9 + at<uint64_t>(mcap, chunk + 1)) {
+    if (at<uint8_t>(mcap, chunk) != 6) continue;
+    const size_t end = chunk + 9 + at<uint64_t>(mcap, chunk + 1);
+    for (size_t p = chunk + 9 + 8 + 8 + 8 + 4 + 4 + 8; p < end; p += 9 + at<uint64_t>(mcap, p + 1)) {
+      if (at<uint16_t>(mcap, p + 9) != channel) continue;
+      CHECK(at<uint32_t>(mcap, p + 11) == messages.size());
+      if (times) times->push_back(at<int64_t>(mcap, p + 15));
+      messages.push_back(mcap.substr(p + 31, at<uint64_t>(mcap, p + 1) - 22));
+    }
+  }
+  return messages;
+}
+
+/// A drive whose vehicle goes along a curve that changes its direction and its speed, with a stamp every 20 ms.
+Json curvedDrive() {
+  Json json = smallDrive(), waypoints = Json::array();
+  for (int i = 0; i <= 50; ++i) {
+    const double t = 0.02 * i, yaw = 0.8 * std::sin(2 * t);
+    Json point = waypoint(t, 5 * t + 2 * std::sin(3 * t), std::cos(2 * t), 0.3 * std::sin(5 * t));
+    point["orientation"] = {0.1 * std::sin(4 * t) / 2, 0, std::sin(yaw / 2), std::cos(yaw / 2)};
+    waypoints.push_back(std::move(point));
+  }
+  json["ego"]["trajectory"]["waypoints"] = std::move(waypoints);
+  json["imu"] = {{"mount", {{"position", {1, 0.5, 2}}, {"yaw_pitch_roll_deg", {90, 0, 180}}}}, {"rate", 400}};
+  return json;
+}
+
+}  // namespace
+
+TEST_CASE("an inertial unit beside the middle of a turning vehicle goes on a circle of its own") {
+  constexpr double kTurnRate = 0.5;
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (int i = 0; i <= 200; ++i) {  // turns on the spot
+    const double half = kTurnRate * 0.01 * i / 2;
+    stamps.push_back({0.01 * i, {{3, 4, 5}, {0, 0, std::sin(half), std::cos(half)}}});
+  }
+  const drive::Trajectory turning(std::move(stamps));
+  const Pose mount = {{2, 0, 1}, {1, 0, 0, 0}};  // upside down
+  const drive::Trajectory::Rates rates = turning.ratesAt(1, mount);
+  const double angle = kTurnRate * 1;
+  CHECK_THAT(rates.velocity.x, WithinAbs(-2 * kTurnRate * std::sin(angle), 1e-3));
+  CHECK_THAT(rates.velocity.y, WithinAbs(2 * kTurnRate * std::cos(angle), 1e-3));
+  CHECK_THAT(rates.acceleration.x, WithinAbs(-2 * kTurnRate * kTurnRate * std::cos(angle), 1e-2));
+  CHECK_THAT(rates.acceleration.y, WithinAbs(-2 * kTurnRate * kTurnRate * std::sin(angle), 1e-2));
+  CHECK_THAT(rates.turnRate.z, WithinAbs(-kTurnRate, 1e-9));
+}
+
+TEST_CASE("the measurements of a drive's inertial unit, integrated, lead along its way") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(curvedDrive());
+  using drive::operator*;
+  const Pose& mount = drive.imu->mount;
+  Pose pose = drive.ego.at(0) * mount;
+  Vec3 velocity = drive.ego.ratesAt(0, mount).velocity;
+  double furthest = 0, mostTurned = 0;
+  constexpr double kStep = 1 / 400.0;
+  for (uint64_t frame = 0; frame < drive.frameCount(); ++frame)
+    for (const double time : drive::imuTimes(drive, frame, false)) {
+      const ros2::Imu imu = drive::imuMessage(drive, time + kStep / 2);  // in the middle of the step
+      const Vec3 half = 0.5 * kStep * imu.angularVelocity;
+      const Quaternion turn = normalized(Quaternion{half.x, half.y, half.z, 1});
+      const Vec3 acceleration = pose.orientation * imu.linearAcceleration - Vec3{0, 0, 9.80665};
+      pose.position = pose.position + kStep * velocity + 0.5 * kStep * kStep * acceleration;
+      velocity = velocity + kStep * acceleration;
+      pose.orientation = normalized(pose.orientation * turn);
+      const Pose truth = drive.ego.at(time + kStep) * mount;
+      furthest = std::max(furthest, lengthOf(pose.position - truth.position));
+      mostTurned = std::max(mostTurned, drive::angleBetween(pose.orientation, truth.orientation));
+    }
+  CHECK(furthest < 0.05);
+  CHECK(mostTurned < 0.01);
+}
+
+TEST_CASE("MCAP: a flat sensor has laser scans beside its clouds") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["sensors"][1]["sensor"]["elevation_deg"] = {0};
+  json["sensors"][1]["effects"] = {{"drop-out", {{"general_rate", 0.3}}}};
+  json["outputs"] = {{{"format", "mcap"}}};
+  folder.run(json);
+  const std::string mcap = folder.get("out/mcap/drive.mcap"), text = folder.get("out/mcap/metadata.yaml");
+  CHECK_THAT(text, ContainsSubstring("name: /side/scan\n        type: sensor_msgs/msg/LaserScan\n") &&
+                       !ContainsSubstring("/top/scan"));
+  const std::vector<std::string> scans = messagesOf(mcap, 5), clouds = messagesOf(mcap, 4);
+  REQUIRE(scans.size() == 5);
+  REQUIRE(clouds.size() == 5);
+  const std::string& cdr = scans[2];
+  CHECK(at<int32_t>(cdr, 4) == 1700000000);
+  CHECK(at<uint32_t>(cdr, 8) == 450000000);
+  CHECK(cdr.substr(16, 5) == std::string("side\0", 5));
+  CHECK_THAT(at<float>(cdr, 24), WithinAbs(-M_PI, 1e-6));
+  CHECK_THAT(at<float>(cdr, 24 + 4 * 2), WithinAbs(2 * M_PI / 90, 1e-6));
+  CHECK_THAT(at<float>(cdr, 24 + 4 * 4), WithinAbs(0.2, 1e-6));  // 5 scans a second
+  REQUIRE(at<uint32_t>(cdr, 24 + 4 * 7) == 90);
+  size_t returned = 0, lost = 0;
+  for (size_t i = 0; i < 90; ++i) {
+    const float range = at<float>(cdr, 24 + 4 * (8 + i));
+    returned += std::isfinite(range);
+    lost += std::isnan(range);
+  }
+  CHECK(lost > 0);  // at random, so nobody knows whether the way is free
+  CHECK(returned + lost < 90);
+  CHECK(returned == at<uint32_t>(clouds[2], 28));  // the width of the cloud
+  CHECK(returned > 0);
+}
+
+TEST_CASE("MCAP: the messages of an inertial unit, as many as the metadata say") {
+  const DriveFolder folder;
+  Json json = curvedDrive();
+  json["epoch"] = 1700000000;
+  json["imu"]["name"] = "imu-1";
+  json["imu"]["rate"] = 201;
+  json["outputs"] = {{{"format", "mcap"}}};
+  folder.run(json);
+  const drive::Drive drive = folder.read(json);
+  const std::string mcap = folder.get("out/mcap/drive.mcap"), text = folder.get("out/mcap/metadata.yaml");
+  CHECK_THAT(text, ContainsSubstring("name: /imu_1/data\n        type: sensor_msgs/msg/Imu\n"));
+  std::vector<int64_t> times;
+  const std::vector<std::string> messages = messagesOf(mcap, 5, &times);  // after the transforms and two sensors
+  REQUIRE(messages.size() == 202);  // 201 Hz for a second, and the one behind the end of the last scan
+  CHECK_THAT(text, ContainsSubstring("message_count: 202"));
+  CHECK(std::is_sorted(times.begin(), times.end()));
+  CHECK(times[0] == 1700000000000000000);
+  CHECK(std::abs(times[201] - 1700000001000000000) < 1000);
+  const ros2::Imu wanted = drive::imuMessage(drive, 100 / 201.0);
+  const std::string& cdr = messages[100];
+  CHECK(cdr.substr(16, 6) == std::string("imu-1\0", 6));
+  const size_t numbers = 4 + 24;  // the next multiple of 8 after the name, from the end of the head of CDR
+  REQUIRE(cdr.size() == numbers + 37 * 8);
+  CHECK(at<double>(cdr, numbers + 8 * 3) == wanted.orientation.w);
+  CHECK(at<double>(cdr, numbers + 8 * (4 + 9)) == wanted.angularVelocity.x);
+  CHECK(at<double>(cdr, numbers + 8 * (4 + 9 + 3 + 9 + 2)) == wanted.linearAcceleration.z);
+}
