@@ -13,9 +13,10 @@ packages=(
 # Packages that the tests and the benches need, too.
 tested=(catch2 libboost-dev libboost-context-dev libvulkan-volk-dev pkg-config spirv-tools vulkan-validationlayers)
 # Needed for one contender of the bench, for examples/viewer and its test, for the Python package, for gnosphere view,
-# and for messages of ROS 2. What needs a package that this architecture lacks is left out.
+# for messages of ROS 2, and to compile a file once for several folders. What needs a package that this architecture lacks
+# is left out.
 optional=(libembree-dev libglfw3-dev xvfb python3-dev python3-venv libjs-three cyclonedds-dev
-  cyclonedds-tools)
+  cyclonedds-tools ccache)
 # Debian 12 has older versions of these; its backports have the versions needed.
 backported=("catch2 3" "mesa-vulkan-drivers 25.0.7")
 
@@ -175,12 +176,20 @@ setUp() {
   done
 }
 
+# Objects are kept by ccache where it is installed. It then takes files of this folder for the same as files of another
+# clone, whose build needs them again. CMake reads the variable when a build folder is new.
+useCache() {
+  command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER-}" ] || return 0
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+}
+
 # Warnings are errors only with the compilers for which the sources are kept free of warnings: g++ 12 and clang 14.
 # The sources of a folder are compiled as one file, in less than half of the time.
 # configure PRESET OPTION...: runs cmake.
 configure() {
   local options=(-D CMAKE_UNITY_BUILD=ON) compiler name tests=ON bench=ON
   step "Configuring ($1)"
+  useCache
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
   case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null; then
