@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gnosphere/eval/accuracy.hpp"
 #include "scanning.hpp"
@@ -17,6 +18,10 @@ struct AccuracyChoice {
   double limit = 0;  ///< metres
   std::string why;   ///< a line that explains the result, whether a setting was chosen or not
 };
+
+/// Returns the fastest of the settings, given in the order of their times, whose error is at most `limit` metres and
+/// which loses no beam between triangles; `standard`, unless another one is clearly faster than that.
+std::optional<AccuracyRow> cheapestWithin(double limit, const std::vector<AccuracyRow>& byTime);
 
 /// Throws Error(invalidArgument) for a limit that is negative or not finite.
 void checkMaxError(double limit);

@@ -300,7 +300,7 @@ void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
   CLI::Option* accuracy = addAccuracyOption(app, options.settings);
   app.add_option("--max-error", options.maxError,
                  "Choose the fastest accuracy on this device that loses no beam and has no larger error (metres), "
-                 "measured from this pose on a sample of the beams")
+                 "measured from this pose on a sample of the beams; standard, unless another is clearly faster")
       ->excludes(accuracy);
 }
 
