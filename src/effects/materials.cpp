@@ -18,16 +18,18 @@ void take(float& value, float stated) {
 }  // namespace
 
 // glTF's metallic-roughness model (specification 2.0, appendix B): a dielectric reflects 4 % at its surface and its
-// base colour diffusely, a metal has no diffuse part. Alpha is coverage: light passes
-// through the uncovered share, and of the covered share `transmission` passes, which is then not reflected diffusely.
+// base colour diffusely, a metal has no diffuse part and lets no light through (KHR_materials_transmission mixes the
+// transmitted light into the dielectric alone). Alpha is coverage: light passes through the uncovered share, and of the
+// covered share of the dielectric `transmission` passes, which is then not reflected diffusely.
 Optics opticsOf(const Material& material) {
   constexpr float kDielectric = 0.04f;
   const float red = std::clamp(material.baseColor[0], 0.0f, 1.0f);
   const float covered = material.alphaMode == AlphaMode::blend ? std::clamp(material.baseColor[3], 0.0f, 1.0f) : 1.0f;
   Optics optics;
-  optics.transmission = 1 - covered * (1 - material.transmission);
-  optics.reflectance = red * (1 - material.metallic) * (1 - optics.transmission);
-  optics.gloss = covered * (kDielectric * (1 - material.metallic) + red * material.metallic);
+  const float dielectric = 1 - material.metallic;
+  optics.transmission = 1 - covered * (1 - dielectric * material.transmission);
+  optics.reflectance = red * dielectric * covered * (1 - material.transmission);
+  optics.gloss = covered * (kDielectric * dielectric + red * material.metallic);
   optics.roughness = material.roughness;
   optics.retro = material.retro;
   return optics;

@@ -74,6 +74,15 @@ TEST_CASE("a glTF material is split into shares of the light") {
   glass.transmission = 0.5f;
   CHECK(opticsOf(glass).transmission == 0.5f);
   CHECK(opticsOf(glass).reflectance == 0.25f);
+
+  // Light passes through the dielectric part alone: KHR_materials_transmission.
+  glass.metallic = 0.5f;
+  CHECK(opticsOf(glass).transmission == 0.25f);
+  CHECK(opticsOf(glass).reflectance == 0.125f);
+  glass.metallic = 1;
+  CHECK(opticsOf(glass).transmission == 0);
+  CHECK(opticsOf(glass).reflectance == 0);
+  CHECK(opticsOf(glass).gloss == 0.5f);
 }
 
 TEST_CASE("a table replaces the properties of the materials that it names") {
