@@ -122,9 +122,10 @@ class Simulator::Impl {
         options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason);
   }
 
-  /// Tells once per sensor that its scans leave out the motion that a shot brings, unless the request turned it off.
+  /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
+  /// the effect off.
   void warnOfMotion(const Shot& shot) {
-    if (!options_.warn || !(shot.sensor < plans_.size()) || warnedOfMotion_.contains(shot.sensor)) return;
+    if (!options_.warn || !(shot.sensor < plans_.size())) return;
     const SensorPlan& plan = *plans_[shot.sensor];
     const bool sensor = !shot.motion.stamps.empty() && !plan.speeds() && !plan.has(gpu::kSensorMotion);
     const bool objects = (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && !plan.has(gpu::kObjectMotion);
@@ -133,10 +134,9 @@ class Simulator::Impl {
       const bool brought =
           (decision.effect == "sensor-motion" && sensor) || (decision.effect == "object-motion" && objects);
       if (!brought || decision.leftOut || decision.request == EffectUse::off) continue;
-      warnedOfMotion_.insert(shot.sensor);
+      if (!warnedOfMotion_.emplace(shot.sensor, decision.effect).second) continue;
       options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
                     " is left out, although a shot brings it: " + decision.reason);
-      return;
     }
   }
 
@@ -257,7 +257,7 @@ class Simulator::Impl {
     plans_[index].reset();
     requests_[index] = std::move(none);
     computed_[index] = {};
-    warnedOfMotion_.erase(index);
+    std::erase_if(warnedOfMotion_, [&](const auto& warned) { return warned.first == index; });
     sensors_.giveBack(index);
   }
 
@@ -353,8 +353,8 @@ class Simulator::Impl {
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
-  std::set<size_t> warnedOfMotion_;        // sensors, see warnOfMotion()
-  std::weak_ptr<const char> recorder_;     // the one that records this simulator's scans
+  std::set<std::pair<size_t, std::string>> warnedOfMotion_;  // sensors and effects, see warnOfMotion()
+  std::weak_ptr<const char> recorder_;                       // the one that records this simulator's scans
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };

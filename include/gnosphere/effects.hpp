@@ -44,7 +44,7 @@ struct Effects {
   } intensity;
 
   /// A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` square to
-  /// the beam at `range`. Automatic: on if a range is given.
+  /// the beam at `range`. Automatic: on if a range is given, or with fog, rain, snow or dust.
   struct Detection {
     EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1
@@ -97,7 +97,7 @@ struct Effects {
     double horizontal = 0, vertical = 0;  ///< rad, full angle (to 1/e^2 if gaussian); both 0: the sensor's
   } divergence;
 
-  /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.
+  /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.
   struct Returns {
     EffectUse use = EffectUse::automatic;
     enum class Mode {

@@ -42,6 +42,29 @@ std::vector<std::string> needIntensity(const Effects& effects, const std::vector
   return names;
 }
 
+/// Effects of the medium apply the threshold of detection, because without one weaker light has no consequence.
+void decideThreshold(const Question& q, std::vector<Plan::Decision>& decisions) {
+  std::string medium;
+  size_t detection = 0;
+  for (size_t i = 0; i < decisions.size(); ++i) {
+    const uint32_t bit = effectTable()[i].bit;
+    if (bit == gpu::kDetection) detection = i;
+    if (decisions[i].in && (bit & gpu::kMediumEffects) != 0 && medium.empty()) medium = decisions[i].effect;
+  }
+  Plan::Decision& decision = decisions[detection];
+  if (medium.empty() || decision.in) return;
+  if (decision.request == EffectUse::off) {
+    decision.reason += ", but " + medium + " applies its threshold";
+    return;
+  }
+  Effects on = q.effects;
+  on.detection.use = EffectUse::on;
+  const Answer answer = effectTable()[detection].applies(
+      {on, q.sensor, q.scene, q.fields, q.materials, q.ignoredInstances, q.variableWeather});
+  decision.in = answer.shows;
+  decision.reason = "needed by " + medium + ": " + answer.why;
+}
+
 Answer appliesIntensity(const Question& q, const std::vector<std::string>& needIt) {
   if (q.asksFor(Field::intensity)) return {true, "the field intensity asks for it"};
   if (needIt.empty()) return {false, "nothing asks for it"};
@@ -77,7 +100,8 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
                                    bool lenient) {
   const Effects& effects = request.effects;
   validate(effects);
-  const Question question = {effects, request.sensor, scene, request.fields, materials, request.variableWeather};
+  const Question question = {
+      effects, request.sensor, scene, request.fields, materials, request.ignoredInstances, request.variableWeather};
   Effects asked = effects;
   std::vector<Plan::Decision> decisions;
   for (const EffectInfo& info : effectTable()) {
@@ -93,6 +117,7 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
       decideBy(info.applies(question), request.sensor, lenient, decision);
     }
   }
+  decideThreshold(question, decisions);
   const std::vector<std::string> needIt = needIntensity(effects, decisions);
   for (size_t i = 0; i < decisions.size(); ++i) {
     if (effectTable()[i].applies || decisions[i].request == EffectUse::off) continue;

@@ -24,38 +24,43 @@ std::string plural(size_t count, const char* noun, const char* nouns) {
   return std::to_string(count) + " " + (count == 1 ? noun : nouns);
 }
 
-/// Returns for each material whether an instance uses it.
-std::vector<bool> usedMaterials(const Scene& scene) {
-  std::vector<bool> used(scene.materials.size());
-  for (const Instance& instance : scene.instances) {
-    if (instance.mesh == kNoMesh) continue;
-    for (const MeshPart& part : scene.meshes[instance.mesh].parts) {
-      if (part.triangleCount > 0) used[part.material] = true;
+/// Returns for each material whether an instance that the sensor sees uses it.
+std::vector<bool> seenMaterials(const Question& q) {
+  std::vector<bool> seen(q.scene.materials.size()), ignored(q.scene.instances.size());
+  for (const uint32_t instance : q.ignoredInstances)
+    if (instance < ignored.size()) ignored[instance] = true;
+  for (size_t i = 0; i < ignored.size(); ++i) {
+    const uint32_t mesh = q.scene.instances[i].mesh;
+    if (mesh == kNoMesh || ignored[i]) continue;
+    for (const MeshPart& part : q.scene.meshes[mesh].parts) {
+      if (part.triangleCount > 0) seen[part.material] = true;
     }
   }
-  return used;
+  return seen;
 }
 
-/// Counts used materials with a property and returns text such as "2 of 14 materials transmit light".
+/// Counts the seen materials with a property and returns text such as "2 of 14 materials transmit light".
 template <class Has>
-Answer countMaterials(const Scene& scene, Has has, const char* does, const char* none, const char* wayOut) {
-  const std::vector<bool> used = usedMaterials(scene);
-  size_t seen = 0, count = 0;
-  for (size_t i = 0; i < used.size(); ++i) {
-    seen += used[i];
-    count += used[i] && has(i);
+Answer countMaterials(const Question& q, Has has, const char* does, const char* none, const char* wayOut) {
+  const std::vector<bool> seen = seenMaterials(q);
+  size_t all = 0, count = 0;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    all += seen[i];
+    count += seen[i] && has(i);
   }
   if (count == 0) return {false, none, wayOut};
-  return {true, std::to_string(count) + " of " + plural(seen, "material ", "materials ") + does};
+  return {true, std::to_string(count) + " of " + plural(all, "material ", "materials ") + does};
 }
 
 Answer appliesDetection(const Question& q) {
   const auto& detection = q.effects.detection;
-  if (detection.use == EffectUse::automatic && detection.range == 0) return {false, "no range is given"};
   const auto [reflectance, range, stated] = weakestTarget(detection, q.sensor);
+  const std::string target =
+      format("as strong as %.3g %% at %.6g m", 100 * reflectance, range) + (stated ? ", as the sensor states" : "");
+  if (detection.use == EffectUse::automatic && detection.range == 0)
+    return {false, "no range is given" + (stated ? "; if on, " + target : std::string())};
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
-  return {true, format("as strong as %.3g %% at %.6g m", 100 * reflectance, range) +
-                    (stated ? ", as the sensor states" : "")};
+  return {true, target};
 }
 
 Answer appliesDropOut(const Question& q) {
@@ -125,6 +130,7 @@ Answer appliesDivergence(const Question& q) {
 
 Answer appliesReturns(const Question& q) {
   const uint32_t asked = q.effects.returns.count, most = asked > 0 ? asked : q.sensor.maxReturns;
+  if (q.effects.returns.mode != Effects::Returns().mode) return {true, "the request chooses among the echoes"};
   if (most == 1) return {false, "the sensor reports one return per beam"};
   return {true, (asked > 0 ? "the request takes up to " : "the sensor reports up to ") +
                     plural(most, "return", "returns") + " per beam"};
@@ -133,7 +139,7 @@ Answer appliesReturns(const Question& q) {
 Answer appliesTransmission(const Question& q) {
   const std::vector<Optics> optics = opticsOf(q.scene, q.materials, q.effects.intensity.wavelength);
   return countMaterials(
-      q.scene, [&](size_t i) { return optics[i].transmission > 0; }, "let light through",
+      q, [&](size_t i) { return optics[i].transmission > 0; }, "let light through",
       "no material that is seen lets light through", "give a material transmission");
 }
 
@@ -150,7 +156,7 @@ bool hasHoles(const Scene& scene, const Material& material) {
 
 Answer appliesCutOuts(const Question& q) {
   return countMaterials(
-      q.scene, [&](size_t i) { return hasHoles(q.scene, q.scene.materials[i]); }, "have holes",
+      q, [&](size_t i) { return hasHoles(q.scene, q.scene.materials[i]); }, "have holes",
       "no material that is seen has holes", "give a material alphaMode MASK and a texture with alpha");
 }
 
@@ -244,7 +250,7 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::detection>(
           "detection", gpu::kDetection, appliesDetection, always,
           "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
-          "square to the beam at `range`. Automatic: on if a range is given.",
+          "square to the beam at `range`. Automatic: on if a range is given, or with fog, rain, snow or dust.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
            number<&E::detection, &E::Detection::range>(
@@ -306,7 +312,7 @@ std::vector<EffectInfo> makeTable() {
                "vertical", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.")}),
       effect<&E::returns>(
           "returns", gpu::kReturns, appliesReturns, always,
-          "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.",
+          "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.",
           {choice<&E::returns, &E::Returns::mode>(
                "mode",
                {{"first"},

@@ -23,6 +23,7 @@ struct Question {
   const Scene& scene;
   const std::vector<Field>& fields;
   const MaterialTable& materials;
+  const std::vector<uint32_t>& ignoredInstances;
   bool variableWeather = false;
 
   bool asksFor(Field field) const { return std::find(fields.begin(), fields.end(), field) != fields.end(); }

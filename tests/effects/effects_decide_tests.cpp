@@ -44,8 +44,13 @@ struct Asked {
   Scene scene = sampleScene();
   std::vector<Field> fields;
   MaterialTable table;
+  std::vector<uint32_t> ignoredInstances;
 
-  std::vector<Plan::Decision> all() const { return decide({sensor, effects, fields}, scene, table); }
+  std::vector<Plan::Decision> all() const {
+    SensorRequest request = {sensor, effects, fields};
+    request.ignoredInstances = ignoredInstances;
+    return decide(request, scene, table);
+  }
   Plan::Decision of(const std::string& effect) const {
     for (const Plan::Decision& decision : all())
       if (decision.effect == effect) return decision;
@@ -153,6 +158,10 @@ TEST_CASE("materials that are visible enable transmission and cut-outs") {
   checkIn(asked, "intensity", "needed by transmission");
   asked.table.rows.push_back({"MATERIAL 0", -1, -1, -1, -1, 0.1f});
   checkIn(asked, "transmission", "2 of 2 materials let light through");
+  asked.ignoredInstances = {0};
+  checkOut(asked, "transmission", "no material that is seen lets light through");
+  asked.ignoredInstances = {7};
+  checkIn(asked, "transmission", "2 of 2 materials let light through");
 
   Material& mask = asked.scene.materials[0];
   mask.alphaMode = AlphaMode::mask;
@@ -210,9 +219,29 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   checkIn(asked, "intensity-noise", "sigma 0.02");
   asked.effects.detection.reflectance = 0.2;
   checkOut(asked, "detection", "no range is given");
+  asked.sensor.rangeAt10Percent = 90;
+  checkOut(asked, "detection", "no range is given; if on, as strong as 10 % at 90 m, as the sensor states");
   asked.effects.detection.range = 50;
   checkIn(asked, "detection", "as strong as 20 % at 50 m");
   checkIn(asked, "intensity", "needed by detection, intensity-noise");
+}
+
+TEST_CASE("effects of the medium need the threshold of detection") {
+  Asked asked;
+  asked.sensor.rangeMax = 100;
+  asked.effects.rain.rate = 1e-6;
+  checkIn(asked, "detection", "needed by rain: as strong as 10 % at 100 m");
+  asked.effects.fog.visibility = 1e6;
+  asked.sensor.rangeAt10Percent = 90;
+  checkIn(asked, "detection", "needed by fog: as strong as 10 % at 90 m, as the sensor states");
+  asked.effects.detection.use = EffectUse::off;
+  checkOut(asked, "detection", "off in the request, but fog applies its threshold");
+}
+
+TEST_CASE("a choice among the echoes is planned, however many returns the sensor reports") {
+  Asked asked;
+  asked.effects.returns.mode = Effects::Returns::Mode::last;
+  checkIn(asked, "returns", "the request chooses among the echoes");
 }
 
 TEST_CASE("requested fields enable the effects that compute them") {
