@@ -57,7 +57,10 @@ TEST_CASE("Isaac Sim: the range of the weakest target is that of one of 10 %, be
   CHECK_THAT(problemOf(replaced(kIsaacRotary, "\"wavelengthNm\"",
                                 "\"minReflectance\": 10, \"minReflectanceRange\": 90, \"wavelengthNm\""),
                        "i.json"),
-             ContainsSubstring("'minReflectance' is 10, expected is more than 0 and at most 1"));
+             ContainsSubstring("'minReflectance' is 10, expected is a number from 0 to 1"));
+  const SensorFile all = reach(R"("minReflectance": 0.0, "minReflectanceRange": 90, )");
+  CHECK(all.sensor.rangeAt10Percent == 0);
+  CHECK(lists(all.ignored, "minReflectanceRange"));
 }
 
 TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan to scan") {
@@ -368,48 +371,6 @@ TEST_CASE("HELIOS++: a head on a tripod turns while its mirror sweeps lines") {
              ContainsSubstring("those of the scanner 's' are 0 to 10"));
   CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "s:2000000"}),
              ContainsSubstring("pulses in a line, which are channels; at most 65535 are read"));
-}
-
-TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
-  const std::string text = R"(#usda 1.0
-def OmniLidar "lidar" (
-    prepend apiSchemas = ["OmniSensorGenericLidarCoreAPI"]
-)
-{
-    float omni:sensor:tickRate = 10.0
-    uint omni:sensor:Core:scanRateBaseHz = 10
-    uint omni:sensor:Core:patternFiringRateHz = 3333
-    token omni:sensor:Core:scanType = "ROTARY"
-    token omni:sensor:Core:rotationDirection = "CW"
-    float omni:sensor:Core:nearRangeM = 0.3
-    float omni:sensor:Core:farRangeM = 120
-    uint omni:sensor:Core:maxReturns = 2
-    uint omni:sensor:Core:numberOfEmitters = 2
-    float2[] omni:sensor:Core:ranges = [(0, 1)]
-    float[] omni:sensor:Core:emitterState:s001:azimuthDeg = [6.5,
-        -6.5]
-    float[] omni:sensor:Core:emitterState:s001:elevationDeg = [-11.75, 3.5]
-    uint[] omni:sensor:Core:emitterState:s001:channelId = [1, 2]
-    uint[] omni:sensor:Core:emitterState:s001:fireTimeNs = [0, 2665]
-}
-)";
-  const SensorFile file = readSensorFile(text, "lidar.usda");
-  CHECK(file.family == "Isaac Sim USD");
-  CHECK(file.sensor.isGrid());
-  CHECK(file.sensor.columns == 333);
-  CHECK_THAT(azimuthDeg(file.sensor, 10), WithinAbs(6.5 - 36000.0 / 3333, 1e-12));
-  CHECK_THAT(timeOf(file.sensor, 333 + 10), WithinAbs(10.0 / 3333 + 2.665e-6, 1e-15));
-  CHECK(file.sensor.rangeMax == 120);
-  CHECK(file.sensor.maxReturns == 2);
-  CHECK(lists(file.ignored, "ranges"));
-  const std::string fine = replaced(text, "uint omni:sensor:Core:patternFiringRateHz = 3333",
-                                    "float omni:sensor:Core:rotPatternFiringResDeg = 0.4");
-  CHECK(readSensorFile(fine, "lidar.usda").sensor.columns == 900);
-  CHECK_THAT(problemOf(replaced(text, "\"ROTARY\"", "\"SPINNING\""), "lidar.usda"), ContainsSubstring("'SPINNING'"));
-  CHECK_THAT(problemOf(replaced(text, "s001:azimuthDeg", "s001:azimuth"), "lidar.usda"),
-             ContainsSubstring("is missing"));
-  CHECK_THAT(problemOf("#usda 1.0\ndef Xform \"a\" {}\n", "lidar.usda"), ContainsSubstring("without an OmniLidar"));
-  CHECK_THAT(problemOf("PXR-USDC" + std::string(80, '\1'), "lidar.usd"), ContainsSubstring("is binary USD"));
 }
 
 TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is missing") {

@@ -121,13 +121,21 @@ class Firing {
   bool origins_ = false, ranges_ = false;
 };
 
-/// Reads how far a dark target is detected. The power of a return falls with the square of the range.
+/// The key of the range at which the least reflectance is detected: that of USD's schema, or else that of profiles.
+const char* reachKeyOf(const json& profile) {
+  return profile.contains("minReflectionRangeM") ? "minReflectionRangeM" : "minReflectanceRange";
+}
+
+/// Reads how far a dark target is detected. The power of a return falls with the square of the range. A reflectance of
+/// 0 states no such range, because then nothing is too dark.
 void readReach(SensorSource& source, const json& profile) {
-  if (!profile.contains("minReflectance") || !profile.contains("minReflectanceRange")) return;
+  const char* key = reachKeyOf(profile);
+  if (!profile.contains("minReflectance") || !profile.contains(key)) return;
   const double reflectance = numberIn(source, profile, "minReflectance");
-  const double range = numberIn(source, profile, "minReflectanceRange");
+  const double range = numberIn(source, profile, key);
+  if (reflectance == 0) return;
   if (!(reflectance > 0 && reflectance <= 1))
-    source.refuse("'minReflectance' is " + numberText(reflectance) + ", expected is more than 0 and at most 1");
+    source.refuse("'minReflectance' is " + numberText(reflectance) + ", expected is a number from 0 to 1");
   source.file.sensor.rangeAt10Percent = range * std::sqrt(0.1 / reflectance);
 }
 
@@ -259,6 +267,11 @@ void readIsaac(SensorSource& source, const json& root) {
   sensor.maxReturns = static_cast<uint32_t>(returns);
   readReach(source, profile);
   const std::vector<Window> windows = readRanges(source, profile);
+  const auto namesRange = [](const Emitters& emitters) {
+    return std::any_of(emitters.ranges.begin(), emitters.ranges.end(), [](double id) { return id != 0; });
+  };
+  if (windows.empty() && std::any_of(states.begin(), states.end(), namesRange))
+    source.ignore("rangeId of the emitters, because their ranges are not stated");
   const std::string scanType = textIn(profile, "scanType");
   if (sameWord(scanType, "rotary"))
     placeRotary(source, profile, states, windows);
@@ -275,7 +288,8 @@ void readIsaac(SensorSource& source, const json& root) {
       "downElevationDeg", "numberOfChannels"});
   const bool reaches = sensor.rangeAt10Percent > 0;
   for (const auto& [key, value] : profile.items()) {
-    const bool comment = key.find("omment") != key.npos, used = reaches && key.starts_with("minReflectance");
+    const bool comment = key.find("omment") != key.npos;
+    const bool used = reaches && (key == "minReflectance" || key == reachKeyOf(profile));
     if (!known.contains(key) && !comment && !used && value != json(0.0)) source.ignore(key);
   }
 }
