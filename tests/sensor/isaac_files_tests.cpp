@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensor files of Isaac Sim: OmniLidar prims in USD's text.
+// Sensor files of Isaac Sim: the rates and sectors of profiles, and OmniLidar prims in USD's text.
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -46,6 +46,44 @@ std::string omniLidarWith(const std::string& lines) {
 }
 
 }  // namespace
+
+TEST_CASE("Isaac Sim: scans of a solid-state lidar follow each other at the rate of full firing cycles") {
+  const std::string text = replaced(kIsaacRotary, "rotary", "solidState");
+  const SensorFile file = readSensorFile(text, "i.json");
+  CHECK(file.sensor.scanPeriod == 0.1);
+  CHECK_FALSE(lists(file.ignored, "scanRateBaseHz"));
+  CHECK(readSensorFile(replaced(text, "\"scanRateBaseHz\": 10.0, ", ""), "i.json").sensor.scanPeriod == 0);
+  // The last beam fires after 2.665 us, later than such a rate allows.
+  const SensorFile fast = readSensorFile(replaced(text, "10.0", "1e6"), "i.json");
+  CHECK_THAT(fast.sensor.scanPeriod, WithinAbs(2.665e-6, 1e-18));
+  CHECK(lists(fast.ignored, "scanRateBaseHz 1e+06, because the last beam of a scan fires"));
+}
+
+TEST_CASE("Isaac Sim: sectors mask the beams of turning heads, and what they do not do is told") {
+  const auto read = [](const std::string& stated, const std::string& scanType = "rotary") {
+    const std::string text = replaced(kIsaacRotary, "\"rotary\"", "\"" + scanType + "\"");
+    return readSensorFile(replaced(text, "\"wavelengthNm\"", stated + "\"wavelengthNm\""), "i.json");
+  };
+  for (const std::string prefix : {"s", "validS"}) {
+    const std::string key = prefix + "tartAzimuthDeg",
+                      endKey = (prefix == "s" ? "e" : "validE") + std::string("ndAzimuthDeg");
+    const std::string quarter = "\"" + key + "\": -45, \"" + endKey + "\": 45, ";
+    const SensorFile turning = read(quarter);
+    CHECK(turning.sensor.maskedBeams.size() == 2 * 249);  // the columns beyond 90 degrees, of two channels
+    CHECK_FALSE(lists(turning.ignored, "AzimuthDeg"));
+    CHECK_FALSE(lists(read(quarter, "solidState").ignored, "AzimuthDeg"));  // its beams are at 6.5 and -6.5 degrees
+    const SensorFile narrow = read("\"" + key + "\": -5, \"" + endKey + "\": 45, ", "solidState");
+    CHECK(narrow.sensor.maskedBeams.empty());
+    CHECK(lists(narrow.ignored, key + " and " + endKey + ", outside which beams"));
+    const SensorFile around = read("\"" + key + "\": 270, \"" + endKey + "\": 90, ");
+    CHECK(around.sensor.maskedBeams.empty());
+    CHECK(lists(around.ignored, key + " and " + endKey + ", because the end is not beyond the start"));
+  }
+  const std::string both =
+      R"("startAzimuthDeg": 0, "endAzimuthDeg": 360, "validStartAzimuthDeg": 0, "validEndAzimuthDeg": )";
+  CHECK_FALSE(lists(read(both + "360, ").ignored, "AzimuthDeg"));
+  CHECK(lists(read(both + "270, ").ignored, "validStartAzimuthDeg and validEndAzimuthDeg"));
+}
 
 TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
   const std::string text(kOmniLidar);
@@ -133,6 +171,7 @@ TEST_CASE("Isaac Sim: attributes of USD's schema have names of their own") {
   const std::string solid = replaced(replaced(kOmniLidar, "ROTARY", "SOLID_STATE"),
                                      "    token omni:sensor:Core:rotationDirection = \"CW\"\n", "");
   const SensorFile flash = readSensorFile(solid, "lidar.usda");
+  CHECK(flash.sensor.scanPeriod == 0.1);
   CHECK_FALSE(lists(flash.assumed, "turns clockwise"));
 }
 

@@ -139,6 +139,45 @@ void readReach(SensorSource& source, const json& profile) {
   source.file.sensor.rangeAt10Percent = range * std::sqrt(0.1 / reflectance);
 }
 
+/// The azimuths in degrees between which a profile lets its beams be.
+struct Sector {
+  double start, end;
+  std::string keys;  ///< those that state it, for messages; empty if none does
+};
+
+/// Reads the sector of a profile. Old profiles may have two pairs of keys for it, of which the first counts.
+Sector readSector(SensorSource& source, const json& profile) {
+  const auto stated = [&](const char* start, const char* end) {
+    if (!profile.contains(start) && !profile.contains(end)) return Sector{0, 360, ""};
+    const double from = numberIn(source, profile, start, 0);
+    return Sector{from, numberIn(source, profile, end, from + 360), std::string(start) + " and " + end};
+  };
+  const Sector old = stated("startAzimuthDeg", "endAzimuthDeg");
+  const Sector valid = stated("validStartAzimuthDeg", "validEndAzimuthDeg");
+  if (old.keys.empty()) return valid;
+  if (!valid.keys.empty() && (valid.start != old.start || valid.end != old.end)) source.ignore(valid.keys);
+  return old;
+}
+
+/// Makes scans follow each other as often as a profile says, or as soon as the last beam of a list has fired.
+void setScanPeriod(SensorSource& source, double scanRate) {
+  Sensor& sensor = source.file.sensor;
+  const double period = 1 / scanRate, last = lastTimeOf(sensor);
+  sensor.scanPeriod = std::max(period, last);
+  if (last > period * (1 + 1e-9))
+    source.ignore("scanRateBaseHz " + numberText(scanRate) + ", because the last beam of a scan fires " +
+                  numberText(last) + " s after its start");
+}
+
+/// Says so if beams of a solid-state lidar are outside the sector that its profile states, which is for turning heads.
+void noteBeamsOutside(SensorSource& source, const Sector& sector, const std::vector<Emitters>& states) {
+  const double middle = (sector.start + sector.end) / 2, half = (sector.end - sector.start) / 2;
+  const auto isOutside = [&](double azimuth) { return std::abs(std::remainder(azimuth - middle, 360)) > half + 1e-6; };
+  for (const Emitters& emitters : states)
+    if (std::any_of(emitters.azimuths.begin(), emitters.azimuths.end(), isOutside))
+      return source.ignore(sector.keys + ", outside which beams of this solid-state lidar are");
+}
+
 void placeSolidState(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
                      const std::vector<Window>& windows) {
   // Lines of equal lengths are rows of the organised cloud, and rings.
@@ -160,6 +199,7 @@ void placeSolidState(SensorSource& source, const json& profile, const std::vecto
   }
   Sensor& sensor = source.file.sensor;
   const Firing firing(source, states, windows);
+  noteBeamsOutside(source, readSector(source, profile), states);
   for (const Emitters& emitters : states) {
     BeamList& list = sensor.patterns.emplace_back();
     for (size_t i = 0; i < emitters.azimuths.size(); ++i)
@@ -167,6 +207,8 @@ void placeSolidState(SensorSource& source, const json& profile, const std::vecto
     list.width = width;
     list.height = height;
   }
+  const double scanRate = numberIn(source, profile, "scanRateBaseHz", 0);
+  if (scanRate > 0) setScanPeriod(source, scanRate);
 }
 
 /// Whether the rings of emitters are their places, as those of a grid are.
@@ -174,6 +216,18 @@ bool ringsAreRows(const Emitters& emitters) {
   for (size_t i = 0; i < emitters.rings.size(); ++i)
     if (emitters.rings[i] != static_cast<double>(i)) return false;
   return true;
+}
+
+/// Masks the beams of a turn that a head would fire outside its sector, as it fires only between the two azimuths.
+void maskOutside(SensorSource& source, const Sector& sector, double columns) {
+  Sensor& sensor = source.file.sensor;
+  const double width = sector.end - sector.start;
+  if (width <= 0) source.ignore(sector.keys + ", because the end is not beyond the start");
+  if (width >= 360 || width <= 0) return;
+  for (size_t row = 0; row < sensor.height(); ++row)
+    for (uint32_t column = 0; column < sensor.width(); ++column)
+      if (std::abs(sensor.azimuthSpanDeg) * column / columns > width)
+        sensor.maskedBeams.push_back(static_cast<uint32_t>(row) * sensor.width() + column);
 }
 
 void placeRotary(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
@@ -191,11 +245,8 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
   sensor.rotationPeriod = columns / fireRate;
   sensor.scanPeriod = 1 / scanRate;
   const bool clockwise = !sameWord(textIn(profile, "rotationDirection"), "CCW");
-  const double start =
-      numberIn(source, profile, "startAzimuthDeg", numberIn(source, profile, "validStartAzimuthDeg", 0));
-  const double end =
-      numberIn(source, profile, "endAzimuthDeg", numberIn(source, profile, "validEndAzimuthDeg", start + 360));
-  sensor.azimuthStartDeg = std::remainder(clockwise ? end : start, 360);
+  const Sector sector = readSector(source, profile);
+  sensor.azimuthStartDeg = std::remainder(clockwise ? sector.end : sector.start, 360);
   sensor.azimuthSpanDeg = (clockwise ? -360 : 360) * columns * scanRate / fireRate;
   if (states[0].azimuths.size() > 65535) source.refuse("there are more than 65535 channels");
   if (columns * static_cast<double>(states[0].azimuths.size()) > 1e8)
@@ -229,14 +280,9 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
     list.height = static_cast<uint32_t>(rows);
     sensor.columns = 0;
     sensor.patterns.push_back(std::move(list));
-    sensor.scanPeriod = std::max(sensor.scanPeriod, lastTimeOf(sensor));
+    setScanPeriod(source, scanRate);
   }
-  // The head fires only between the two azimuths.
-  if (end - start >= 360 || end <= start) return;
-  for (size_t row = 0; row < sensor.height(); ++row)
-    for (uint32_t column = 0; column < sensor.width(); ++column)
-      if (std::abs(sensor.azimuthSpanDeg) * column / columns > end - start)
-        sensor.maskedBeams.push_back(static_cast<uint32_t>(row) * sensor.width() + column);
+  maskOutside(source, sector, columns);
 }
 
 }  // namespace
