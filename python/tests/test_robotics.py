@@ -159,6 +159,9 @@ def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
         robot = robotics.load(tmp_path / "m.sdf")
     assert robot.sensors[0].sensor.columns == 719
     assert list(robot.left_out) == ["of 'm::top' the last column, which looks where the first does"]
+    assert [what.partition(",")[0] for what in robot.assumed] == [
+        "that a target of 10 % is seen up to the largest range"
+    ] and robot.assumed[0].endswith(" (the lidar m::top)")
 
 
 NESTED = """<sdf version="1.9"><model name="rover"><link name="base">{box}</link>
@@ -852,6 +855,40 @@ def test_usd_stages(tmp_path, device):
     head = found.sensors[0]
     assert head.sensor.beam_count() == 720 and abs(head.rate - 10) < 1e-9
     np.testing.assert_allclose(found.pose("Head").position, (1.5, 2, 8), atol=1e-12)
+
+
+def test_what_a_usd_lidar_states_in_vain_or_not_at_all_is_told(tmp_path):
+    pytest.importorskip("pxr")
+    from pxr import Sdf, Usd
+
+    file = tmp_path / "lidar.usda"
+    made = Usd.Stage.CreateNew(str(file))
+    types, core = Sdf.ValueTypeNames, "omni:sensor:Core:"
+    head = made.DefinePrim("/Head", "OmniLidar")
+    for name, kind, value in (
+        ("scanType", types.Token, "ROTARY"),
+        ("scanRateBaseHz", types.UInt, 10),
+        ("patternFiringRateHz", types.UInt, 3600),
+        ("rangesMinM", types.FloatArray, [0.5, 1]),
+        ("rangesMaxM", types.FloatArray, [30, 80]),
+        ("minReflectance", types.Float, 0.1),
+        ("minReflectionRangeM", types.Float, 60),
+        ("azimuthErrorStd", types.Float, 0.025),
+        ("marketName", types.String, 'a "head" # 1'),
+        ("emitterState:s001:azimuthDeg", types.FloatArray, [0, 0]),
+        ("emitterState:s001:elevationDeg", types.FloatArray, [-5, 5]),
+        ("emitterState:s001:rangeId", types.UIntArray, [0, 1]),
+    ):
+        head.CreateAttribute(core + name, kind).Set(value)
+    made.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match=r"leaves out of the lidar /Head: azimuthErrorStd, marketName \(1\)$") as told:
+        found = robotics.load(file)
+    assert len(told) == 1
+    assert found.left_out == {"of the lidar /Head: azimuthErrorStd, marketName": 1}
+    assert found.assumed == ["that the head turns clockwise (the lidar /Head)"]
+    channels = found.sensors[0].sensor.channels
+    assert [(channel.range_min, channel.range_max) for channel in channels] == [(0.5, 30), (1, 80)]
+    assert abs(found.sensors[0].sensor.range_at10_percent - 60) < 1e-6  # 0.1 is single in USD
 
 
 @pytest.mark.parametrize("axis", "XYZ")

@@ -52,6 +52,8 @@ def describe(found: RobotScene) -> None:
         print(
             f"  on {mounted.frame} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}"
         )
+    for what in found.assumed:
+        print(f"assumed: {what}")
     for what, count in found.left_out.items():
         print(f"left out: {what} ({count})")
 

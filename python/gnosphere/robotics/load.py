@@ -42,7 +42,8 @@ def load(
     tolerance: metres: how deep the triangles of curved shapes may lie inside them. Raises ValueError unless it is
         finite and above 0.
 
-    What cannot be there is one warning that names it, and RobotScene.left_out.
+    What cannot be there is one warning that names it, and RobotScene.left_out; RobotScene.assumed has what lidars do not
+    state.
     """
     primitives.check_tolerance(tolerance)
     path = Path(file)

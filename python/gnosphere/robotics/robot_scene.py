@@ -47,9 +47,14 @@ class Parts:
     locals: list[Matrix] = field(default_factory=list)
     sensors: list[MountedSensor] = field(default_factory=list)
     left_out: dict[str, int] = field(default_factory=dict)
+    assumed: list[str] = field(default_factory=list)
 
     def leave_out(self, what: str, count: int = 1) -> None:
         self.left_out[what] = self.left_out.get(what, 0) + count
+
+    def assume(self, file: gno.SensorFile, lidar: str) -> None:
+        """Keeps what a sensor file does not state, and the value that was taken."""
+        self.assumed += [f"{what} (the lidar {lidar})" for what in file.assumed]
 
     def place(self, mesh: int, frame: Any, local: Matrix, *names: str, class_name: str = "") -> None:
         """Puts a mesh on a frame. The first of the names is that of the instance; patterns of classes are tried with
@@ -106,6 +111,8 @@ class RobotScene:
         """The lidars of the file."""
         self.left_out: dict[str, int] = parts.left_out
         """What the file has and the scene lacks, with how often."""
+        self.assumed: list[str] = parts.assumed
+        """What the lidars of the file do not state, and the values that were taken."""
         self.joint_limits: dict[str, tuple[float, float]] = dict(limits)
         """The joints that can be moved, with their least and largest position."""
         self.frames: list[Any] = parts.frames

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ def _text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return f'"{value}"'
+        return json.dumps(value)
     if np.ndim(value) == 0:
         return repr(float(value))
     if np.ndim(value) == 1 and not isinstance(value[0] if len(value) else 0, str):
@@ -51,6 +52,9 @@ def mount(prim: Any, parts: Parts, resources: Resources, place: Matrix, time: An
             file = gno.read_sensor_file(text.encode(), f"{name}.usda")
     except gno.Error as error:
         return parts.leave_out(f"the lidar {path}: {error}")
+    if file.ignored:
+        parts.leave_out(f"of the lidar {path}: {', '.join(file.ignored)}")
+    parts.assume(file, path)
     turn = place.copy()
     turn[:3, :3] /= np.linalg.norm(place[:3, :3], axis=0)
     period = file.sensor.scan_period or file.sensor.rotation_period

@@ -71,5 +71,6 @@ def mount(sensor: ET.Element, parts: Parts, name: str, frame: Any, frame_to_sens
     for what in file.ignored:
         if not what.startswith("pose"):
             parts.leave_out(f"{what} '{name}'" if not what.startswith("the last column") else f"of '{name}' {what}")
+    parts.assume(file, name)
     local = pose_of(sensor.find("pose")) if frame_to_sensor is None else frame_to_sensor
     parts.mount(file.sensor, name, frame, local, number(sensor, "update_rate", 0.0))
