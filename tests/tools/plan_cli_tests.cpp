@@ -25,7 +25,7 @@ TEST_CASE("a plan lists planned and omitted effects with the reasons") {
   const Result result = place.run("plan floor.obj --effect fog.visibility=200 --effect range-noise.sigma=0.02");
   CHECK(result.err == "");
   REQUIRE(result.status == 0);
-  CHECK_THAT(result.out, ContainsSubstring("effects that are in\n  intensity        needed by fog\n"));
+  CHECK_THAT(result.out, ContainsSubstring("effects that are in\n  intensity        needed by detection, fog\n"));
   CHECK_THAT(result.out, ContainsSubstring("  range-noise      asked for: sigma 0.02 m\n"));
   CHECK_THAT(result.out, ContainsSubstring("  fog              asked for: visibility 200 m\n"));
   CHECK_THAT(result.out, ContainsSubstring("effects that are out, and cost nothing\n"));

@@ -32,7 +32,7 @@ const AccuracyRow& standardOf(const std::vector<AccuracyRow>& rows) {
 /// pass or hit; but with plain edges a beam may also slip through an edge that two triangles share. `standard` has no
 /// gaps, so the ties that it loses are those at silhouettes.
 uint64_t lostInGaps(const AccuracyRow& row, const AccuracyRow& standard) {
-  if (row.accuracyParts.inside == standard.accuracyParts.inside) return 0;
+  if (row.accuracyParts.inside != AccuracyParts::Inside::plain) return 0;
   return row.error.tieMissed - std::min(row.error.tieMissed, standard.error.tieMissed);
 }
 
