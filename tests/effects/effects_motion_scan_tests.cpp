@@ -125,7 +125,7 @@ TEST_CASE("a scan of a moving sensor is skewed, unless it is deskewed") {
   CHECK(!isSkewed(standing, false));
 }
 
-TEST_CASE("a simulator tells once of the motion that a sensor leaves out") {
+TEST_CASE("a simulator tells once of each motion that a sensor leaves out") {
   std::vector<std::string> warnings;
   TestOptions options = optionsOn("reference");
   options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
@@ -134,15 +134,19 @@ TEST_CASE("a simulator tells once of the motion that a sensor leaves out") {
   const auto scan = [&](const Effects& effects) {
     warnings.clear();
     Simulator simulator(room(), {atOnce, effects}, options);
-    for (int run = 0; run < 2; ++run) {
+    Shot passing;
+    passing.instanceMotions = {{0, translation(1, 0, 0)}};
+    for (const Shot& shot : {driving(), driving(), passing, passing}) {
       Scan result;
-      simulator.scanInto(driving(), result);
+      simulator.scanInto(shot, result);
     }
     return warnings;
   };
-  CHECK(scan(Effects()) == std::vector<std::string>{"sensor '" + atOnce.name +
-                                                    "': sensor-motion is left out, although a shot brings it: the "
-                                                    "sensor fires all beams at once"});
+  const auto leftOut = [&](const char* motion) {
+    return "sensor '" + atOnce.name + "': " + motion +
+           " is left out, although a shot brings it: the sensor fires all beams at once";
+  };
+  CHECK(scan(Effects()) == std::vector<std::string>{leftOut("sensor-motion"), leftOut("object-motion")});
   CHECK(scan(Effects::none()).empty());
 }
 
