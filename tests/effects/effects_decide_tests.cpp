@@ -85,7 +85,8 @@ TEST_CASE("the bits of effects are in the order of the names") {
   Asked asked;
   asked.effects.fog.visibility = 200;
   asked.sensor.rotationPeriod = 0.1;
-  CHECK(bitsOf(asked.all()) == (gpu::kIntensity | gpu::kDetection | gpu::kSensorMotion | gpu::kObjectMotion | gpu::kFog));
+  CHECK(bitsOf(asked.all()) ==
+        (gpu::kIntensity | gpu::kDetection | gpu::kSensorMotion | gpu::kObjectMotion | gpu::kFog));
   const auto decisions = asked.all();
   for (size_t i = 0; i < decisions.size(); ++i) CHECK(decisions[i].effect == effectNames()[i]);
 }
