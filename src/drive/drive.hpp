@@ -45,6 +45,7 @@ struct RigSensor {
   Pose mount;                          ///< in the vehicle's frame
   double rate = 10;                    ///< scans a second
   double offset = 0;                   ///< seconds after the start of the drive at which scan 0 starts
+  std::vector<size_t> ignores;         ///< indices into Drive::actors: those that it does not see, such as its vehicle
   bool livoxCustom = false;            ///< whether clouds for ROS 2 are Livox's own message
   std::optional<ros2::Driver> driver;  ///< whose point layout clouds for ROS 2 have; none: GnoSphere's own
 };

@@ -421,6 +421,7 @@ Drive DriveReader::read(const fs::path& file) {
   materialTable();
   actors();
   addStanding();
+  ignores();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);

@@ -69,6 +69,8 @@ class DriveReader {
   void materialTable();
   void actors();
   void sensors();
+  void ignores();
+  void warnOfBodies();
   void imu();
   void frames();
   void times();

@@ -70,6 +70,8 @@ SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {
   if (rigged.effects.intensity.use == EffectUse::off) fields.erase(Field::intensity);
   SensorRequest request(rigged.sensor, rigged.effects, {fields.begin(), fields.end()});
   request.sensor.name = rigged.name;  // which warnings and errors tell, as a rig may have several heads of one kind
+  for (const size_t actor : rigged.ignores)
+    for (const uint32_t instance : world_.instancesOf(actor)) request.ignoredInstances.push_back(instance);
   request.variableWeather = weatherFor(sensor, drive_.start).has_value();
   return request;
 }

@@ -143,6 +143,12 @@ std::optional<size_t> World::actorOf(uint32_t object) const {
   return {};
 }
 
+std::vector<uint32_t> World::instancesOf(size_t actor) const {
+  std::vector<uint32_t> instances(bodies_[actor].model->instances.size());
+  std::iota(instances.begin(), instances.end(), objectOfActor(actor));
+  return instances;
+}
+
 std::optional<Pose> World::poseOf(size_t actor, double time) const {
   const Actor& moving = drive_.actors[actor];
   if (moving.goneOutside && !moving.trajectory.covers(time)) return {};

@@ -28,6 +28,9 @@ class World {
   /// The actor that an object is; none for an object of a scene.
   std::optional<size_t> actorOf(uint32_t object) const;
 
+  /// The numbers of an actor's instances in scene().
+  std::vector<uint32_t> instancesOf(size_t actor) const;
+
   /// The pose of an actor; none where it is gone.
   std::optional<Pose> poseOf(size_t actor, double time) const;
   /// Where an actor is at a time.
