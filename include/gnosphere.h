@@ -437,7 +437,10 @@ GNO_API gno_status gno_catalogue_get(size_t index, gno_catalogue_head* head);
 GNO_API gno_status gno_effects_create(gno_effects* effects);
 /* "clean" (geometry alone), "auto", "carla" and others of gno_effect_presets(). */
 GNO_API gno_status gno_effects_preset(const char* name, gno_effects* effects);
+/* From a JSON file of effects, or of CARLA's attributes, whose lidars must have the same effects. */
 GNO_API gno_status gno_effects_load(const char* file, gno_effects* effects);
+/* The same of the CARLA lidar with this id. */
+GNO_API gno_status gno_effects_load_mode(const char* file, const char* mode, gno_effects* effects);
 GNO_API gno_status gno_effects_from_json(const char* json, gno_effects* effects);
 GNO_API gno_status gno_effects_destroy(gno_effects effects);
 /* One assignment as on the command line: "fog.visibility=200" sets a parameter, "divergence=off" the use. */

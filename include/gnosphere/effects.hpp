@@ -195,9 +195,11 @@ GNOSPHERE_API const std::vector<std::string>& effectPresets();
 
 /// The preset of that name; case does not matter. Throws Error(invalidArgument) that lists the known names.
 GNOSPHERE_API Effects effectPreset(const std::string& name);
-/// Reads effects from a JSON file. Throws Error(file), or Error(format) that names an unknown effect or parameter and
-/// the names most similar to it.
-GNOSPHERE_API Effects loadEffects(const std::filesystem::path& file);
+/// Reads effects from a JSON file, or those of a lidar from a file of CARLA's attributes: its intensity, drop-off,
+/// noise and seed, with CARLA's defaults. `mode` is the id of one of several lidars; if it is empty, their effects must
+/// be the same. Throws Error(file), or Error(format) that names an unknown effect or parameter and the names most
+/// similar to it, or the lidars.
+GNOSPHERE_API Effects loadEffects(const std::filesystem::path& file, const std::string& mode = {});
 /// Reads effects from JSON; `source` names the text in messages. Throws Error(format) as loadEffects() does, which
 /// names the source instead of a file.
 GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& source);

@@ -154,9 +154,11 @@ void bindEffects(nb::module_& m) {
         "Returns the preset of that name; case does not matter. Raises Error(invalid_argument) that lists the known "
         "names.");
   m.def(
-      "load_effects", &loadEffects, "file"_a,
-      "Reads effects from a JSON file. Raises Error(file), or Error(format) that names an unknown effect or parameter "
-      "and the names most similar to it.");
+      "load_effects", &loadEffects, "file"_a, "mode"_a = "",
+      "Reads effects from a JSON file, or those of a lidar from a file of CARLA's attributes: its intensity, drop-off, "
+      "noise and seed, with CARLA's defaults. `mode` is the id of one of several lidars; if it is empty, their effects "
+      "must be the same. Raises Error(file), or Error(format) that names an unknown effect or parameter and the names "
+      "most similar to it, or the lidars.");
   m.def("effects_from_json", &effectsFromJson, "json"_a, "source"_a,
         "Reads effects from JSON; `source` names the text in messages. Raises as for a file.");
   m.def(

@@ -37,6 +37,16 @@ def test_tuning_takes_keywords():
         gno.Tuning(binning="list")
 
 
+def test_effects_of_a_carla_file(tmp_path):
+    file = tmp_path / "objects.json"
+    top, low = ({"type": "sensor.lidar.ray_cast", "id": name} for name in ("top", "low"))
+    file.write_text(json.dumps([top | {"noise_stddev": "0.02"}, low | {"dropoff_general_rate": 0}]))
+    assert gno.load_effects(file, mode="top").range_noise.sigma == 0.02
+    assert gno.load_effects(file, "low").drop_out.general_rate == 0
+    with pytest.raises(gno.Error, match="the effects of the lidars top, low differ"):
+        gno.load_effects(file)
+
+
 def test_effects_take_words():
     Effects = gno.Effects
     assert Effects.Intensity(scale="raw", use="off") == Effects.Intensity(

@@ -29,6 +29,10 @@ gno_status gno_effects_load(const char* file, gno_effects* effects) {
   return giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(fileOf(file))); });
 }
 
+gno_status gno_effects_load_mode(const char* file, const char* mode, gno_effects* effects) {
+  return giveHandle(effects, "effects", [&] { return make<gno_effects>(loadEffects(fileOf(file), orEmpty(mode))); });
+}
+
 gno_status gno_effects_from_json(const char* json, gno_effects* effects) {
   return giveHandle(effects, "effects",
                     [&] { return make<gno_effects>(effectsFromJson(&the(json, "json"), "the text")); });

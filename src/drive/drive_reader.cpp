@@ -192,7 +192,8 @@ Effects DriveReader::effects(const json& value, const std::string& path) {
   Effects effects;
   attempt(path, [&] {
     if (value.is_string())
-      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, loadEffects);
+      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset,
+                            [](const fs::path& file) { return loadEffects(file); });
     else if (value.is_object())
       effects = effectsFromJson(jsonText(value), "the effects");
   });

@@ -3,9 +3,11 @@
 #include <filesystem>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "base/lasting.hpp"
 #include "base/text.hpp"
-#include "gnosphere/effects.hpp"
+#include "effects/request.hpp"
+#include "sensor/files/carla.hpp"
 
 namespace gnosphere {
 namespace {
@@ -70,8 +72,14 @@ Effects effectPreset(const std::string& name) {
   throw Error(ErrorCode::invalidArgument, "no preset of effects is called '" + name + "'; known are " + names);
 }
 
-Effects loadEffects(const std::filesystem::path& file) {
-  return effectsFromJson(readWholeFile(file, kMaxFileBytes), file.string());
+Effects loadEffects(const std::filesystem::path& file, const std::string& mode) {
+  const std::string name = file.string();
+  const nlohmann::json root = parseStrict(readWholeFile(file, kMaxFileBytes), name);
+  if (isCarla(root)) return effectsOfCarla(root, name, mode);
+  if (!mode.empty())
+    throw Error(ErrorCode::invalidArgument,
+                name + ": a mode is the id of a CARLA lidar, and the file describes none; leave '" + mode + "' out");
+  return effectsFrom(root, name);
 }
 
 }  // namespace gnosphere

@@ -2,11 +2,13 @@
 // {"seed": 1, "fog": {"use": "on", "visibility": 200}, "divergence": "off", "rain": {"rate": 5}}
 // An effect is given by its use or by an object with its parameters; giving a parameter turns the effect on unless
 // "use" says otherwise. Names, units and limits come from effectTable().
+#include "effects/request.hpp"
+
 #include "base/nearest_text.hpp"
 #include "effects/effect_table.hpp"
 #include "effects/parameter_text.hpp"
-#include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
+#include "sensor/files/carla.hpp"
 
 namespace gnosphere {
 namespace {
@@ -68,8 +70,8 @@ void validate(const Effects& effects) {
   }
 }
 
-Effects effectsFromJson(std::string_view text, const std::string& source) {
-  const json root = parseStrict(text, source);
+Effects effectsFrom(const json& root, const std::string& source) {
+  if (lacksCarlaType(root)) throw Error(ErrorCode::format, source + ": " + kLacksCarlaType);
   Effects effects;
   try {
     if (!root.is_object()) refuseArgument("a request is a JSON object");
@@ -84,6 +86,10 @@ Effects effectsFromJson(std::string_view text, const std::string& source) {
     throw Error(ErrorCode::format, source + ": " + problem.what());
   }
   return effects;
+}
+
+Effects effectsFromJson(std::string_view text, const std::string& source) {
+  return effectsFrom(parseStrict(text, source), source);
 }
 
 std::string toJson(const Effects& effects) {

@@ -19,6 +19,7 @@
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
+#include "sensor/files/carla.hpp"
 
 namespace gnosphere {
 namespace {
@@ -305,7 +306,9 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
 Sensor sensorFromJson(std::string_view text, const std::string& source) {
   Sensor sensor;
   try {
-    sensor = sensorFromRoot({source}, parseStrict(text, source));
+    const json root = parseStrict(text, source);
+    if (lacksCarlaType(root)) Source{source}.refuse(kLacksCarlaType);
+    sensor = sensorFromRoot({source}, root);
     validate(sensor);
   } catch (const Error& problem) {
     if (problem.code() != ErrorCode::invalidArgument) throw;

@@ -286,6 +286,21 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   CHECK(gno_effects_destroy(effects) == GNO_OK);
 }
 
+TEST_CASE("C: the effects of one of the lidars in a file of CARLA") {
+  const test::Folder folder;
+  const std::string file =
+      test::put(folder / "objects.json", R"([{"type": "sensor.lidar.ray_cast", "id": "top", "noise_stddev": 0.02},
+                                       {"type": "sensor.lidar.ray_cast", "id": "low", "noise_seed": 9}])")
+          .string();
+  gno_effects effects = nullptr;
+  CHECK(fails(gno_effects_load(file.c_str(), &effects), GNO_FORMAT, "the effects of the lidars top, low differ"));
+  REQUIRE(gno_effects_load_mode(file.c_str(), "low", &effects) == GNO_OK);
+  const char* json = nullptr;
+  REQUIRE(gno_effects_to_json(effects, &json) == GNO_OK);
+  CHECK(effectsFromJson(json, "").seed == 9);
+  CHECK(gno_effects_destroy(effects) == GNO_OK);
+}
+
 TEST_CASE("C: a sensor file from memory, and the parts of an accuracy") {
   const std::string json = toJson(builtinSensor("VLP-16"));
   gno_sensor sensor = nullptr;

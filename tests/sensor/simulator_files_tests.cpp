@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sensor files of other simulators: small ones written here, with beams computed by hand.
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -389,7 +390,7 @@ TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is
   CHECK_THAT(azimuthDeg(sensor, 49), WithinAbs(60 - 120 * 0.98, 1e-12));
   CHECK(sensor.rangeMax == 50);
   CHECK(lists(file.ignored, "spawn_point"));
-  CHECK(lists(file.ignored, "dropoff_general_rate"));
+  CHECK(lists(file.ignored, "dropoff_general_rate, which `--effects FILE` reads"));
   CHECK_FALSE(lists(file.ignored, "noise_stddev"));
   CHECK(lists(file.assumed, "top, second"));
   const SensorFile second = readSensorFile(kCarla, "objects.json", {.mode = "second"});
@@ -401,4 +402,34 @@ TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is
              ContainsSubstring("'channels' is 1.5"));
   CHECK_THAT(problemOf(R"([{"type": "sensor.lidar.ray_cast", "rotation_frequency": "x"}])", "o.json"),
              ContainsSubstring("'rotation_frequency' is 'x'"));
+}
+
+TEST_CASE("CARLA: what is an effect is told, zeros that are not CARLA's defaults among it") {
+  const auto notes = [](const std::string& type, const std::string& attributes) {
+    return readSensorFile(
+               R"({"type": "sensor.lidar.)" + type + R"(", "points_per_second": 320000, )" + attributes + "}", "o.json")
+        .ignored;
+  };
+  CHECK(notes("ray_cast",
+              R"("atmosphere_attenuation_rate": 0, "dropoff_general_rate": 0.0, "dropoff_intensity_limit": 0,
+                 "dropoff_zero_intensity": 0, "noise_seed": 0, "noise_stddev": 0, "x": 0, "y": 1)") ==
+        std::vector<std::string>{"y",
+                                 "atmosphere_attenuation_rate, dropoff_general_rate, dropoff_intensity_limit, "
+                                 "dropoff_zero_intensity, which `--effects FILE` reads"});
+  CHECK(notes("ray_cast", R"("noise_seed": "3", "noise_stddev": 0.01)") ==
+        std::vector<std::string>{"noise_seed, noise_stddev, which `--effects FILE` reads"});
+  CHECK(notes("ray_cast_semantic", R"("noise_stddev": 0.01)") == std::vector<std::string>{"noise_stddev"});
+  CHECK(notes("ray_cast", R"("x": 0)").empty());
+}
+
+TEST_CASE("CARLA: attributes without a type are refused with the type that is missing") {
+  for (const char* text : {R"({"channels": "32", "points_per_second": "56000", "rotation_frequency": "10"})",
+                           R"({"rotation_frequency": 10, "range": 50})"}) {
+    CHECK_THAT(problemOf(text, "c.json"),
+               ContainsSubstring("c.json: has attributes of a CARLA lidar, but no \"type\": add \"type\": "
+                                 "\"sensor.lidar.ray_cast\""));
+    CHECK_THROWS_WITH(sensorFromJson(text, "here"), ContainsSubstring("here: has attributes of a CARLA lidar"));
+  }
+  CHECK_THROWS_WITH(sensorFromJson(R"({"columns": 4, "elevation_deg": [0], "rotation_frequency": 10})", "here"),
+                    ContainsSubstring("unknown key 'rotation_frequency'"));
 }

@@ -112,6 +112,28 @@ TEST_CASE("effects are listed, and a printed preset is a valid file for --effect
   CHECK(place.run("plan floor.obj --effects e.json").out == place.run("plan floor.obj --effects os1-rain").out);
 }
 
+TEST_CASE("one file of CARLA's attributes is read as a sensor and as effects") {
+  const Workplace place;
+  place.put("c.json", R"([{"type": "sensor.lidar.ray_cast", "id": "top", "noise_stddev": "0.02"},
+                          {"type": "sensor.lidar.ray_cast", "id": "low", "dropoff_general_rate": 0}])");
+  CHECK_THAT(place.run("sensors c.json").out,
+             ContainsSubstring("ignored") && ContainsSubstring("noise_stddev, which `--effects FILE` reads"));
+  const auto refused = [&](const std::string& command, const std::string& words) {
+    const Result result = place.run(command);
+    CHECK(result.status == 1);
+    CHECK_THAT(result.err, ContainsSubstring(words));
+  };
+  refused("plan floor.obj --effects c.json", "c.json: the effects of the lidars top, low differ");
+  const Result low = place.run("effects c.json --mode low");
+  REQUIRE(low.status == 0);
+  CHECK_THAT(low.out, ContainsSubstring(R"("general_rate": 0,)"));
+  refused("effects c.json --mode rear", "c.json: has no lidar 'rear', but top, low");
+  checkRefused("effects --mode rear", 2, "--mode requires NAME");
+  place.put("one.json", R"({"type": "sensor.lidar.ray_cast", "noise_stddev": 0.02})");
+  CHECK(decision(place, "--sensor one.json --effects one.json", "range-noise").at("in") == true);
+  CHECK(decision(place, "--sensor one.json --effects one.json", "drop-out").at("in") == true);
+}
+
 TEST_CASE("a table of materials is read, and rows without effect cause warnings") {
   const Workplace place;
   place.put("floor.obj", "mtllib floor.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nusemtl pane\nf 1 2 3\n");

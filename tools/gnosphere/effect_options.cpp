@@ -9,7 +9,8 @@ namespace gnosphere::cli {
 void addEffectOptions(CLI::App& app, EffectOptions& options) {
   std::string presets;
   for (const std::string& name : effectPresets()) presets += (presets.empty() ? "" : ", ") + name;
-  app.add_option("--effects", options.effects, "Effects to simulate besides geometry: " + presets + " or a JSON file")
+  app.add_option("--effects", options.effects,
+                 "Effects to simulate besides geometry: " + presets + " or a JSON file, also one of CARLA's lidars")
       ->capture_default_str();
   app.add_option("--effect", options.assignments,
                  "Change --effects by NAME=VALUE, as fog.visibility=200 or divergence=off; may be given more than once")
@@ -20,7 +21,8 @@ void addEffectOptions(CLI::App& app, EffectOptions& options) {
 }
 
 Effects presetOrFile(const std::string& nameOrFile) {
-  return namedOrLoaded(nameOrFile, effectPreset, loadEffects);
+  return namedOrLoaded<Effects>(nameOrFile, effectPreset,
+                                [](const std::filesystem::path& file) { return loadEffects(file); });
 }
 
 Effects effectsOf(const EffectOptions& options) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/path.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
@@ -50,9 +51,9 @@ int runDevices(bool json) {
 }
 
 /// Lists every effect with its parameters: name, default and allowed values.
-int runEffects(const std::string& name) {
+int runEffects(const std::string& name, const std::string& mode) {
   if (!name.empty()) {
-    std::printf("%s", toJson(presetOrFile(name)).c_str());
+    std::printf("%s", toJson(mode.empty() ? presetOrFile(name) : loadEffects(pathOf(name), mode)).c_str());
     return 0;
   }
   std::printf("presets:");
@@ -106,12 +107,15 @@ Action addDevices(CLI::App& app) {
 }
 
 Action addEffects(CLI::App& app) {
-  const auto name = std::make_shared<std::string>();
-  app.add_option("NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
+  const auto name = std::make_shared<std::string>(), mode = std::make_shared<std::string>();
+  CLI::Option* const named = app.add_option(
+      "NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
+  app.add_option("--mode", *mode, "The id of one of several lidars that a file of CARLA's attributes has")
+      ->needs(named);
   app.footer(
       "`gnosphere scan --effect NAME.PARAMETER=VALUE` sets a parameter; NAME=on, off or auto sets the whole effect.\n"
       "Example: gnosphere effects os1-rain > effects.json");
-  return [name] { return runEffects(*name); };
+  return [name, mode] { return runEffects(*name, *mode); };
 }
 
 }  // namespace gnosphere::cli

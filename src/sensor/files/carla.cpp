@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
 // turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
+#include "sensor/files/carla.hpp"
+
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/lasting.hpp"
@@ -12,8 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-/// Lists the lidars in a tree of objects, down to a depth that no real file has.
-void collect(const json& node, std::vector<const json*>& lidars, int depth = 0) {
+bool hasCarlaType(const json& node, int depth) {
+  if (node.is_object() && textIn(node, "type").starts_with("sensor.")) return true;
+  if (!node.is_structured() || depth > 8) return false;
+  return std::any_of(node.begin(), node.end(), [&](const json& child) { return hasCarlaType(child, depth + 1); });
+}
+
+void collect(const json& node, std::vector<const json*>& lidars, int depth) {
   if (node.is_object() && textIn(node, "type").starts_with("sensor.lidar.")) lidars.push_back(&node);
   if (node.is_structured() && depth < 50)
     for (const json& child : node) collect(child, lidars, depth + 1);
@@ -31,21 +40,69 @@ double attribute(SensorSource& source, const json& lidar, const std::string& key
 }
 
 const json& choose(SensorSource& source, const std::vector<const json*>& lidars) {
-  std::string ids;
-  for (const json* lidar : lidars) {
+  for (const json* lidar : lidars)
     if (!source.options.mode.empty() && textIn(*lidar, "id") == source.options.mode) return *lidar;
-    ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
-  }
+  const std::string ids = idsOf(lidars);
   if (!source.options.mode.empty()) source.refuse("has no lidar '" + source.options.mode + "', but " + ids);
   if (lidars.size() > 1) source.assume("the first of the lidars " + ids + "; `gnosphere sensors --mode` takes another");
   return *lidars[0];
 }
 
+/// Notes what the attributes of a lidar state beyond its beams: those that are effects, and what is ignored.
+void noteOthers(SensorSource& source, const json& lidar) {
+  static const auto& known =
+      lasting(std::set<std::string>{"type", "id", "channels", "points_per_second", "range", "upper_fov", "lower_fov",
+                                    "rotation_frequency", "horizontal_fov"});
+  // CARLA's default of those that are true here is not zero, so a zero tells something.
+  static const auto& effects = lasting(std::map<std::string, bool>{{"atmosphere_attenuation_rate", true},
+                                                                   {"dropoff_general_rate", true},
+                                                                   {"dropoff_intensity_limit", true},
+                                                                   {"dropoff_zero_intensity", true},
+                                                                   {"noise_stddev", false},
+                                                                   {"noise_seed", false}});
+  std::string read;
+  for (const auto& [key, value] : lidar.items()) {
+    const auto effect = hasCarlaEffects(lidar) ? effects.find(key) : effects.end();
+    const bool isZero = value == json(0.0);
+    if (effect != effects.end() && (!isZero || effect->second))
+      read += (read.empty() ? "" : ", ") + key;
+    else if (!known.contains(key) && !isZero)
+      source.ignore(key);
+  }
+  if (!read.empty()) source.ignore(read + ", which `--effects FILE` reads");
+}
+
 }  // namespace
 
-void readCarla(SensorSource& source, const json& root) {
+bool isCarla(const json& root) {
+  return hasCarlaType(root, 0);
+}
+
+bool lacksCarlaType(const json& root) {
+  if (!root.is_object() || root.contains("type")) return false;
+  const auto has = [&](const char* key) { return root.contains(key); };
+  return (has("points_per_second") || has("rotation_frequency")) && !has("columns") && !has("elevation_deg") &&
+         !has("patterns");
+}
+
+std::vector<const json*> carlaLidars(const json& root) {
   std::vector<const json*> lidars;
-  collect(root, lidars);
+  collect(root, lidars, 0);
+  return lidars;
+}
+
+std::string idsOf(const std::vector<const json*>& lidars) {
+  std::string ids;
+  for (const json* lidar : lidars) ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
+  return ids;
+}
+
+bool hasCarlaEffects(const json& lidar) {
+  return !textIn(lidar, "type").starts_with("sensor.lidar.ray_cast_semantic");
+}
+
+void readCarla(SensorSource& source, const json& root) {
+  const std::vector<const json*> lidars = carlaLidars(root);
   if (lidars.empty()) source.refuse("describes sensors of CARLA, but no 'sensor.lidar.ray_cast'");
   const json& lidar = choose(source, lidars);
   const double channels = attribute(source, lidar, "channels", 32);
@@ -71,12 +128,7 @@ void readCarla(SensorSource& source, const json& root) {
   sensor.rangeMax = attribute(source, lidar, "range", 10);
   const double step = channels > 1 ? (upper - lower) / (channels - 1) : 0;
   for (double i = 0; i < channels; ++i) sensor.channels.push_back({upper - i * step});
-
-  static const auto& known =
-      lasting(std::set<std::string>{"type", "id", "channels", "points_per_second", "range", "upper_fov", "lower_fov",
-                                    "rotation_frequency", "horizontal_fov"});
-  for (const auto& [key, value] : lidar.items())
-    if (!known.contains(key) && value != json(0.0)) source.ignore(key);
+  noteOthers(source, lidar);
 }
 
 }  // namespace gnosphere

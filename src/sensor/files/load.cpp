@@ -12,6 +12,7 @@
 #include "base/units.hpp"
 #include "base/vector.hpp"
 #include "sensor/beams.hpp"
+#include "sensor/files/carla.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -43,13 +44,6 @@ struct Family {
 
 bool has(const json& root, const char* key) {
   return root.is_object() && root.contains(key);
-}
-
-/// Whether a JSON object, or one in a list, has a type as CARLA's sensors do.
-bool isCarla(const json& root, int depth = 0) {
-  if (root.is_object() && textIn(root, "type").starts_with("sensor.")) return true;
-  if (!root.is_structured() || depth > 8) return false;
-  return std::any_of(root.begin(), root.end(), [&](const json& child) { return isCarla(child, depth + 1); });
 }
 
 std::string_view firstLine(std::string_view bytes) {
@@ -205,6 +199,7 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
   // JSON with a mistake could pass for a table. A name of another family counts, because YAML may begin so, too.
   const bool namedOther = named && !named->isJson;
   if (root.is_discarded() && beginsAsJson(source.bytes) && !namedOther) source.refuse("is not JSON: " + jsonProblem);
+  if (lacksCarlaType(root)) source.refuse(kLacksCarlaType);
   for (const Family& family : families()) {
     if (family.isJson == root.is_discarded() || !family.recognise(source.bytes, root)) continue;
     if (named && !mayEndWith(family, ending))
