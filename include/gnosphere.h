@@ -643,8 +643,8 @@ typedef struct gno_request {
    * results_on_device in those of a gno_batch_stream, which has columns of ranges and `fields` if this is null. Its
    * fields need not be repeated above. Without any of the two it must be null. */
   const gno_layout* layout;
-  /* Instances that the sensor does not see, for example the body of the robot that carries it. An index stays ignored
-   * if its instance is removed and another one gets it. */
+  /* Instances that the sensor does not see, for example the body of the robot that carries it. If an instance is
+   * removed, its index leaves the list, so that another one that gets it is seen. */
   const uint32_t* ignored_instances;
   size_t ignored_instance_count;
 } gno_request;

@@ -27,8 +27,9 @@ class KeptScene {
   /// Meshes have only their parts, and instances only their mesh and world.
   const Scene& scene() const { return scene_; }
   const ClassTable& classes() const { return classes_; }
-  /// Whether the visible materials may have changed since the last setPlanned().
+  /// Whether the visible materials, or what else sensors are planned for, may have changed since the last setPlanned().
   bool isStale() const { return stale_; }
+  void setStale() { stale_ = true; }
   void setPlanned() { stale_ = false; }
 
   /// Throw Error(invalidArgument), whose message begins with `which`, if an instance does not exist or a shot moves

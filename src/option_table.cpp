@@ -170,8 +170,8 @@ std::vector<Option<SensorRequest>> makeRequestTable() {
       {indices<&SensorRequest::ignoredInstances>(
            "ignored_instances", "instance",
            "Indices of instances that the sensor does not see, for example the body of the robot that carries it: its "
-           "scans are those of a scene without them. An index stays ignored if its instance is removed and another "
-           "one gets it."),
+           "scans are those of a scene without them. If an instance is removed, its index leaves the list, so that "
+           "another one that gets it is seen."),
        Changes::cloud},
   };
 }

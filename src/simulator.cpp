@@ -261,6 +261,13 @@ class Simulator::Impl {
     sensors_.giveBack(index);
   }
 
+  /// The index of the instance leaves the lists of sensors that ignore it, because another instance may get it.
+  void removeInstance(size_t instance) {
+    kept_.removeInstance(instance);
+    for (SensorRequest& request : requests_)
+      if (std::erase(request.ignoredInstances, instance) > 0) kept_.setStale();
+  }
+
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
   /// yet.
   Plan plan(size_t sensor, size_t views) const {
@@ -329,7 +336,8 @@ class Simulator::Impl {
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 
-  // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed.
+  // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed, or whose
+  // ignored instances have been removed.
   void planAgain() {
     if (!kept_.isStale()) return;
     for (size_t i = 0; i < plans_.size(); ++i) {
@@ -461,7 +469,7 @@ size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_
   return impl_->kept().addInstance(mesh, transform, classId, world);
 }
 void Simulator::removeInstance(size_t instance) {
-  impl_->kept().removeInstance(instance);
+  impl_->removeInstance(instance);
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
   impl_->kept().setTransform(instance, transform);

@@ -229,7 +229,8 @@ struct SensorRequest {
   /// the layout must be empty.
   RecordLayout layout;
   /// Indices of instances that the sensor does not see, for example the body of the robot that carries it: its scans
-  /// are those of a scene without them. An index stays ignored if its instance is removed and another one gets it.
+  /// are those of a scene without them. If an instance is removed, its index leaves the list, so that another one that
+  /// gets it is seen.
   std::vector<uint32_t> ignoredInstances;
 
   SensorRequest() = default;

@@ -170,7 +170,8 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
 }
 
 bool sameButOptics(const SensorPlan& before, const SensorPlan& after) {
-  return before.bits == after.bits && before.textures == after.textures && before.optics.size() == after.optics.size();
+  return before.bits == after.bits && before.textures == after.textures &&
+         before.optics.size() == after.optics.size() && before.ignored == after.ignored;
 }
 
 bool sameArrays(const SensorPlan& before, const SensorPlan& after) {

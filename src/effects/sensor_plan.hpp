@@ -101,7 +101,8 @@ class SensorPlanner {
   std::shared_ptr<const TextureArrays> textures_;
 };
 
-/// Returns whether the plan `after` can use the arrays and kernels made for the plan `before`, but for the optics.
+/// Returns whether the plan `after` ignores the same instances as the plan `before`, and can use the arrays and kernels
+/// made for it, but for the optics.
 bool sameButOptics(const SensorPlan& before, const SensorPlan& after);
 /// The same with the optics.
 bool sameArrays(const SensorPlan& before, const SensorPlan& after);

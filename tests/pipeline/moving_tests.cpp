@@ -2,6 +2,7 @@
 // A scene that was changed is scanned like a new scene with the same content.
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -432,6 +433,48 @@ TEST_CASE("a sensor does not see the instances that it ignores", "[second-driver
     CHECK_THROWS_WITH(ignoring.addSensor(some),
                       "sensor 'grid': it ignores an instance, but instance 12 does not exist, there are 12");
     some.ignoredInstances = {2, 7};
+  }
+}
+
+TEST_CASE("an instance that gets the index of a removed one is seen by a sensor that ignored it", "[second-driver]") {
+  needVulkan();
+  Scene scene = rowOfBalls(12);
+  for (uint32_t i = 0; i < 3; ++i) scene.instances.push_back({"", 0, translation(0, 0, 9.0 + i), 0, "", 1 + i % 2});
+  SensorRequest all(gridSensor(360, 24, -20, 20, 40), Effects::none()), some = all;
+  some.ignoredInstances = {2, 7, 13};
+  for (const char* device : {"auto", "reference"}) {
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator ignoring(scene, std::vector{some, some}, options), without(scene, all, options);
+    for (const size_t instance : {7, 13, 2}) without.removeInstance(instance);  // the last one is taken first
+    std::vector<Shot> shots(3), others(3);
+    for (uint32_t world = 0; world < 3; ++world) shots[world].world = others[world].world = world;
+    for (Shot& shot : shots) shot.sensor = 1;
+    const auto compare = [&] {
+      const Batch batch = ignoring.scanBatch(shots, std::vector{Field::instance}),
+                  wanted = without.scanBatch(others, std::vector{Field::instance});
+      CHECK(std::ranges::equal(batch.instances(), wanted.instances()));
+      CHECK(std::memcmp(batch.ranges().data(), wanted.ranges().data(), wanted.ranges().size_bytes()) == 0);
+      for (size_t world = 0; world < 3; ++world) {
+        Scan scan, other;
+        ignoring.scanInto(shots[world], scan);
+        without.scanInto(others[world], other);
+        CHECK(sameBytes(scan.instances, other.instances));
+        CHECK(sameBytes(scan.ranges, other.ranges));
+      }
+    };
+    compare();
+    for (const size_t instance : {13, 2}) ignoring.removeInstance(instance);
+    compare();
+    for (Simulator* simulator : {&ignoring, &without}) {
+      CHECK(simulator->addInstance(0, scene.instances[2].transform) == 2);
+      CHECK(simulator->addInstance(0, translation(0, -3, 0), 0, 2) == 13);
+    }
+    compare();
+    Scan scan;
+    ignoring.scanInto(shots[2], scan);
+    CHECK(std::ranges::count(scan.instances, 2u) > 0);
+    CHECK(std::ranges::count(scan.instances, 13u) > 0);
   }
 }
 
