@@ -261,6 +261,18 @@ class Simulator::Impl {
     sensors_.giveBack(index);
   }
 
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
+    const size_t index = kept_.addInstance(mesh, transform, classId, world);
+    noteAdded(mesh);
+    return index;
+  }
+
+  std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
+    std::vector<uint32_t> indices = kept_.addInstances(instances);
+    for (const Instance& instance : instances) noteAdded(instance.mesh);
+    return indices;
+  }
+
   /// The index of the instance leaves the lists of sensors that ignore it, because another instance may get it.
   void removeInstance(size_t instance) {
     kept_.removeInstance(instance);
@@ -302,6 +314,13 @@ class Simulator::Impl {
   }
 
  private:
+  /// A sensor that has ignored all instances of a mesh is planned without its materials, until it sees another one.
+  void noteAdded(uint32_t mesh) {
+    for (const SensorRequest& request : requests_)
+      for (const uint32_t ignored : request.ignoredInstances)
+        if (kept_.scene().instances[ignored].mesh == mesh) kept_.setStale();
+  }
+
   void check(const SensorRequest& request) const {
     validate(request.sensor);
     for (const uint32_t instance : request.ignoredInstances)
@@ -463,10 +482,10 @@ void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
   impl_->kept().setPositions(mesh, positions);
 }
 std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instances) {
-  return impl_->kept().addInstances(instances);
+  return impl_->addInstances(instances);
 }
 size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-  return impl_->kept().addInstance(mesh, transform, classId, world);
+  return impl_->addInstance(mesh, transform, classId, world);
 }
 void Simulator::removeInstance(size_t instance) {
   impl_->removeInstance(instance);

@@ -478,6 +478,26 @@ TEST_CASE("an instance that gets the index of a removed one is seen by a sensor 
   }
 }
 
+TEST_CASE("a sensor that has ignored all instances of a mesh is planned for its materials when it sees another one") {
+  needVulkan();
+  Scene scene = rowOfBalls(3);
+  scene.materials[0].transmission = 0.9f;
+  SensorRequest request(gridSensor(360, 24, -20, 20, 40));
+  request.ignoredInstances = {0, 1, 2};
+  for (const bool many : {false, true}) {
+    Simulator simulator(scene, request, vulkanOptions());
+    CHECK_FALSE(simulator.plan().has("transmission"));
+    CHECK(simulator.scan({}).counters.hits == 0);
+    const Transform place = scene.instances[1].transform;
+    if (many)
+      simulator.addInstances(std::vector{Instance{"", 0, place}});
+    else
+      simulator.addInstance(0, place);
+    CHECK(simulator.plan().has("transmission"));
+    CHECK(simulator.scan({}).counters.hits > 0);
+  }
+}
+
 TEST_CASE("an instance that moves during a scan is ignored as well") {
   needVulkan();
   const Scene scene = rowOfBalls(12);
