@@ -112,7 +112,13 @@ def test_types_by_pyright(tmp_path):
     assert 'Cannot access attribute "rangs"' in checked(tmp_path, *command, "wrong.py")
 
 
-PAGES = ["../README.md", "python.md", "batches.md", "instead-of.md", *(f"tutorials/{page.name}" for page in sorted((REPOSITORY / "docs" / "tutorials").glob("*.md")))]
+PAGES = [
+    "../README.md",
+    "python.md",
+    "batches.md",
+    "instead-of.md",
+    *(f"tutorials/{page.name}" for page in sorted((REPOSITORY / "docs" / "tutorials").glob("*.md"))),
+]
 
 
 @pytest.mark.parametrize("page", PAGES)
