@@ -263,21 +263,21 @@ class Simulator::Impl {
 
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
     const size_t index = kept_.addInstance(mesh, transform, classId, world);
-    noteAdded(mesh);
+    noteInstances();
     return index;
   }
 
   std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
     std::vector<uint32_t> indices = kept_.addInstances(instances);
-    for (const Instance& instance : instances) noteAdded(instance.mesh);
+    noteInstances();
     return indices;
   }
 
   /// The index of the instance leaves the lists of sensors that ignore it, because another instance may get it.
   void removeInstance(size_t instance) {
     kept_.removeInstance(instance);
-    for (SensorRequest& request : requests_)
-      if (std::erase(request.ignoredInstances, instance) > 0) kept_.setStale();
+    noteInstances();
+    for (SensorRequest& request : requests_) std::erase(request.ignoredInstances, instance);
   }
 
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
@@ -314,11 +314,11 @@ class Simulator::Impl {
   }
 
  private:
-  /// A sensor that has ignored all instances of a mesh is planned without its materials, until it sees another one.
-  void noteAdded(uint32_t mesh) {
-    for (const SensorRequest& request : requests_)
-      for (const uint32_t ignored : request.ignoredInstances)
-        if (kept_.scene().instances[ignored].mesh == mesh) kept_.setStale();
+  /// Instances have come or gone. The kept scene knows whether that changes the materials in use, but not which of them
+  /// a sensor sees that ignores instances.
+  void noteInstances() {
+    const auto ignores = [](const SensorRequest& request) { return !request.ignoredInstances.empty(); };
+    if (std::ranges::any_of(requests_, ignores)) kept_.setStale();
   }
 
   void check(const SensorRequest& request) const {
