@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Accuracies and devices: their names, and what they stand for.
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -76,6 +77,13 @@ DeviceChoice deviceByName(const std::string& text) {
     throw Error(ErrorCode::invalidArgument, "device '" + text +
                                                 "' is not auto, the number or a part of the name of a Vulkan device, "
                                                 "reference, cuda:N or cuda-fast:N");
+  // A number is that of listDevices(), where devices of CUDA and the reference follow those of Vulkan.
+  size_t index = 0;
+  const char* const end = text.data() + text.size();
+  if (std::from_chars(text.data(), end, index).ptr == end) {
+    const std::vector<DeviceInfo> devices = listDevices();
+    if (index < devices.size() && DeviceChoice(devices[index]).kind != Kind::vulkan) return devices[index];
+  }
   return {Kind::vulkan, text};
 }
 

@@ -179,8 +179,8 @@ struct DeviceChoice {
   GNOSPHERE_API DeviceChoice(const DeviceInfo& device);
 };
 
-/// Parses the choice of a device on a command line: "auto", the number or a part of the name of a Vulkan device,
-/// "reference", "cuda:N" or "cuda-fast:N".
+/// Parses the choice of a device on a command line: "auto", a number in listDevices(), a part of the name of a Vulkan
+/// device or a number in it, "reference", "cuda:N" or "cuda-fast:N".
 GNOSPHERE_API DeviceChoice deviceByName(const std::string& text);
 /// The text that deviceByName() makes this choice of.
 GNOSPHERE_API std::string nameOf(const DeviceChoice& choice);

@@ -135,8 +135,8 @@ void bindDevices(nb::module_& m) {
           "uuid", [](const DeviceChoice& self) { return bytesOf(self.uuid); },
           "DeviceInfo.uuid of the device, in which case `name` is ignored; 16 zeros for any device.");
   m.def("device_by_name", &deviceByName, "text"_a,
-        "Parses the choice of a device on a command line: 'auto', the number or a part of the name of a Vulkan device, "
-        "'reference', 'cuda:N' or 'cuda-fast:N'.");
+        "Parses the choice of a device on a command line: 'auto', a number in list_devices(), a part of the name of a "
+        "Vulkan device or a number in it, 'reference', 'cuda:N' or 'cuda-fast:N'.");
   m.def(
       "name_of", [](const DeviceChoice& of) { return nameOf(of); }, "choice"_a,
       "The text that device_by_name() makes this choice of.");

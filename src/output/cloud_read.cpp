@@ -84,7 +84,8 @@ uint32_t findReturns(const CloudTable& table, const std::vector<uint32_t>& numbe
 Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
   const uint64_t fewest = (table.rows + returns - 1) / returns;  // least number of beams that can have these rows
-  if (table.gridColumns > 0) {
+  // Rows are returns where beams have several, and without the column `beam` nothing tells whose.
+  if (table.gridColumns > 0 && (beam || table.gridReturns <= 1)) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
     if (beams < fewest || (beams > fewest && beams * returns > maxSparseBeams(table))) {
       table.refuse("its grid of " + std::to_string(table.gridColumns) + " columns x " +

@@ -17,6 +17,14 @@ int preference(const DeviceInfo& info) {
   return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
 }
 
+/// Returns whether a text has these digits as a number, which is not a part of a longer one.
+bool containsNumber(const std::string& text, const std::string& digits) {
+  const auto isDigit = [&](size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+  for (size_t at = text.find(digits); at != text.npos; at = text.find(digits, at + 1))
+    if (!(at > 0 && isDigit(at - 1)) && !isDigit(at + digits.size())) return true;
+  return false;
+}
+
 }  // namespace
 
 size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice) {
@@ -26,13 +34,16 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& 
   const char* end = name.data() + name.size();
   const bool isNumber = !name.empty() && std::from_chars(name.data(), end, index).ptr == end;
   const bool isIndex = isNumber && index < devices.size();
+  const auto named = [&](size_t i) {
+    if (isIndex) return index == i;
+    return isNumber ? containsNumber(devices[i].name, name) : containsWord(devices[i].name, name);
+  };
   std::string seen;
   std::vector<size_t> matches;
   for (size_t i = 0; i < devices.size(); ++i) {
     const DeviceInfo& info = devices[i];
     seen += "; " + std::to_string(i) + ": " + info.name + (info.usable ? "" : " (" + info.reason + ")");
-    if (byUuid ? info.uuid == choice.uuid : any ? info.usable : isIndex ? index == i : containsWord(info.name, name))
-      matches.push_back(i);
+    if (byUuid ? info.uuid == choice.uuid : any ? info.usable : named(i)) matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device,
@@ -43,7 +54,7 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& 
   if (matches.empty())
     throw Error(ErrorCode::invalidArgument,
                 "there is no device '" + name + "'" +
-                    (isNumber ? ", neither with this number nor with these digits in its name" : "") + seen +
+                    (isNumber ? ", neither with this number nor with this number in its name" : "") + seen +
                     "; reference: the CPU in double");
   const size_t best = *std::min_element(matches.begin(), matches.end(), [&](size_t a, size_t b) {
     return std::pair(!devices[a].usable, preference(devices[a])) <

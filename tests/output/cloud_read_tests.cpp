@@ -3,6 +3,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
 
 #include "cloud_support.hpp"
 #include "output/cloud_table.hpp"
@@ -84,6 +85,29 @@ TEST_CASE("a compact PCD or PLY cloud is read onto its grid") {
   checkSame(back, tiny());
   CHECK(back.sensor == "tiny");
   CHECK(back.counters.hits == 5);
+}
+
+TEST_CASE("a cloud of several returns without the field beam is read as a list of points") {
+  const Folder folder;
+  const std::string ending = GENERATE("pcd", "ply", "npy", "csv");
+  Scan scan;
+  scan.columns = 3;
+  scan.channels = 1;
+  scan.returns = 2;
+  const bool oneEach = GENERATE(false, true);  // three points of three beams are no grid either
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  scan.ranges = {4, oneEach ? none : 5, 6, none, 7, none};
+  scan.points.assign(18, none);
+  for (size_t entry = 0; entry < 6; ++entry)
+    if (scan.ranges[entry] > 0) std::fill_n(&scan.points[3 * entry], 3, scan.ranges[entry]);
+  CloudOptions options;
+  options.fields = parseFields("x,y,z,range");
+  writeCloud(scan, folder / ("a." + ending), options);
+  const Scan back = readCloud(folder / ("a." + ending));
+  CHECK(back.returns == 1);
+  CHECK(back.channels == 1);
+  CHECK(back.ranges == (oneEach ? std::vector<float>{4, 6, 7} : std::vector<float>{4, 5, 6, 7}));
+  CHECK(back.points[9 - 1] == (oneEach ? 7 : 6));
 }
 
 TEST_CASE("ties and tolerances of the reference are written and read") {

@@ -524,24 +524,28 @@ TEST_CASE("a number selects a device by index, any other text by part of its nam
   const std::vector<DeviceInfo> devices = {deviceOf("llvmpipe (LLVM 15.0.6, 256 bits)", "cpu"),
                                            deviceOf("NVIDIA GeForce RTX 4090", "discrete"),
                                            deviceOf("Old 3090", "discrete", false)};
+  const auto vulkanDevice = [](const char* name) { return DeviceChoice(DeviceChoice::Kind::vulkan, name); };
   CHECK(chooseDevice(devices, DeviceChoice()) == 1);
-  CHECK(chooseDevice(devices, deviceByName("0")) == 0);
-  CHECK(chooseDevice(devices, deviceByName("1")) == 1);
-  CHECK(chooseDevice(devices, deviceByName("4090")) == 1);
-  CHECK(chooseDevice(devices, deviceByName("256")) == 0);
-  CHECK(chooseDevice(devices, deviceByName("rtx")) == 1);
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("2")),
+  CHECK(chooseDevice(devices, vulkanDevice("0")) == 0);
+  CHECK(chooseDevice(devices, vulkanDevice("1")) == 1);
+  CHECK(chooseDevice(devices, vulkanDevice("4090")) == 1);
+  CHECK(chooseDevice(devices, vulkanDevice("256")) == 0);
+  CHECK(chooseDevice(devices, vulkanDevice("rtx")) == 1);
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("2")),
                     "the device 'Old 3090' cannot be used: it is made of brass");
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("3090")),
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("3090")),
                     "the device 'Old 3090' cannot be used: it is made of brass");
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("7")),
-                    ContainsSubstring("there is no device '7', neither with this number nor with these digits in its "
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("7")),
+                    ContainsSubstring("there is no device '7', neither with this number nor with this number in its "
                                       "name; 0: llvmpipe") &&
                         ContainsSubstring("; 2: Old 3090 (it is made of brass); reference: the CPU in double"));
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("99999999999999999999999")),
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("5")), ContainsSubstring("there is no device '5'"));
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("99999999999999999999999")),
                     ContainsSubstring("there is no device '999"));
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("brass")),
+  CHECK_THROWS_WITH(chooseDevice(devices, vulkanDevice("brass")),
                     ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
+  // Behind the devices of Vulkan are those of CUDA and the reference, which is the last.
+  CHECK(deviceByName(std::to_string(listDevices().size() - 1)).kind == DeviceChoice::Kind::reference);
   CHECK_THROWS_WITH(deviceByName(""), ContainsSubstring("device '' is not auto, the number or a part of the name"));
   CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
   for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"})
