@@ -201,22 +201,22 @@ BatchStream& BatchStream::operator=(BatchStream&& other) noexcept {
 }
 
 uint64_t BatchStream::submit(std::span<const Shot> shots) {
-  return impl_->submit(shots);
+  return ofThisProcess(impl_).submit(shots);
 }
 StreamedBatch BatchStream::wait(uint64_t number) {
-  return impl_->wait(number);
+  return ofThisProcess(impl_).wait(number);
 }
 const RecordLayout& BatchStream::layout(size_t sensor) const {
-  return impl_->layout(sensor);
+  return ofThisProcess(impl_).layout(sensor);
 }
 ResultPlaces BatchStream::places(size_t sensor) const {
-  return impl_->placesOf(sensor);
+  return ofThisProcess(impl_).placesOf(sensor);
 }
 ExportedMemory BatchStream::exportMemory(size_t buffer) const {
-  return impl_->exportMemory(buffer);
+  return ofThisProcess(impl_).exportMemory(buffer);
 }
 CudaAddress BatchStream::cudaAddress(size_t buffer) {
-  return impl_->cudaAddress(buffer);
+  return ofThisProcess(impl_).cudaAddress(buffer);
 }
 
 }  // namespace gnosphere

@@ -412,18 +412,18 @@ Scan Simulator::scan(const Pose& pose, size_t sensor) {
 }
 
 void Simulator::scanInto(const Shot& shot, Scan& result) {
-  impl_->run({&shot, 1}, result, [](size_t) {});
+  ofThisProcess(impl_).run({&shot, 1}, result, [](size_t) {});
 }
 
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
   if (!receive) throw Error(ErrorCode::invalidArgument, "scanAll() needs a function that receives the scans");
   Scan result;
-  impl_->run(shots, result, [&](size_t i) { receive(i, result); });
+  ofThisProcess(impl_).run(shots, result, [&](size_t i) { receive(i, result); });
 }
 
 void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields,
                               const std::function<void(size_t)>& progress) {
-  impl_->runBatch(shots, fields, result, progress);
+  ofThisProcess(impl_).runBatch(shots, fields, result, progress);
 }
 
 Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields) {
@@ -433,84 +433,84 @@ Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> f
 }
 
 std::shared_ptr<const void> Simulator::lendToRecorder() {
-  return impl_->lendToRecorder();
+  return ofThisProcess(impl_).lendToRecorder();
 }
 void Simulator::record(Recording& recording) {
-  impl_->record(recording);
+  ofThisProcess(impl_).record(recording);
 }
 void Simulator::abandon(size_t frame) {
-  impl_->abandon(frame);
+  ofThisProcess(impl_).abandon(frame);
 }
 const SensorPlans& Simulator::plans() const {
-  return impl_->plans();
+  return ofThisProcess(impl_).plans();
 }
 std::shared_ptr<ResultRing> Simulator::makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
-  return impl_->makeRing(buffers, bytes, hostBytes);
+  return ofThisProcess(impl_).makeRing(buffers, bytes, hostBytes);
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
-  impl_->kept().setVertices(mesh, buffer);
+  ofThisProcess(impl_).kept().setVertices(mesh, buffer);
 }
 void Simulator::setTransforms(const CallerTransforms& buffer) {
-  impl_->kept().setTransforms(buffer);
+  ofThisProcess(impl_).kept().setTransforms(buffer);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {
-  return impl_->addSensor(request);
+  return ofThisProcess(impl_).addSensor(request);
 }
 void Simulator::removeSensor(size_t sensor) {
-  impl_->removeSensor(sensor);
+  ofThisProcess(impl_).removeSensor(sensor);
 }
 size_t Simulator::addMaterial(const Material& material, const AlphaImage* image) {
-  return impl_->kept().addMaterial(material, image);
+  return ofThisProcess(impl_).kept().addMaterial(material, image);
 }
 void Simulator::setMaterial(size_t index, const Material& material, const AlphaImage* image) {
-  impl_->kept().setMaterial(index, material, image);
+  ofThisProcess(impl_).kept().setMaterial(index, material, image);
 }
 void Simulator::removeMaterial(size_t material) {
-  impl_->kept().removeMaterial(material);
+  ofThisProcess(impl_).kept().removeMaterial(material);
 }
 size_t Simulator::addMesh(const Mesh& mesh) {
-  return impl_->kept().addMesh(mesh);
+  return ofThisProcess(impl_).kept().addMesh(mesh);
 }
 void Simulator::removeMesh(size_t mesh) {
-  impl_->kept().removeMesh(mesh);
+  ofThisProcess(impl_).kept().removeMesh(mesh);
 }
 void Simulator::setDeformation(size_t mesh, const Deformation& deformation) {
-  impl_->kept().setDeformation(mesh, deformation);
+  ofThisProcess(impl_).kept().setDeformation(mesh, deformation);
 }
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
-  impl_->kept().setPositions(mesh, positions);
+  ofThisProcess(impl_).kept().setPositions(mesh, positions);
 }
 std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instances) {
-  return impl_->addInstances(instances);
+  return ofThisProcess(impl_).addInstances(instances);
 }
 size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-  return impl_->addInstance(mesh, transform, classId, world);
+  return ofThisProcess(impl_).addInstance(mesh, transform, classId, world);
 }
 void Simulator::removeInstance(size_t instance) {
-  impl_->removeInstance(instance);
+  ofThisProcess(impl_).removeInstance(instance);
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
-  impl_->kept().setTransform(instance, transform);
+  ofThisProcess(impl_).kept().setTransform(instance, transform);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const double> values) {
-  impl_->kept().setTransforms(instances, values);
+  ofThisProcess(impl_).kept().setTransforms(instances, values);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const float> values) {
-  impl_->kept().setTransforms(instances, values);
+  ofThisProcess(impl_).kept().setTransforms(instances, values);
 }
 
 Plan Simulator::plan(size_t sensor, size_t views) const {
-  return impl_->plan(sensor, views);
+  return ofThisProcess(impl_).plan(sensor, views);
 }
 const DeviceInfo& Simulator::device() const {
-  return impl_->backend().device();
+  return ofThisProcess(impl_).backend().device();
 }
 MemoryUse Simulator::memory() const {
-  return impl_->memory();
+  return ofThisProcess(impl_).memory();
 }
 size_t Simulator::clusterCount() const {
-  return impl_->backend().clusterCount();
+  return ofThisProcess(impl_).backend().clusterCount();
 }
 
 }  // namespace gnosphere

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/os.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 
@@ -22,6 +23,17 @@ class MakerProcess {
 template <class T>
 void leaveToParent(std::unique_ptr<T>& object) {
   if (object && object->maker().isParent()) static_cast<void>(object.release());
+}
+
+/// Returns a simulator, or what belongs to one, for a call of it. Throws Error(invalidArgument) if its maker() is the
+/// parent of this process.
+template <class T>
+T& ofThisProcess(const std::unique_ptr<T>& object) {
+  if (object->maker().isParent())
+    throw Error(ErrorCode::invalidArgument,
+                "the simulator was made by another process, whose threads this one does not have; make a simulator "
+                "after the fork, or start processes with 'spawn'");
+  return *object;
 }
 
 }  // namespace gnosphere
