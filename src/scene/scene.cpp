@@ -30,6 +30,23 @@ Vec3 operator*(const Transform& a, const Vec3& p) {
           m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
 }
 
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error(ErrorCode::invalidArgument, what);
+}
+
+/// Returns the mesh of an instance; one that does not exist is an error that names the instance.
+const Mesh& meshOf(const Scene& scene, size_t instance) {
+  const uint32_t mesh = scene.instances[instance].mesh;
+  if (mesh >= scene.meshes.size())
+    fail("instance " + std::to_string(instance) + ": mesh " + std::to_string(mesh) + " does not exist, the scene has " +
+         std::to_string(scene.meshes.size()));
+  return scene.meshes[mesh];
+}
+
+}  // namespace
+
 size_t Scene::uniqueTriangleCount() const {
   size_t count = 0;
   for (const Mesh& mesh : meshes) count += mesh.triangleCount();
@@ -38,16 +55,17 @@ size_t Scene::uniqueTriangleCount() const {
 
 size_t Scene::placedTriangleCount() const {
   size_t count = 0;
-  for (const Instance& instance : instances)
-    if (instance.mesh != kNoMesh) count += meshes.at(instance.mesh).triangleCount();
+  for (size_t i = 0; i < instances.size(); ++i)
+    if (instances[i].mesh != kNoMesh) count += meshOf(*this, i).triangleCount();
   return count;
 }
 
 Bounds worldBounds(const Scene& scene) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes.at(instance.mesh);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Mesh& mesh = meshOf(scene, i);
     const std::vector<float> deformed =
         mesh.deformation.empty() ? std::vector<float>() : deformedPositions(mesh, mesh.deformation);
     const std::vector<float>& positions = mesh.deformation.empty() ? mesh.positions : deformed;
@@ -61,14 +79,6 @@ Bounds worldBounds(const Scene& scene) {
   }
   return bounds;
 }
-
-namespace {
-
-[[noreturn]] void fail(const std::string& what) {
-  throw Error(ErrorCode::invalidArgument, what);
-}
-
-}  // namespace
 
 void validate(const AlphaImage& image, const std::string& name) {
   if (image.alpha.empty() || image.alpha.size() != size_t{image.width} * image.height)
@@ -143,6 +153,7 @@ void validate(const Material& material, const std::string& name) {
 }
 
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials) {
+  if (!isFinite(mesh.origin)) fail(name + ": its origin is not finite");
   if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
   if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
     fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices need two texture coordinates each or none, " +
@@ -186,11 +197,9 @@ void validate(const Scene& scene) {
   uint64_t placed = 0;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    if (instance.mesh >= scene.meshes.size())
-      fail("instance " + std::to_string(i) + ": mesh " + std::to_string(instance.mesh) +
-           " does not exist, the scene has " + std::to_string(scene.meshes.size()));
+    const Mesh& mesh = meshOf(scene, i);
     if (!allFinite(instance.transform.rows)) fail("instance " + std::to_string(i) + ": its transform is not finite");
-    placed += scene.meshes[instance.mesh].triangleCount();
+    placed += mesh.triangleCount();
   }
   limits::kTriangles.check(placed, "the scene places");
   validateAnimation(scene);

@@ -2,6 +2,7 @@
 // Loading and writing scenes; each format has its own tests in scene/.
 #include <cstdlib>
 #include <iterator>
+#include <limits>
 
 #include "fuzz/readers.hpp"
 #include "problem.hpp"
@@ -157,6 +158,16 @@ TEST_CASE("a failed writeGlb gives the reason and leaves no file") {
   bad.meshes[0].indices[0] = 99;
   CHECK_THROWS_AS(writeGlb(bad, folder / "bad.glb"), Error);
   CHECK(folder.fileCount() == 1);
+}
+
+TEST_CASE("an origin that is not finite and an instance of no mesh are errors that name them") {
+  Scene scene = sampleScene();
+  scene.meshes[1].origin.z = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THAT(problemOf([&] { validate(scene); }), ContainsSubstring("its origin is not finite"));
+  scene = sampleScene();
+  scene.instances[1].mesh = 7;
+  CHECK_THAT(problemOf([&] { scene.placedTriangleCount(); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
+  CHECK_THAT(problemOf([&] { worldBounds(scene); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
 }
 
 TEST_CASE("missing files, folders and unknown endings are errors that name them") {
