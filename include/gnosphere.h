@@ -17,9 +17,19 @@
  * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_get_column
  * and others) live until the handle is destroyed or changed. Texts and lists of no handle, and those that a call makes
  * anew (of gno_sensor_to_json, gno_effects_to_json, gno_scene_get_left_out, and the list gno_mesh::morph_targets), are
- * valid until the same thread calls the same function again, for whatever handle. Texts are UTF-8 and end with a zero.
+ * valid until the same thread calls the same function again, for whatever handle, or ends. Texts are UTF-8 and end with
+ * a zero.
  *
  * Threads: every function may be called by any thread; calls with the same handle wait for each other.
+ *
+ * Functions of the caller, such as gno_options::warn, run in the call that calls them, on its thread and one after the
+ * other. They must return: an exception ends the call with GNO_CANCELLED, and longjmp() is not allowed. They may
+ * call the library, but not change what the call uses that they run in. Two threads must not scan crosswise, each with
+ * the simulator whose call the other one is in, because both would wait for ever.
+ *
+ * Processes: one that was forked makes its own simulators, and calls of its parent's are errors, except destroying
+ * them. It ends by _exit(), because with Mesa's lavapipe exit() waits for threads that only its parent has. dlclose()
+ * leaves the library in the process.
  *
  * Units: metres, seconds and radians, unless a name says otherwise. Frames are right-handed: x forward, y left, z up.
  */
@@ -56,11 +66,12 @@ enum {
   GNO_FORMAT = 3,           /* the content of a file is invalid */
   GNO_DEVICE = 4,
   GNO_OUT_OF_MEMORY = 5,
-  GNO_CANCELLED = 6, /* a function of the caller ended the call */
+  GNO_CANCELLED = 6, /* a function of the caller ended the call, or threw an exception */
   GNO_INTERNAL = 7   /* a mistake in the library */
 };
 
-/* The sentence of the last call of this thread that failed; empty if none has. Valid until the next one fails. */
+/* The sentence of the last call of this thread that failed; empty if none has. Valid until the next one fails, or the
+ * thread ends. */
 GNO_API const char* gno_last_error(void);
 /* The version of the library, as GNO_VERSION is. */
 GNO_API uint32_t gno_version(void);
@@ -213,8 +224,8 @@ GNO_API gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double m
 /* An error that names the material, image, mesh, part or instance whose indices or sizes are inconsistent. */
 GNO_API gno_status gno_scene_validate(gno_scene scene);
 GNO_API gno_status gno_scene_write_glb(gno_scene scene, const char* file);
-/* The optics of every material at a wavelength (nm). table may be null. Writes at most `capacity` and gives the number
- * that there are. */
+/* The optics of every material of a valid scene at a wavelength of 905 or 1550 nm. table may be null. Writes at most
+ * `capacity` and gives the number that there are. */
 GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, double wavelength,
                                         gno_optics* optics, size_t capacity, size_t* count);
 
@@ -491,6 +502,25 @@ enum { /* docs/api.md says what each is */
        GNO_FIELD_ELEVATION
 };
 
+/* The values of GNO_FIELD_CAUSE: what became of a beam. gno_counters::causes counts them in this order. */
+typedef uint8_t gno_cause;
+enum {
+  GNO_CAUSE_RETURNED = 0,    /* the beam has at least one return */
+  GNO_CAUSE_NO_SURFACE = 1,  /* there is no surface in range */
+  GNO_CAUSE_WEAK = 2,        /* all echoes are below the detection threshold */
+  GNO_CAUSE_ATTENUATED = 3,  /* they are, but without fog, rain, snow and dust one would have been above it */
+  GNO_CAUSE_DROPPED_OUT = 4, /* the return was lost at random */
+  GNO_CAUSE_DEAD = 5         /* the beam is dead by the effect drop-out, or masked by the sensor */
+};
+
+/* The values of GNO_FIELD_LABEL: the origin of a return. */
+typedef uint8_t gno_label;
+enum {
+  GNO_LABEL_NONE = 0,   /* there is no return */
+  GNO_LABEL_SOLID = 1,  /* a surface */
+  GNO_LABEL_SCATTER = 2 /* particles of fog, rain, snow or dust */
+};
+
 /* The type of a number in memory, in the byte order of the machine. */
 typedef int32_t gno_value_type;
 enum { GNO_F32 = 0, GNO_F64 = 1, GNO_U8 = 2, GNO_U16 = 3, GNO_U32 = 4 };
@@ -683,9 +713,14 @@ typedef struct gno_mesh_motion {
 /* One scan of a run. */
 typedef struct gno_shot {
   size_t struct_size;
-  gno_pose pose;
+  gno_pose pose;  /* with a motion it is only the frame of the points, and that if the effect sensor-motion deskews */
   size_t sensor;  /* index in the simulator */
-  uint64_t frame; /* part of the key of the random numbers */
+  uint64_t frame; /* part of the key of the random numbers, and of a list the number of the pattern */
+  /* Where the sensor is during the scan, with ascending times; null: at `pose`. Between stamps the position is
+   * interpolated linearly and the orientation by slerp; before the first and after the last one the pose is held.
+   * Several stamps, all before the first or after the last beam, are an error. Points are those of a sensor at `pose`
+   * where the effect sensor-motion is left out: with presets such as "clean", and for sensors whose beams fire all at
+   * once. The plan of the sensor tells. */
   const gno_stamp* motion;
   size_t motion_count;
   const gno_instance_motion* instance_motions;
@@ -706,15 +741,18 @@ typedef struct gno_memory_use {
 GNO_API gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
                                         const gno_options* options, gno_simulator* simulator);
 GNO_API gno_status gno_simulator_destroy(gno_simulator simulator);
-/* Makes one scan. If *scan is null, a scan is created; otherwise its memory is used again. */
+/* Makes one scan. If *scan is null, a scan is created; otherwise its memory is used again, and the scan is empty if the
+ * device fails or memory runs out. */
 GNO_API gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* shot, gno_scan* scan);
 /* Makes many scans, pipelined. `receive` gets the index of the shot and a scan that it may read until it returns; it
- * must not call this simulator. If it returns another value than 0, the run ends with GNO_CANCELLED. */
+ * must not call this simulator, nor scan into this scan. If it returns another value than 0, the run ends with
+ * GNO_CANCELLED. */
 GNO_API gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
                                           int32_t (*receive)(size_t shot, gno_scan scan, void* user), void* user);
 /* Makes the scans of many shots of one sensor and collects them in arrays, see gno_batch_info. `fields` are those that
  * the batch has beside the ranges; null: all that scans of the sensor have. If *batch is null, a batch is created;
- * otherwise its memory is used again. The error names the first shot that is not valid, before anything runs. */
+ * otherwise its memory is used again, and the batch is empty if the device fails or memory runs out. The error names
+ * the first shot that is not valid, before anything runs. */
 GNO_API gno_status gno_simulator_scan_batch(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
                                             const gno_field* fields, size_t field_count, gno_batch* batch);
 
@@ -737,8 +775,9 @@ GNO_API gno_status gno_simulator_set_positions(gno_simulator simulator, size_t m
 /* Moves the joints and morph targets of a deformable mesh; null puts its vertices back to gno_mesh::positions. */
 GNO_API gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh,
                                                  const gno_deformation* deformation);
+/* Adds an instance, without its name and class_name. */
 GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index);
-/* Adds many instances and gives their indices in order, `count` of them; `indices` may be null. */
+/* Adds many instances, without their names, and gives `count` indices in the same order; `indices` may be null. */
 GNO_API gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instance* instances, size_t count,
                                                uint32_t* indices);
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
@@ -772,7 +811,8 @@ typedef struct gno_scan_info {
 } gno_scan_info;
 
 /* The values of one field. Component c of entry i is values[i * stride + c] of the type; the points of a scan are the
- * column GNO_FIELD_X, whose stride is 3. */
+ * column GNO_FIELD_X, whose stride is 3. An entry without a value, such as the range of a beam without a return, has
+ * NaN in floats other than velocities, GNO_NONE in indices, and 0 in velocities and other integers. */
 typedef struct gno_column {
   size_t struct_size;
   const void* values;
@@ -842,10 +882,13 @@ GNO_API gno_status gno_batch_get_timings(gno_batch batch, gno_timings* timings);
 /* What a cloud file holds. */
 typedef struct gno_cloud_options {
   size_t struct_size;
-  const gno_field* fields; /* null: x y z range ring beam triangle instance */
+  /* Null: x y z range ring beam triangle instance, and return_number return_count if beams have several returns. */
+  const gno_field* fields;
   size_t field_count;
-  int32_t compact; /* not 0: only returns are written */
-  int32_t ascii;   /* not 0: PCD and PLY are written as text */
+  /* Not 0: only returns are written. If beams have several returns, the file always is compact: it has a row per
+   * return, and with GNO_FIELD_TIE one for a beam without a return that is a tie. */
+  int32_t compact;
+  int32_t ascii; /* not 0: PCD and PLY are written as text */
 } gno_cloud_options;
 
 /* Differences between two clouds of the same beams; include/gnosphere/output.hpp describes each. */

@@ -91,7 +91,7 @@ gno_status gno_scene_add_animated_instance(gno_scene scene, const gno_animated_i
 
 gno_status gno_scene_set_animation_root(gno_scene scene, const gno_transform* root) {
   return guard([&] {
-    Locked to(scene);
+    Changing to(scene);
     to->animation.root = transformOf(the(root, "root"));
     to->valid = false;
   });

@@ -110,8 +110,8 @@ gno_status statusOfException() noexcept {
     throw;
   } catch (const Error& error) {
     return fail(statusOf(error.code()), error.what());
-  } catch (const Cancelled&) {
-    return fail(GNO_CANCELLED, "the function that receives scans has ended the run");
+  } catch (const Cancelled& cancelled) {
+    return fail(GNO_CANCELLED, cancelled.why.c_str());
   } catch (const std::bad_alloc&) {
     return fail(GNO_OUT_OF_MEMORY, "there is not enough memory");
   } catch (const std::length_error&) {  // a count for which no memory can be enough
@@ -123,16 +123,28 @@ gno_status statusOfException() noexcept {
   }
 }
 
+void cancelAfterException(const char* function) {
+  std::string what = "an exception";
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    what = std::string("the exception '") + error.what() + "'";
+  } catch (...) {  // an exception of any other type has no sentence
+  }
+  throw Cancelled{std::string(function) + " has thrown " + what +
+                  ", which ended the call; functions that the library calls must not throw"};
+}
+
 void refuse(const std::string& why) {
   throw Error(ErrorCode::invalidArgument, why);
 }
 
-void checkSize(size_t given, size_t known, const char* type) {
+void checkSize(size_t given, size_t known, size_t alignment, const char* type) {
   const auto explain = [&](const std::string& why) {
     refuse(std::string(type) + "::struct_size is " + std::to_string(given) + ", " + why + "; make the struct with " +
            type + "_init()");
   };
-  if (given < sizeof(size_t)) explain("which is no size of it");
+  if (given < sizeof(size_t) || given % alignment != 0) explain("which is no size of it");
   if (given > known)
     explain("but version " + std::to_string(gno_version()) + " of the library knows only " + std::to_string(known) +
             " bytes of it; a newer library is needed");

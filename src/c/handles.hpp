@@ -5,15 +5,15 @@
 
 #include <gnosphere.h>
 
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
+
+#include "c/structs.hpp"
 
 namespace gnosphere::c {
 
@@ -70,9 +70,8 @@ struct Object {
   explicit Object(T from) : value(std::move(from)) {}
   T value;
   std::recursive_mutex mutex;
+  size_t users = 0;  ///< calls that call functions of the caller, which must not change the object meanwhile
 };
-
-[[noreturn]] void refuse(const std::string& why);
 
 // The table of live objects, for any kind. `kind` is the name of Held.
 uintptr_t keep(const char* kind, std::shared_ptr<void> object);
@@ -103,9 +102,36 @@ class Locked {
   typename Held<Handle>::Type& operator*() { return object_->value; }
   typename Held<Handle>::Type* operator->() { return &object_->value; }
 
+ protected:
+  size_t& users() { return object_->users; }
+
  private:
   Shared<Handle> object_;
   std::unique_lock<std::recursive_mutex> lock_;
+};
+
+/// Access to an object that is about to change, which is refused while a call uses it that has called a function of the
+/// caller. The lock does not keep out that function, because it runs on the thread of the call.
+template <class Handle>
+class Changing : public Locked<Handle> {
+ public:
+  explicit Changing(Handle handle) : Locked<Handle>(handle) {
+    if (this->users() > 0)
+      refuse(
+          std::string("this ") + Held<Handle>::kName +
+          " is in use by a call of the library; a function that the library calls, such as one that receives scans or "
+          "warnings, must not change it");
+  }
+};
+
+/// Access to an object that functions of the caller cannot change for as long as this lives.
+template <class Handle>
+class InUse : public Locked<Handle> {
+ public:
+  explicit InUse(Handle handle) : Locked<Handle>(handle) { ++this->users(); }
+  ~InUse() { --this->users(); }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
 };
 
 /// The simulator of a handle, unless this thread is in a call of it, which calls a function of the caller: one that
@@ -136,13 +162,14 @@ void destroy(Handle handle) {
   forget(Held<Handle>::kName, reinterpret_cast<uintptr_t>(handle));
 }
 
-/// An object that the library lends to a function of the caller, which cannot destroy it.
+/// An object that the library lends to a function of the caller, which can neither change nor destroy it.
 template <class Handle>
 class Lent {
  public:
-  Lent()
-      : object_(std::make_shared<Object<typename Held<Handle>::Type>>(typename Held<Handle>::Type())),
-        handle_(keepBorrowed(Held<Handle>::kName, object_)) {}
+  Lent() : object_(std::make_shared<Object<typename Held<Handle>::Type>>(typename Held<Handle>::Type())) {
+    object_->users = 1;
+    handle_ = keepBorrowed(Held<Handle>::kName, object_);
+  }
   Lent(const Lent&) = delete;
   Lent& operator=(const Lent&) = delete;
   ~Lent() { release(handle_); }
@@ -155,7 +182,23 @@ class Lent {
 };
 
 /// Thrown when a function of the caller ends a call.
-struct Cancelled {};
+struct Cancelled {
+  std::string why;
+};
+
+/// Throws Cancelled for the exception that is being handled, which a function of the caller has thrown. The name of
+/// that function begins the sentence.
+[[noreturn]] void cancelAfterException(const char* function);
+
+/// Calls a function of the caller, whose exceptions are not taken for errors of the library.
+template <class Function, class... Arguments>
+auto callBack(const char* name, Function function, Arguments... arguments) {
+  try {
+    return function(arguments...);
+  } catch (...) {
+    cancelAfterException(name);
+  }
+}
 
 /// The status of the exception that is being handled; its sentence becomes gno_last_error().
 gno_status statusOfException() noexcept;
@@ -169,13 +212,6 @@ gno_status guard(Body body) noexcept {
   } catch (...) {
     return statusOfException();
   }
-}
-
-/// Returns what a pointer leads to; a null pointer is an error that names it.
-template <class T>
-T& the(T* pointer, const char* name) {
-  if (!pointer) refuse(std::string(name) + " is null");
-  return *pointer;
 }
 
 /// The path of an argument that names a file, in UTF-8.
@@ -194,100 +230,13 @@ gno_status giveHandle(Handle* place, const char* name, Make make) noexcept {
   });
 }
 
-/// Refuses the size of a struct that has none, or that is of a newer version than this library.
-void checkSize(size_t given, size_t known, const char* type);
-
-/// The two arguments by which sized() and Out know a struct that begins with its size: the default values of this
-/// version's gno_..._init(), and the name.
-#define GNO_TYPE(type) type##_init(), #type
-
-/// A struct of the caller that begins with its size. A caller that was compiled with an older version has a smaller
-/// one: the members that it lacks keep their default values.
-template <class T>
-T sized(const T* pointer, T value, const char* type) {
-  const size_t given = the(pointer, type).struct_size;
-  checkSize(given, sizeof(T), type);
-  std::memcpy(&value, pointer, given);
-  value.struct_size = sizeof(T);
-  return value;
-}
-
-/// Checks an array of the caller, which may be null if it is empty.
-template <class T>
-std::span<T> array(T* values, size_t count, const char* name) {
-  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
-  return {values, count};
-}
-
-/// An array of structs of the caller that begin with their sizes, which are as far apart as the first one says.
-template <class T>
-std::vector<T> sizedArray(const T* values, size_t count, const T& defaults, const char* type, const char* name) {
-  array(values, count, name);
-  std::vector<T> result;
-  for (size_t i = 0; i < count; ++i)
-    result.push_back(sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size),
-                           defaults, type));
-  return result;
-}
-
-/// A struct of the caller that a function fills, as far as the caller knows its members.
-template <class T>
-class Out {
- public:
-  Out(T* pointer, const T& defaults, const char* type) : to_(pointer), value_(sized(pointer, defaults, type)) {}
-  Out(const Out&) = delete;
-  Out& operator=(const Out&) = delete;
-  ~Out() {
-    const size_t given = to_->struct_size;
-    std::memcpy(to_, &value_, given);
-    to_->struct_size = given;
-  }
-  T& operator*() const { return value_; }
-  T* operator->() const { return &value_; }
-
- private:
-  T* to_;
-  mutable T value_;
-};
-
-/// The enumerator of a number; `last` is the greatest there is.
-template <class Enum>
-Enum enumOf(int32_t number, Enum last, const char* name) {
-  if (number < 0 || number > static_cast<int32_t>(last))
-    refuse(std::string(name) + " is " + std::to_string(number) + ", which is none of 0.." +
-           std::to_string(static_cast<int32_t>(last)));
-  return static_cast<Enum>(number);
-}
-
-inline std::string orEmpty(const char* text) {
-  return text ? text : "";
-}
-
-inline Vec3 vec3(const double* v) {
-  return {v[0], v[1], v[2]};
-}
-inline void set(double* to, const Vec3& v) {
-  to[0] = v.x, to[1] = v.y, to[2] = v.z;
-}
-template <class T>
-const T* orNull(const std::vector<T>& values) {
-  return values.empty() ? nullptr : values.data();
-}
-/// Returns the value at a caller's index; an index that does not exist is an error that names the noun.
-template <class T>
-const T& at(const std::vector<T>& values, size_t index, const char* noun) {
-  if (index >= values.size())
-    refuse(std::string(noun) + " " + std::to_string(index) + " does not exist, there are " +
-           std::to_string(values.size()));
-  return values[index];
-}
 /// Returns the scene; one that is not valid is an error that says why.
 const Scene& valid(SceneObject& scene);
 /// Adds what is made of an argument to a list of the scene, and gives its index unless `index` is null.
 template <class List, class Make, class From>
 gno_status addTo(gno_scene scene, List list, Make make, const From* from, uint32_t* index) {
   return guard([&] {
-    Locked to(scene);
+    Changing to(scene);
     auto& values = std::invoke(list, *to);
     values.push_back(make(from));
     if (index) *index = static_cast<uint32_t>(values.size() - 1);

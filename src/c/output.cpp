@@ -49,7 +49,9 @@ gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, si
   return guard([&] {
     const RecordLayout wanted = recordLayoutOf(layout);
     the(row_count, "row_count");
-    *row_count = pack(*Locked(scan), wanted, array(static_cast<std::byte*>(rows), bytes, "rows"));
+    Locked from(scan);
+    static_cast<void>(wanted.bytesFor(from->ranges.size()));  // throws if the bytes of all rows have no number
+    *row_count = pack(*from, wanted, array(static_cast<std::byte*>(rows), bytes, "rows"));
   });
 }
 

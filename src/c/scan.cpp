@@ -17,6 +17,13 @@ namespace {
 
 static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1 && static_cast<int>(Field::classId) == GNO_FIELD_CLASS_ID);
 static_assert(static_cast<int>(ValueType::u32) == GNO_U32 && static_cast<int>(ValueType::u8) == GNO_U8);
+static_assert(static_cast<int>(Cause::noSurface) == GNO_CAUSE_NO_SURFACE &&
+              static_cast<int>(Cause::weak) == GNO_CAUSE_WEAK &&
+              static_cast<int>(Cause::attenuated) == GNO_CAUSE_ATTENUATED &&
+              static_cast<int>(Cause::droppedOut) == GNO_CAUSE_DROPPED_OUT &&
+              static_cast<int>(Cause::dead) == GNO_CAUSE_DEAD && kCauseCount == GNO_CAUSE_DEAD + 1);
+static_assert(static_cast<int>(Label::none) == GNO_LABEL_NONE && static_cast<int>(Label::solid) == GNO_LABEL_SOLID &&
+              static_cast<int>(Label::scatter) == GNO_LABEL_SCATTER);
 static_assert(sizeof(gno_counters::causes) / sizeof(uint64_t) == kCauseCount);
 
 template <class T, class Results>

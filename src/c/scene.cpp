@@ -37,26 +37,29 @@ Material materialOf(const gno_material* material) {
 
 Mesh meshOf(const gno_mesh* mesh) {
   const gno_mesh& from = sized(mesh, GNO_TYPE(gno_mesh));
-  const auto positions = array(from.positions, 3 * from.vertex_count, "gno_mesh::positions");
-  const auto indices = array(from.indices, 3 * from.triangle_count, "gno_mesh::indices");
+  const auto positions = array(from.positions, from.vertex_count, 3, "gno_mesh::positions");
+  const auto indices = array(from.indices, from.triangle_count, 3, "gno_mesh::indices");
+  if (from.triangle_count > UINT32_MAX)
+    refuse("gno_mesh::triangle_count is " + std::to_string(from.triangle_count) + "; a mesh has at most " +
+           std::to_string(UINT32_MAX));
   Mesh result;
   result.name = orEmpty(from.name);
   result.origin = vec3(from.origin);
   result.positions.assign(positions.begin(), positions.end());
   result.indices.assign(indices.begin(), indices.end());
-  if (from.uvs) result.uvs.assign(from.uvs, from.uvs + 2 * from.vertex_count);
+  const auto uvs = array(from.uvs, from.uvs ? from.vertex_count : 0, 2, "gno_mesh::uvs");
+  result.uvs.assign(uvs.begin(), uvs.end());
   for (const gno_mesh_part& part : array(from.parts, from.part_count, "gno_mesh::parts"))
     result.parts.push_back({part.first_triangle, part.triangle_count, part.material});
   if (from.part_count == 0) result.parts = {{0, static_cast<uint32_t>(from.triangle_count), 0}};
-  const size_t influences = from.vertex_count * from.influences;
-  const auto joints = array(from.joints, influences, "gno_mesh::joints");
-  const auto weights = array(from.joint_weights, influences, "gno_mesh::joint_weights");
+  const auto joints = array(from.joints, from.vertex_count, from.influences, "gno_mesh::joints");
+  const auto weights = array(from.joint_weights, from.vertex_count, from.influences, "gno_mesh::joint_weights");
   result.jointCount = from.joint_count;
   result.influences = from.influences;
   result.joints.assign(joints.begin(), joints.end());
   result.jointWeights.assign(weights.begin(), weights.end());
   for (const float* target : array(from.morph_targets, from.morph_target_count, "gno_mesh::morph_targets")) {
-    const auto offsets = array(target, 3 * from.vertex_count, "a target of gno_mesh::morph_targets");
+    const auto offsets = array(target, from.vertex_count, 3, "a target of gno_mesh::morph_targets");
     result.morphTargets.emplace_back(offsets.begin(), offsets.end());
   }
   result.deformation = deformationOf(from.deformation);
@@ -252,7 +255,8 @@ gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, doubl
   return guard([&] {
     MaterialTable rows;
     if (table) rows = *Locked(table);
-    const std::vector<Optics> all = opticsOf(*Locked(scene), rows, wavelength);
+    Locked from(scene);
+    const std::vector<Optics> all = opticsOf(valid(*from), rows, wavelength);
     const auto to = array(optics, capacity, "optics");
     for (size_t i = 0; i < std::min(all.size(), to.size()); ++i)
       to[i] = {all[i].reflectance, all[i].gloss, all[i].roughness, all[i].retro, all[i].transmission};
@@ -266,7 +270,7 @@ gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const 
     Locked locked(scene);
     const Mesh& from = at(valid(*locked).meshes, mesh, "mesh");
     const Deformation wanted = deformation ? deformationOf(*deformation) : from.deformation;
-    const auto to = array(positions, 3 * vertex_count, "positions");
+    const auto to = array(positions, vertex_count, 3, "positions");
     if (vertex_count != from.vertexCount())
       refuse("mesh " + std::to_string(mesh) + " has " + std::to_string(from.vertexCount()) + " vertices, not " +
              std::to_string(vertex_count));

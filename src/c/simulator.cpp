@@ -73,7 +73,9 @@ SimulatorOptions optionsOf(const gno_options* options) {
   if (from.materials) result.materials = *Locked(from.materials);
   result.cache = orEmpty(from.cache);
   if (from.warn)
-    result.warn = [warn = from.warn, user = from.user](const std::string& text) { warn(text.c_str(), user); };
+    result.warn = [warn = from.warn, user = from.user](const std::string& text) {
+      callBack("gno_options::warn", warn, text.c_str(), user);
+    };
   result.validation = from.validation != 0;
   result.tuning = tuningOf(from);
   std::istringstream assignments(orEmpty(from.assignments));
@@ -129,7 +131,9 @@ void into(gno_simulator simulator, Handle* handle, const char* name, Work work) 
   const auto from = find(simulator);
   const auto to = find(*handle);
   const std::scoped_lock lock(from->mutex, to->mutex);
-  work(Idle(simulator).simulator(), to->value);
+  Changing<Handle>{*handle};
+  InUse<Handle> result(*handle);
+  work(Idle(simulator).simulator(), *result);
 }
 
 template <typename T>
@@ -137,9 +141,8 @@ gno_status setTransforms(gno_simulator simulator, const uint32_t* instances, siz
                          size_t width) {
   return guard([&] {
     if (width != 12 && width != 7) refuse("width is " + std::to_string(width) + "; an instance has 12 or 7 numbers");
-    if (count > SIZE_MAX / (width * sizeof(T)))
-      refuse("count is " + std::to_string(count) + ", more than memory can hold");
-    Idle(simulator)->setTransforms(array(instances, count, "instances"), array(values, width * count, "values"));
+    const auto all = array(values, count, width, "values");
+    Idle(simulator)->setTransforms(array(instances, count, "instances"), all);
   });
 }
 
@@ -203,7 +206,8 @@ gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, siz
     for (const gno_request& request : sizedArray(sensors, sensor_count, GNO_TYPE(gno_request), "sensors"))
       requests.push_back(requestOf(request));
     const SimulatorOptions wanted = optionsOf(options);
-    return make<gno_simulator>(SimulatorObject(Simulator(*Locked(scene), requests, wanted)));
+    InUse from(scene);
+    return make<gno_simulator>(SimulatorObject(Simulator(*from, requests, wanted)));
   });
 }
 
@@ -240,7 +244,8 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
     Lent<gno_scan> received;
     object.simulator.scanAll(wanted, [&](size_t index, const Scan& scan) {
       const Exchanged exchanged(received.object(), const_cast<Scan&>(scan));
-      if (receive(index, received.handle(), user) != 0) throw Cancelled();
+      if (callBack("the function that receives scans", receive, index, received.handle(), user) != 0)
+        throw Cancelled{"the function that receives scans has ended the run"};
     });
   });
 }
@@ -287,7 +292,7 @@ gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index) {
 
 gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
                                        size_t vertex_count) {
-  return guard([&] { Idle(simulator)->setPositions(mesh, array(positions, 3 * vertex_count, "positions")); });
+  return guard([&] { Idle(simulator)->setPositions(mesh, array(positions, vertex_count, 3, "positions")); });
 }
 
 gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh, const gno_deformation* deformation) {

@@ -46,7 +46,7 @@ vulkan::Allocator allocatorOf(const gno_vulkan_adopted_device& device) {
     allocator.allocate = [allocate = device.allocate, user = device.user](const VkMemoryRequirements& requirements,
                                                                           uint32_t memoryType) {
       gno_vulkan_allocation made = {};
-      allocate(&requirements, memoryType, &made, user);
+      callBack("gno_vulkan_adopted_device::allocate", allocate, &requirements, memoryType, &made, user);
       return vulkan::Allocation{made.memory, made.offset, made.mapped, made.allocation};
     };
   if (device.release)
