@@ -508,7 +508,7 @@ enum {
   GNO_CAUSE_RETURNED = 0,    /* the beam has at least one return */
   GNO_CAUSE_NO_SURFACE = 1,  /* there is no surface in range */
   GNO_CAUSE_WEAK = 2,        /* all echoes are below the detection threshold */
-  GNO_CAUSE_ATTENUATED = 3,  /* they are, but without fog, rain, snow and dust one would have been above it */
+  GNO_CAUSE_ATTENUATED = 3,  /* as weak, but only because of fog, rain, snow or dust */
   GNO_CAUSE_DROPPED_OUT = 4, /* the return was lost at random */
   GNO_CAUSE_DEAD = 5         /* the beam is dead by the effect drop-out, or masked by the sensor */
 };
@@ -713,7 +713,7 @@ typedef struct gno_mesh_motion {
 /* One scan of a run. */
 typedef struct gno_shot {
   size_t struct_size;
-  gno_pose pose;  /* with a motion it is only the frame of the points, and that if the effect sensor-motion deskews */
+  gno_pose pose;  /* of the sensor without a motion; with one, the frame of points that sensor-motion deskews */
   size_t sensor;  /* index in the simulator */
   uint64_t frame; /* part of the key of the random numbers, and of a list the number of the pattern */
   /* Where the sensor is during the scan, with ascending times; null: at `pose`. Between stamps the position is
