@@ -56,8 +56,8 @@ GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& f
 /// placed by it, and by `return` if beams have several returns; without `return` the rows of a beam are its returns in
 /// their order, unless the file states that beams have one; without `beam` they are points of one beam each. With
 /// several returns `cause` is left out, because such a file does not contain beams without returns; NPY and CSV do not
-/// tell of those behind the last one with a return. Files have no pose. Throws Error(file), Error(format), or
-/// Error(invalidArgument) for an extension that cannot be read.
+/// tell of those behind the last one with a return. A file does not state the pose. Throws Error(file), Error(format),
+/// or Error(invalidArgument) for an extension that cannot be read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// The differences between two clouds of the same beams, counted per beam, or per return if beams have several;
