@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Attributes of CARLA's lidars that are effects here. The laws are those of CARLA 0.9: ComputeIntensity(),
 // PreprocessRays() and PostprocessDetection() of RayCastLidar.cpp.
-#include "sensor/files/carla.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "effects/parameter_text.hpp"
 #include "effects/request.hpp"
 #include "gnosphere/error.hpp"
+#include "sensor/carla_lidars.hpp"
 
 namespace gnosphere {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/lasting.hpp"
 #include "base/text.hpp"
 #include "effects/request.hpp"
-#include "sensor/files/carla.hpp"
+#include "sensor/carla_lidars.hpp"
 
 namespace gnosphere {
 namespace {

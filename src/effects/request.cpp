@@ -8,7 +8,7 @@
 #include "effects/effect_table.hpp"
 #include "effects/parameter_text.hpp"
 #include "gnosphere/error.hpp"
-#include "sensor/files/carla.hpp"
+#include "sensor/carla_lidars.hpp"
 
 namespace gnosphere {
 namespace {

@@ -19,7 +19,7 @@
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
-#include "sensor/files/carla.hpp"
+#include "sensor/carla_lidars.hpp"
 
 namespace gnosphere {
 namespace {

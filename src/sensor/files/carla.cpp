@@ -1,32 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
 // turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
-#include "sensor/files/carla.hpp"
-
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "base/lasting.hpp"
+#include "sensor/carla_lidars.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
 namespace {
 
 using nlohmann::json;
-
-bool hasCarlaType(const json& node, int depth) {
-  if (node.is_object() && textIn(node, "type").starts_with("sensor.")) return true;
-  if (!node.is_structured() || depth > 8) return false;
-  return std::any_of(node.begin(), node.end(), [&](const json& child) { return hasCarlaType(child, depth + 1); });
-}
-
-void collect(const json& node, std::vector<const json*>& lidars, int depth) {
-  if (node.is_object() && textIn(node, "type").starts_with("sensor.lidar.")) lidars.push_back(&node);
-  if (node.is_structured() && depth < 50)
-    for (const json& child : node) collect(child, lidars, depth + 1);
-}
 
 /// An attribute, which may be written as a text; CARLA's own default if it is missing.
 double attribute(SensorSource& source, const json& lidar, const std::string& key, double otherwise) {
@@ -73,33 +59,6 @@ void noteOthers(SensorSource& source, const json& lidar) {
 }
 
 }  // namespace
-
-bool isCarla(const json& root) {
-  return hasCarlaType(root, 0);
-}
-
-bool lacksCarlaType(const json& root) {
-  if (!root.is_object() || root.contains("type")) return false;
-  const auto has = [&](const char* key) { return root.contains(key); };
-  return (has("points_per_second") || has("rotation_frequency")) && !has("columns") && !has("elevation_deg") &&
-         !has("patterns");
-}
-
-std::vector<const json*> carlaLidars(const json& root) {
-  std::vector<const json*> lidars;
-  collect(root, lidars, 0);
-  return lidars;
-}
-
-std::string idsOf(const std::vector<const json*>& lidars) {
-  std::string ids;
-  for (const json* lidar : lidars) ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
-  return ids;
-}
-
-bool hasCarlaEffects(const json& lidar) {
-  return !textIn(lidar, "type").starts_with("sensor.lidar.ray_cast_semantic");
-}
 
 void readCarla(SensorSource& source, const json& root) {
   const std::vector<const json*> lidars = carlaLidars(root);

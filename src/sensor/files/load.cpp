@@ -12,7 +12,7 @@
 #include "base/units.hpp"
 #include "base/vector.hpp"
 #include "sensor/beams.hpp"
-#include "sensor/files/carla.hpp"
+#include "sensor/carla_lidars.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
