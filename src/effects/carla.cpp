@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "base/json_text.hpp"
 #include "base/text.hpp"
@@ -18,24 +19,13 @@ namespace {
 
 using nlohmann::json;
 
-/// An attribute, and the parameter of the effect that it sets.
-struct Attribute {
-  const char* name;
-  const char* effect;
-  const char* parameter;
-};
-constexpr Attribute kAttributes[] = {{"atmosphere_attenuation_rate", "intensity", "attenuation"},
-                                     {"dropoff_general_rate", "drop-out", "general_rate"},
-                                     {"dropoff_intensity_limit", "drop-out", "intensity_limit"},
-                                     {"dropoff_zero_intensity", "drop-out", "zero_intensity_rate"},
-                                     {"noise_stddev", "range-noise", "sigma"}};
-
-const Parameter<Effects>& parameterOf(const Attribute& attribute) {
+const Parameter<Effects>& parameterOf(const CarlaParameter& carla) {
+  if (std::string_view(carla.effect).empty()) return seedParameter();
   const auto isNamed = [](const char* name) {
     return [name](const auto& row) { return std::string(row.name) == name; };
   };
-  const EffectInfo& info = *std::ranges::find_if(effectTable(), isNamed(attribute.effect));
-  return *std::ranges::find_if(info.parameters, isNamed(attribute.parameter));
+  const EffectInfo& info = *std::ranges::find_if(effectTable(), isNamed(carla.effect));
+  return *std::ranges::find_if(info.parameters, isNamed(carla.parameter));
 }
 
 /// A number that an attribute states as such or as a text, as CARLA's blueprints do; another text stays what it is.
@@ -58,17 +48,16 @@ Effects effectsOfLidar(const json& lidar) {
   if (!hasCarlaEffects(lidar)) return Effects::none();
   Effects effects = effectPreset("carla");
   effects.seed = 0;  // CARLA's default
-  if (const auto seed = lidar.find("noise_seed"); seed != lidar.end())
-    readAttribute(seedParameter(), *seed, "'noise_seed'", effects);
-  for (const Attribute& attribute : kAttributes) {
-    const auto found = lidar.find(attribute.name);
+  for (const CarlaParameter& carla : kCarlaParameters) {
+    const std::string attribute = carla.attribute;
+    const auto found = lidar.find(attribute);
     if (found == lidar.end()) continue;
     // No intensity is at or below a limit of zero, so that none is lost by it.
     const json value = plainNumber(*found);
-    if (std::string(attribute.name) == "dropoff_intensity_limit" && value.is_number() && value.get<double>() <= 0)
+    if (attribute == "dropoff_intensity_limit" && value.is_number() && value.get<double>() <= 0)
       effects.dropOut.intensityLimit = 0;
     else
-      readAttribute(parameterOf(attribute), value, "'" + std::string(attribute.name) + "'", effects);
+      readAttribute(parameterOf(carla), value, "'" + attribute + "'", effects);
   }
   if (effects.dropOut.intensityLimit == 0) {
     effects.dropOut.intensityLimit = 1;

@@ -15,6 +15,21 @@ bool lacksCarlaType(const nlohmann::json& root);
 inline constexpr const char* kLacksCarlaType =
     "has attributes of a CARLA lidar, but no \"type\": add \"type\": \"sensor.lidar.ray_cast\"";
 
+/// An attribute of a CARLA lidar that is a parameter of an effect here.
+struct CarlaParameter {
+  const char* attribute;
+  const char* effect;  ///< empty for the seed, which belongs to all effects
+  const char* parameter;
+  bool zeroIsNews;  ///< true if CARLA's default is not zero
+};
+inline constexpr CarlaParameter kCarlaParameters[] = {
+    {"noise_seed", "", "seed", false},
+    {"atmosphere_attenuation_rate", "intensity", "attenuation", true},
+    {"dropoff_general_rate", "drop-out", "general_rate", true},
+    {"dropoff_intensity_limit", "drop-out", "intensity_limit", true},
+    {"dropoff_zero_intensity", "drop-out", "zero_intensity_rate", true},
+    {"noise_stddev", "range-noise", "sigma", false}};
+
 /// Lists the lidars in a tree of objects, down to a depth that no real file has.
 std::vector<const nlohmann::json*> carlaLidars(const nlohmann::json& root);
 /// Returns the ids of lidars for a message.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bags of ROS 2: laser scans, and what an inertial unit measures.
+// Tests the bags of ROS 2: messages of laser scans and of the inertial unit.
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

@@ -75,7 +75,7 @@ TEST_CASE("a glTF material is split into shares of the light") {
   CHECK(opticsOf(glass).transmission == 0.5f);
   CHECK(opticsOf(glass).reflectance == 0.25f);
 
-  // Light passes through the dielectric part alone: KHR_materials_transmission.
+  // By KHR_materials_transmission light passes through the dielectric share of a material, and not through the metal.
   glass.metallic = 0.5f;
   CHECK(opticsOf(glass).transmission == 0.25f);
   CHECK(opticsOf(glass).reflectance == 0.125f);

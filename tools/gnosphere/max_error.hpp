@@ -19,8 +19,8 @@ struct AccuracyChoice {
   std::string why;   ///< a line that explains the result, whether a setting was chosen or not
 };
 
-/// Returns the fastest of the settings, given in the order of their times, whose error is at most `limit` metres and
-/// which loses no beam between triangles; `standard`, unless another one is clearly faster than that.
+/// Returns the first setting of `byTime`, which starts with the fastest, whose error is at most `limit` metres and
+/// which loses no beam between triangles. The result is `standard` unless another setting is clearly faster.
 std::optional<AccuracyRow> cheapestWithin(double limit, const std::vector<AccuracyRow>& byTime);
 
 /// Throws Error(invalidArgument) for a limit that is negative or not finite.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
 // turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <iterator>
 #include <set>
 
 #include "base/lasting.hpp"
@@ -39,18 +40,11 @@ void noteOthers(SensorSource& source, const json& lidar) {
   static const auto& known =
       lasting(std::set<std::string>{"type", "id", "channels", "points_per_second", "range", "upper_fov", "lower_fov",
                                     "rotation_frequency", "horizontal_fov"});
-  // CARLA's default of those that are true here is not zero, so a zero tells something.
-  static const auto& effects = lasting(std::map<std::string, bool>{{"atmosphere_attenuation_rate", true},
-                                                                   {"dropoff_general_rate", true},
-                                                                   {"dropoff_intensity_limit", true},
-                                                                   {"dropoff_zero_intensity", true},
-                                                                   {"noise_stddev", false},
-                                                                   {"noise_seed", false}});
   std::string read;
   for (const auto& [key, value] : lidar.items()) {
-    const auto effect = hasCarlaEffects(lidar) ? effects.find(key) : effects.end();
+    const auto effect = std::ranges::find(kCarlaParameters, key, &CarlaParameter::attribute);
     const bool isZero = value == json(0.0);
-    if (effect != effects.end() && (!isZero || effect->second))
+    if (hasCarlaEffects(lidar) && effect != std::end(kCarlaParameters) && (!isZero || effect->zeroIsNews))
       read += (read.empty() ? "" : ", ") + key;
     else if (!known.contains(key) && !isZero)
       source.ignore(key);

@@ -62,8 +62,8 @@ UsdText withoutComments(std::string_view text) {
   return result;
 }
 
-/// A value of USD: a token in quotes, a number, true or false, or a list of numbers in brackets. Null stands for what
-/// is not read, such as pairs, paths and lists of texts.
+/// Reads a value of USD: a token in quotes, a number, true or false, or a list of numbers in brackets. Returns null for
+/// other values, such as pairs, paths and lists of texts.
 json valueOf(const SensorSource& source, std::string_view text, const std::string& name) {
   const auto one = [&](std::string_view word) -> json {
     if (word == "true" || word == "false") return word == "true";
@@ -141,8 +141,8 @@ std::vector<double> takeList(const SensorSource& source, json& profile, const ch
   return list;
 }
 
-/// Makes rangesMinM and rangesMaxM, which go before nearRangeM and farRangeM, the ranges of a profile. A single range
-/// is that of all emitters; of several, rangeId says which one an emitter has.
+/// Turns rangesMinM and rangesMaxM into the ranges of a profile. These lists override nearRangeM and farRangeM. A
+/// single range is that of all emitters; of several, rangeId says which one an emitter has.
 void readRangeLists(SensorSource& source, UsdAttributes& found, double usualFar) {
   json& profile = found.profile;
   const std::vector<double> least = takeList(source, profile, "rangesMinM");
