@@ -355,8 +355,8 @@ class Simulator::Impl {
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 
-  // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed, or whose
-  // ignored instances have been removed.
+  // Plans the sensors again whose effects depend on the scene, after the materials or the instances that they see may
+  // have changed.
   void planAgain() {
     if (!kept_.isStale()) return;
     for (size_t i = 0; i < plans_.size(); ++i) {
