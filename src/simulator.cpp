@@ -2,14 +2,11 @@
 #include "gnosphere/simulator.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "base/index_pool.hpp"
-#include "base/limits.hpp"
 #include "base/maker_process.hpp"
-#include "base/transform.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -24,6 +21,7 @@
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
 #include "shot_checks.hpp"
+#include "simulator_warnings.hpp"
 
 namespace gnosphere {
 namespace {
@@ -65,12 +63,11 @@ class Simulator::Impl {
       const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(kept_.scene(), request, plans_.size(), false));
-      warnOfLeftOut(*plans_.back());
+      warnings_.tellLeftOut(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
     }
-    warnOfMaterials(scene);
-    warnOfShears(scene);
+    warnings_.tellScene(scene);
     backend_ = makeBackend(scene, plans_, options_);
     kept_.changeIn(*backend_);
   }
@@ -88,56 +85,7 @@ class Simulator::Impl {
                   "this simulator only compiles, so it cannot scan; see SimulatorOptions::compileOnly");
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i) check(shots[i], numbered ? "shot " + std::to_string(i) + ": " : "");
-    for (const Shot& shot : shots) warnOfMotion(shot);
-  }
-
-  /// Tells which rows of the material table have no effect. A scene without materials is filled later.
-  void warnOfMaterials(const Scene& scene) const {
-    if (!options_.warn || scene.materials.empty() || options_.materials.rows.empty()) return;
-    for (const std::string& warning : warningsOf(options_.materials, scene)) options_.warn(warning);
-  }
-
-  /// Tells once which instances are sheared beyond what the error bounds of the accuracies allow.
-  void warnOfShears(const Scene& scene) const {
-    if (!options_.warn) return;
-    std::string first;
-    size_t more = 0;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-      const Instance& instance = scene.instances[i];
-      if (limits::kCondition.holds(conditionOf(instance.transform))) continue;
-      if (first.empty())
-        first = "instance " + std::to_string(i) + (instance.name.empty() ? "" : " '" + instance.name + "'");
-      else
-        ++more;
-    }
-    if (first.empty()) return;
-    options_.warn(first + (more > 0 ? " and " + std::to_string(more) + " more are" : " is") +
-                  " sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
-  }
-
-  /// Tells which effects are called for, but not with this accuracy or device.
-  void warnOfLeftOut(const SensorPlan& plan) const {
-    for (const Plan::Decision& decision : plan.decisions)
-      if (decision.leftOut && options_.warn)
-        options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason);
-  }
-
-  /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
-  /// the effect off.
-  void warnOfMotion(const Shot& shot) {
-    if (!options_.warn || !(shot.sensor < plans_.size())) return;
-    const SensorPlan& plan = *plans_[shot.sensor];
-    const bool sensor = !shot.motion.stamps.empty() && !plan.speeds() && !plan.has(gpu::kSensorMotion);
-    const bool objects = (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && !plan.has(gpu::kObjectMotion);
-    if (!sensor && !objects) return;
-    for (const Plan::Decision& decision : plan.decisions) {
-      const bool brought =
-          (decision.effect == "sensor-motion" && sensor) || (decision.effect == "object-motion" && objects);
-      if (!brought || decision.leftOut || decision.request == EffectUse::off) continue;
-      if (!warnedOfMotion_.emplace(shot.sensor, decision.effect).second) continue;
-      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
-                    " is left out, although a shot brings it: " + decision.reason);
-    }
+    for (const Shot& shot : shots) warnings_.tellLeftOut(shot, *plans_[shot.sensor]);
   }
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
@@ -236,7 +184,7 @@ class Simulator::Impl {
     SensorRequest request = completed(given, index);
     sensors_.reserve();
     auto plan = planner_.plan(kept_.scene(), request, index, false);
-    warnOfLeftOut(*plan);
+    warnings_.tellLeftOut(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());
     plans_.resize(count);
@@ -257,7 +205,7 @@ class Simulator::Impl {
     plans_[index].reset();
     requests_[index] = std::move(none);
     computed_[index] = {};
-    std::erase_if(warnedOfMotion_, [&](const auto& warned) { return warned.first == index; });
+    warnings_.forget(index);
     sensors_.giveBack(index);
   }
 
@@ -373,6 +321,7 @@ class Simulator::Impl {
 
   const MakerProcess maker_;
   const SimulatorOptions options_;
+  SimulatorWarnings warnings_{options_};
   SensorPlanner planner_;
   KeptScene kept_;
   IndexPool sensors_{"sensor"};
@@ -380,8 +329,7 @@ class Simulator::Impl {
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
   Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
-  std::set<std::pair<size_t, std::string>> warnedOfMotion_;  // sensors and effects, see warnOfMotion()
-  std::weak_ptr<const char> recorder_;                       // the one that records this simulator's scans
+  std::weak_ptr<const char> recorder_;     // the one that records this simulator's scans
   std::unique_ptr<Backend> backend_;
   std::weak_ptr<ResultRing> ring_;  // of the BatchStream, while there is one
 };

@@ -39,9 +39,11 @@ const std::map<std::string, Names> kRooms = {
 };
 
 /// Files of src outside rooms. Loose files are above all rooms and may include any of them.
-const Names kLoose = {"batch_stream.cpp", "exports.map",           "kept_scene.cpp",       "kept_scene.hpp",
-                      "option_table.cpp", "option_table.hpp",      "shot_checks.cpp",      "shot_checks.hpp",
-                      "simulator.cpp",    "simulator_options.cpp", "third_party_files.cpp"};
+const Names kLoose = {
+    "batch_stream.cpp",     "exports.map",           "kept_scene.cpp",         "kept_scene.hpp",
+    "option_table.cpp",     "option_table.hpp",      "shot_checks.cpp",        "shot_checks.hpp",
+    "simulator.cpp",        "simulator_options.cpp", "simulator_warnings.cpp", "simulator_warnings.hpp",
+    "third_party_files.cpp"};
 
 /// Quoted includes that the build generates: compiled shaders, the shaders translated to CUDA, the schema of drive
 /// files.

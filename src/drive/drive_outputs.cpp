@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the outputs of a drive from its file.
+#include "base/text.hpp"
+#include "drive/drive_reader.hpp"
+#include "drive/formats/format.hpp"
+#include "drive/ros.hpp"
+#include "drive/schedule.hpp"
+
+namespace gnosphere::drive {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
+constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
+
+}  // namespace
+
+/// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs.
+void DriveReader::checkFolder(const std::string& name, const std::string& path) {
+  fs::path folder = pathOf(name).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
+  const std::string top = folder.begin()->string();
+  if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
+      top == "classes.json")
+    refuse(path, "must be a folder in the output folder, other than manifest and the files beside it");
+  const auto holds = [](const fs::path& outer, const fs::path& inner) {
+    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  };
+  for (const fs::path& other : folders_)
+    if (holds(other, folder) || holds(folder, other)) refuse(path, "another output writes there, too");
+  folders_.push_back(folder);
+}
+
+/// Returns the sensors that an output writes: those that it lists, or else all, or the first where its format has one.
+std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, const std::string& path) {
+  std::vector<std::string> names;
+  for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
+  const json& listed = memberOf(output, "sensors");
+  std::vector<size_t> sensors;
+  for (size_t s = 0; s < listed.size(); ++s) sensors.push_back(find(names, listed[s], entryPath(path, s)));
+  if (listed.is_null())
+    for (size_t s = 0; s < (oneSensor ? 1 : names.size()); ++s) sensors.push_back(s);
+  if (oneSensor && sensors.size() > 1) refuse(path, "the format has one lidar; name one sensor");
+  return sensors;
+}
+
+/// Checks that ROS 2 can play the bag of an output.
+void DriveReader::checkBag(const Output& output, const std::string& path) {
+  if (const std::string why = mistakeOfNames(drive_, output.sensors); !why.empty()) refuse(path + ".sensors", why);
+  if (const std::string why = mistakeOfTimes(drive_); !why.empty()) refuse(path + ".format", why);
+  if (drive_.epoch + drive_.start < 0)
+    refuse(path + ".format", "MCAP has no times before 1970; the drive begins at " +
+                                 shown(drive_.epoch + drive_.start) + " s: give an epoch");
+}
+
+/// Warns of sensors that start no scan in some of the frames that are samples.
+void DriveReader::warnOfSamples(const Output& output, const std::string& path) {
+  constexpr uint64_t kMost = 1000;  // samples that are looked at
+  std::vector<uint64_t> missed(drive_.sensors.size());
+  uint64_t samples = 0;
+  for (; samples < kMost && samples * output.keyframes < drive_.frameCount(); ++samples) {
+    std::vector<bool> seen(drive_.sensors.size());
+    for (const PlannedScan& scan : scansOf(drive_, samples * output.keyframes)) seen[scan.sensor] = true;
+    for (size_t sensor : output.sensors) missed[sensor] += seen[sensor] ? 0 : 1;
+  }
+  for (size_t sensor : output.sensors)
+    if (missed[sensor] > 0)
+      drive_.warnings.push_back(path + ": " + inQuotes(drive_.sensors[sensor].name) + " starts no scan in " +
+                                std::to_string(missed[sensor]) + " of " + std::to_string(samples) +
+                                " samples, which lack its data, because it makes " +
+                                gnosphere::numberText(drive_.sensors[sensor].rate) +
+                                " scans a second; choose another rate or other keyframes");
+}
+
+/// Reads and checks what an output states of a survey.
+void DriveReader::survey(const json& object, Output& output, const std::string& path) {
+  for (const Field field : output.fields)
+    if (const std::string why = mistakeOfLasField(field); !why.empty()) refuse(path + ".fields", why);
+  for (const Class& category : drive_.classes)
+    if (category.id > 255)
+      refuse(path + ".format",
+             "LAS has classes 0 to 255; " + inQuotes(category.name) + " has the id " + std::to_string(category.id));
+  if (drive_.epoch + drive_.start < kFirstGpsTime)
+    drive_.warnings.push_back(path + ".format: LAS has GPS times, and the drive begins before 1980; give an epoch");
+  output.crs = object.value("crs", "");
+  const std::string_view text = trimmed(output.crs, " \t\r\n");
+  const size_t word = text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_");
+  const bool isWkt = word != text.npos && word > 0 && (text[word] == '[' || text[word] == '(') &&
+                     (text.back() == ']' || text.back() == ')');
+  if (output.crs.size() > kMostCrsBytes || output.crs.find('\0') != std::string::npos)
+    refuse(path + ".crs", "must be well-known text of at most " + std::to_string(kMostCrsBytes) + " bytes");
+  else if (!isWkt && object.contains("crs"))
+    refuse(path + ".crs", "must be well-known text (WKT), as pyproj.CRS(25832).to_wkt(\"WKT1_GDAL\") gives it, is " +
+                              inQuotes(output.crs.substr(0, 80)));
+  output.flightLine = object.value("flight_line", uint16_t{0});
+  if (output.flightLine + drive_.sensors.size() > 65536)
+    refuse(path + ".flight_line", "is " + std::to_string(output.flightLine) + ", and each of " +
+                                      std::to_string(drive_.sensors.size()) +
+                                      " sensors has a number of its own; LAS has numbers up to 65535");
+  output.oneFile = object.value("one_file", false);
+}
+
+void DriveReader::outputs() {
+  for (size_t i = 0; i < root_["outputs"].size(); ++i) {
+    const json& object = root_["outputs"][i];
+    const std::string path = entryPath("outputs", i);
+    Output output;
+    output.format = object["format"].get<std::string>();
+    output.folder = object.value("folder", output.format);
+    const FormatInfo& format = formatNamed(output.format);
+    checkFolder(output.folder, path + ".folder");
+    output.sensors = sensorsOf(object, format.oneSensor, path + ".sensors");
+    if (object.contains("fields") && !format.fields)
+      refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields != nullptr; }));
+    if (const std::string fields = object.value("fields", format.fields ? format.fields : ""); !fields.empty())
+      attempt(path + ".fields", [&] { output.fields = parseFields(fields); });
+    if (object.contains("keyframes") && !format.keyframes)
+      refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
+    output.keyframes = object.value("keyframes", uint64_t{5});
+    for (const char* name : {"crs", "flight_line", "one_file"})
+      if (object.contains(name) && !format.survey)
+        refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
+    if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
+    if (format.survey) survey(object, output, path);
+    if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
+    drive_.outputs.push_back(std::move(output));
+  }
+}
+
+}  // namespace gnosphere::drive

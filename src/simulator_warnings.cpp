@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulator_warnings.hpp"
+
+#include "base/limits.hpp"
+#include "base/transform.hpp"
+#include "effects/material_table.hpp"
+
+namespace gnosphere {
+
+void SimulatorWarnings::tellScene(const Scene& scene) const {
+  if (!options_.warn) return;
+  tellUnusedRows(scene);
+  tellShears(scene);
+}
+
+// A scene without materials is filled later.
+void SimulatorWarnings::tellUnusedRows(const Scene& scene) const {
+  if (scene.materials.empty() || options_.materials.rows.empty()) return;
+  for (const std::string& warning : warningsOf(options_.materials, scene)) options_.warn(warning);
+}
+
+void SimulatorWarnings::tellShears(const Scene& scene) const {
+  std::string first;
+  size_t more = 0;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (limits::kCondition.holds(conditionOf(instance.transform))) continue;
+    if (first.empty())
+      first = "instance " + std::to_string(i) + (instance.name.empty() ? "" : " '" + instance.name + "'");
+    else
+      ++more;
+  }
+  if (first.empty()) return;
+  options_.warn(first + (more > 0 ? " and " + std::to_string(more) + " more are" : " is") +
+                " sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
+}
+
+void SimulatorWarnings::tellLeftOut(const SensorPlan& plan) const {
+  if (!options_.warn) return;
+  for (const Plan::Decision& decision : plan.decisions)
+    if (decision.leftOut)
+      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason);
+}
+
+void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {
+  if (!options_.warn) return;
+  const bool sensor = !shot.motion.stamps.empty() && !plan.speeds() && !plan.has(gpu::kSensorMotion);
+  const bool objects = (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && !plan.has(gpu::kObjectMotion);
+  if (!sensor && !objects) return;
+  for (const Plan::Decision& decision : plan.decisions) {
+    const bool brought =
+        (decision.effect == "sensor-motion" && sensor) || (decision.effect == "object-motion" && objects);
+    if (!brought || decision.leftOut || decision.request == EffectUse::off) continue;
+    if (!told_.emplace(shot.sensor, decision.effect).second) continue;
+    options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
+                  " is left out, although a shot brings it: " + decision.reason);
+  }
+}
+
+void SimulatorWarnings::forget(size_t sensor) {
+  std::erase_if(told_, [&](const auto& told) { return told.first == sensor; });
+}
+
+}  // namespace gnosphere

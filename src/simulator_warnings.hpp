@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The warnings that a simulator gives to SimulatorOptions::warn.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include "effects/sensor_plan.hpp"
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere {
+
+class SimulatorWarnings {
+ public:
+  /// The options must live as long as this object.
+  explicit SimulatorWarnings(const SimulatorOptions& options) : options_(options) {}
+
+  /// Tells which rows of the material table have no effect, and which instances are sheared beyond what the error
+  /// bounds of the accuracies allow.
+  void tellScene(const Scene& scene) const;
+  /// Tells which effects are called for, but not with this accuracy or device.
+  void tellLeftOut(const SensorPlan& plan) const;
+  /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
+  /// the effect off.
+  void tellLeftOut(const Shot& shot, const SensorPlan& plan);
+  /// Another sensor may get the index of a removed one.
+  void forget(size_t sensor);
+
+ private:
+  void tellUnusedRows(const Scene& scene) const;
+  void tellShears(const Scene& scene) const;
+
+  const SimulatorOptions& options_;
+  std::set<std::pair<size_t, std::string>> told_;  // sensors, and effects that are motions
+};
+
+}  // namespace gnosphere
