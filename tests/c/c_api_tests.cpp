@@ -1,53 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C interface against the C++ one: the same scans, and an error instead of a crash for every wrong argument.
+// The C interface against the C++ one: the same scans.
 #include <gnosphere.h>
 
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
-#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <gnosphere/gnosphere.hpp>
 #include <string>
 #include <thread>
 
+#include "c/fails.hpp"
+#include "c/floor_and_wall.hpp"
 #include "folder.hpp"
 
 using namespace gnosphere;
+using namespace gnosphere::test;
 
 namespace {
-
-/// A floor of two triangles and a wall, as arrays of C.
-const float kFloor[] = {-20, -20, 0, 20, -20, 0, 20, 20, 0, -20, 20, 0};
-const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
-
-gno_mesh squareMesh() {
-  gno_mesh mesh = gno_mesh_init();
-  mesh.name = "square";
-  mesh.positions = kFloor;
-  mesh.vertex_count = 4;
-  mesh.indices = kSquare;
-  mesh.triangle_count = 2;
-  return mesh;
-}
-
-gno_scene makeScene() {
-  gno_scene scene = nullptr;
-  REQUIRE(gno_scene_create(&scene) == GNO_OK);
-  const gno_material material = gno_material_init();
-  const gno_mesh mesh = squareMesh();
-  gno_instance floor = gno_instance_init(), wall = gno_instance_init();
-  floor.class_id = 7;
-  wall.transform = {{0, 0, 1, 8, 0, 1, 0, 0, -1, 0, 0, 0}};
-  uint32_t index = 9;
-  REQUIRE(gno_scene_add_material(scene, &material, &index) == GNO_OK);
-  CHECK(index == 0);
-  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_instance(scene, &floor, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_instance(scene, &wall, &index) == GNO_OK);
-  CHECK(index == 1);
-  return scene;
-}
 
 Scene sameScene() {
   Scene scene;
@@ -65,25 +35,6 @@ Scene sameScene() {
   return scene;
 }
 
-gno_simulator makeSimulator(gno_scene scene, const char* effects, std::vector<gno_field> fields) {
-  gno_sensor sensor = nullptr;
-  gno_effects request_effects = nullptr;
-  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  REQUIRE(gno_effects_preset(effects, &request_effects) == GNO_OK);
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  request.effects = request_effects;
-  request.fields = fields.data();
-  request.field_count = fields.size();
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  gno_simulator simulator = nullptr;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_effects_destroy(request_effects) == GNO_OK);
-  return simulator;
-}
-
 /// Compares a column of a C scan with that of a C++ scan, byte by byte.
 template <class T>
 bool sameColumn(gno_scan scan, gno_field field, const Scan& expected) {
@@ -95,14 +46,6 @@ bool sameColumn(gno_scan scan, gno_field field, const Scan& expected) {
   for (size_t i = 0; i < view.size(); ++i)
     if (std::memcmp(&values[i * column.stride], &view[i], sizeof(T)) != 0) return false;
   return true;
-}
-
-/// Whether a call failed with this status, and its sentence has the words.
-bool fails(gno_status status, gno_status expected, const char* words) {
-  INFO(status << ": " << gno_last_error());
-  CHECK(status == expected);
-  CHECK(std::strstr(gno_last_error(), words) != nullptr);
-  return status == expected && std::strstr(gno_last_error(), words);
 }
 
 }  // namespace
@@ -151,7 +94,7 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   const float pose[7] = {0, 0, 1.5f, 0, 0, 0, 1};
   CHECK(gno_simulator_set_transforms_float(simulator, both + 1, 1, pose, 7) == GNO_OK);
   expected.setTransforms({both + 1, 1}, pose);
-  CHECK(fails(gno_simulator_set_transforms(simulator, both, 2, placed, 8), GNO_INVALID_ARGUMENT, "12 or 7 numbers"));
+  CHECK(fails(gno_simulator_set_transforms(simulator, both, 2, placed, 8), "12 or 7 numbers"));
   CHECK(gno_simulator_remove_instance(simulator, 1) == GNO_OK);
   expected.removeInstance(1);
   const gno_mesh mesh = squareMesh();
@@ -175,7 +118,7 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   Material darkHere;
   darkHere.baseColor[0] = 0.1f;
   expected.setMaterial(0, darkHere);
-  CHECK(fails(gno_simulator_set_material(simulator, 5, &dark, nullptr), GNO_INVALID_ARGUMENT, "material 5"));
+  CHECK(fails(gno_simulator_set_material(simulator, 5, &dark, nullptr), "material 5"));
   gno_scan before = scan, inTheWorld = nullptr;
   compareAll(shot, cShot, scan);
   REQUIRE(gno_scan_in_world(scan, &inTheWorld) == GNO_OK);
@@ -185,7 +128,7 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   for (gno_field field : {GNO_FIELD_X, GNO_FIELD_Y, GNO_FIELD_Z, GNO_FIELD_NORMAL})
     CHECK(sameColumn<float>(inTheWorld, field, wanted));
   CHECK(gno_scan_destroy(inTheWorld) == GNO_OK);
-  CHECK(fails(gno_scan_in_world(scan, nullptr), GNO_INVALID_ARGUMENT, "in_world is null"));
+  CHECK(fails(gno_scan_in_world(scan, nullptr), "in_world is null"));
   CHECK(before == scan);
 
   // The same rows, files and comparison.
@@ -293,7 +236,7 @@ TEST_CASE("C: the effects of one of the lidars in a file of CARLA") {
                                        {"type": "sensor.lidar.ray_cast", "id": "low", "noise_seed": 9}])")
           .string();
   gno_effects effects = nullptr;
-  CHECK(fails(gno_effects_load(file.c_str(), &effects), GNO_FORMAT, "the effects of the lidars top, low differ"));
+  CHECK(fails(gno_effects_load(file.c_str(), &effects), "the effects of the lidars top, low differ", GNO_FORMAT));
   REQUIRE(gno_effects_load_mode(file.c_str(), "low", &effects) == GNO_OK);
   const char* json = nullptr;
   REQUIRE(gno_effects_to_json(effects, &json) == GNO_OK);
@@ -312,8 +255,8 @@ TEST_CASE("C: a sensor file from memory, and the parts of an accuracy") {
   REQUIRE(gno_sensor_get_report(sensor, &report) == GNO_OK);
   CHECK(std::string(report).find(readSensorFile(json, "head.json").family) == 0);
   CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(fails(gno_sensor_read("{", 1, "bad.json", nullptr, &sensor), GNO_FORMAT, "bad.json"));
-  CHECK(fails(gno_sensor_read(nullptr, 1, "bad.json", nullptr, &sensor), GNO_INVALID_ARGUMENT, "bytes is null"));
+  CHECK(fails(gno_sensor_read("{", 1, "bad.json", nullptr, &sensor), "bad.json", GNO_FORMAT));
+  CHECK(fails(gno_sensor_read(nullptr, 1, "bad.json", nullptr, &sensor), "bytes is null"));
 
   for (gno_accuracy accuracy = GNO_ACCURACY_PAPER; accuracy <= GNO_ACCURACY_EXACT; ++accuracy) {
     const AccuracyParts expected = accuracyPartsOf(static_cast<Accuracy>(accuracy));
@@ -339,9 +282,9 @@ TEST_CASE("C: a run hands its scans to a function, which may end it but not call
     gno_scan_get_counters(scan, &counters);
     to.hits += counters.hits;
     to.kept = scan;
-    fails(gno_simulator_remove_instance(to.simulator, 0), GNO_INVALID_ARGUMENT, "must not call it");
-    fails(gno_simulator_destroy(to.simulator), GNO_INVALID_ARGUMENT, "must not call it");
-    fails(gno_scan_destroy(scan), GNO_INVALID_ARGUMENT, "belongs to the library");
+    fails(gno_simulator_remove_instance(to.simulator, 0), "must not call it");
+    fails(gno_simulator_destroy(to.simulator), "must not call it");
+    fails(gno_scan_destroy(scan), "belongs to the library");
     ++to.shots;
     return shot == 1;
   };
@@ -351,7 +294,7 @@ TEST_CASE("C: a run hands its scans to a function, which may end it but not call
   CHECK(received.shots == 2);
   CHECK(received.hits > 0);
   gno_scan_info info = gno_scan_info_init();
-  CHECK(fails(gno_scan_get_info(received.kept, &info), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(fails(gno_scan_get_info(received.kept, &info), "destroyed"));
   CHECK(gno_simulator_scan_all(simulator, shots, 1, receive, &received) == GNO_OK);  // the next run is a run like any
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
@@ -371,7 +314,7 @@ TEST_CASE("C: a function that receives warnings must not call the simulator that
   options.warn = [](const char*, void* user) {
     auto& to = *static_cast<Warned*>(user);
     ++to.count;
-    to.refused += fails(gno_simulator_remove_sensor(to.simulator, 0), GNO_INVALID_ARGUMENT, "must not call it");
+    to.refused += fails(gno_simulator_remove_sensor(to.simulator, 0), "must not call it");
   };
   gno_request request = gno_request_init();
   request.sensor = sensor;
@@ -390,195 +333,6 @@ TEST_CASE("C: a function that receives warnings must not call the simulator that
   CHECK(gno_simulator_scan(warned.simulator, &shot, &scan) == GNO_OK);  // the simulator still has its sensor
   CHECK(gno_scan_destroy(scan) == GNO_OK);
   CHECK(gno_simulator_destroy(warned.simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
-}
-
-TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong struct are errors that say so") {
-  gno_scene scene = makeScene();
-  gno_scene_counts counts = gno_scene_counts_init();
-  CHECK(fails(gno_scene_get_counts(nullptr, &counts), GNO_INVALID_ARGUMENT, "the handle of the scene is null"));
-  CHECK(fails(gno_scene_get_counts(reinterpret_cast<gno_scene>(&counts), &counts), GNO_INVALID_ARGUMENT, "no scene"));
-  CHECK(fails(gno_sensor_destroy(reinterpret_cast<gno_sensor>(scene)), GNO_INVALID_ARGUMENT, "of a scene, not of a"));
-  CHECK(fails(gno_scene_get_counts(scene, nullptr), GNO_INVALID_ARGUMENT, "gno_scene_counts is null"));
-  counts.struct_size += 8;  // of a newer library
-  CHECK(fails(gno_scene_get_counts(scene, &counts), GNO_INVALID_ARGUMENT, "gno_scene_counts::struct_size"));
-  CHECK(fails(gno_scene_load(nullptr, nullptr, &scene), GNO_INVALID_ARGUMENT, "file is null"));
-  CHECK(fails(gno_scene_create(nullptr), GNO_INVALID_ARGUMENT, "scene is null"));
-  CHECK(fails(gno_sensor_builtin("VLP-16", nullptr), GNO_INVALID_ARGUMENT, "sensor is null"));
-  uint64_t bytes = 0;
-  gno_layout layout = gno_layout_init();
-  layout.stride = 12;
-  CHECK(fails(gno_layout_bytes_for(&layout, uint64_t{1} << 62, &bytes), GNO_INVALID_ARGUMENT, "no size in 64 bits"));
-  CHECK(fails(gno_scene_load("/nowhere.glb", nullptr, &scene), GNO_FILE, "nowhere.glb"));
-  gno_mesh mesh = squareMesh();
-  mesh.positions = nullptr;
-  CHECK(fails(gno_scene_add_mesh(scene, &mesh, nullptr), GNO_INVALID_ARGUMENT, "positions is null"));
-  gno_material material = gno_material_init();
-  material.alpha_mode = 9;
-  CHECK(fails(gno_scene_add_material(scene, &material, nullptr), GNO_INVALID_ARGUMENT, "alpha_mode is 9"));
-  gno_simulator simulator = nullptr;
-  gno_request request = gno_request_init();
-  CHECK(fails(gno_simulator_create(scene, &request, 1, nullptr, &simulator), GNO_INVALID_ARGUMENT, "sensor is null"));
-  CHECK(fails(gno_simulator_create(scene, nullptr, 1, nullptr, &simulator), GNO_INVALID_ARGUMENT, "sensors is null"));
-  gno_options options = gno_options_init();
-  options.device = "no such device";
-  CHECK(fails(gno_simulator_create(scene, nullptr, 0, &options, &simulator), GNO_INVALID_ARGUMENT, "no such device"));
-  options.device = "reference";
-  options.device_uuid[3] = 7;  // of no device
-  CHECK(gno_simulator_create(scene, nullptr, 0, &options, &simulator) != GNO_OK);
-  CHECK(simulator == nullptr);
-
-  simulator = makeSimulator(scene, "clean", {});
-  gno_shot shot = gno_shot_init();
-  gno_scan scan = nullptr;
-  shot.sensor = 4;
-  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "sensor 4"));
-  shot.sensor = 0;
-  CHECK(gno_simulator_scan(simulator, &shot, &scan) == GNO_OK);
-  gno_column column = gno_column_init();
-  CHECK(fails(gno_scan_get_column(scan, GNO_FIELD_NORMAL, &column), GNO_INVALID_ARGUMENT, "normal"));
-  CHECK(fails(gno_scan_get_column(scan, 4711, &column), GNO_INVALID_ARGUMENT, "4711"));
-  CHECK(gno_scan_destroy(scan) == GNO_OK);
-  CHECK(fails(gno_scan_destroy(scan), GNO_INVALID_ARGUMENT, "destroyed"));
-  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "destroyed"));
-  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
-  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "destroyed"));
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
-  CHECK(fails(gno_scene_validate(scene), GNO_INVALID_ARGUMENT, "destroyed"));
-}
-
-namespace {
-
-/// A struct as a program has it that was compiled with an older header: it ends before `end`, and what follows in
-/// memory is something else.
-template <class T>
-class Older {
- public:
-  Older(const T& from, size_t end) : bytes_(sizeof(T), std::byte{0xa5}), size_(end) {
-    std::memcpy(bytes_.data(), &from, end);
-    std::memcpy(bytes_.data(), &end, sizeof end);
-  }
-  T* get() { return reinterpret_cast<T*>(bytes_.data()); }
-  bool untouched() const {
-    return std::all_of(bytes_.begin() + static_cast<std::ptrdiff_t>(size_), bytes_.end(),
-                       [](std::byte byte) { return byte == std::byte{0xa5}; });
-  }
-
- private:
-  std::vector<std::byte> bytes_;
-  size_t size_;
-};
-
-}  // namespace
-
-TEST_CASE("C: structs of an older header are taken with defaults for what they lack, and filled as far as they go") {
-  gno_scene scene = makeScene();
-  gno_sensor sensor = nullptr;
-  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  Older<gno_options> olderOptions(options, offsetof(gno_options, validation));
-  gno_simulator simulator = nullptr, other = nullptr;
-  // Two requests of an older size lie as far apart as their size says.
-  const size_t requestSize = offsetof(gno_request, variable_weather);
-  std::vector<std::byte> requests(2 * requestSize);
-  request.struct_size = requestSize;
-  for (size_t i = 0; i < 2; ++i) std::memcpy(requests.data() + i * requestSize, &request, requestSize);
-  REQUIRE(gno_simulator_create(scene, reinterpret_cast<gno_request*>(requests.data()), 2, olderOptions.get(),
-                               &simulator) == GNO_OK);
-  request = gno_request_init();
-  request.sensor = sensor;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &other) == GNO_OK);
-  CHECK(olderOptions.untouched());
-  gno_shot shot = gno_shot_init();
-  shot.pose.position[2] = 1.8;
-  shot.sensor = 1;
-  Older<gno_shot> olderShot(shot, offsetof(gno_shot, motion));
-  gno_scan a = nullptr, b = nullptr;
-  REQUIRE(gno_simulator_scan(simulator, olderShot.get(), &a) == GNO_OK);
-  shot.sensor = 0;
-  REQUIRE(gno_simulator_scan(other, &shot, &b) == GNO_OK);
-  gno_counters whole = gno_counters_init();
-  REQUIRE(gno_scan_get_counters(b, &whole) == GNO_OK);
-  CHECK(whole.hits > 0);
-  Older<gno_counters> older(gno_counters_init(), offsetof(gno_counters, triangles));
-  REQUIRE(gno_scan_get_counters(a, older.get()) == GNO_OK);
-  CHECK(older.untouched());
-  CHECK(older.get()->hits == whole.hits);
-  CHECK(older.get()->misses == whole.misses);
-  CHECK(older.get()->struct_size == offsetof(gno_counters, triangles));
-  // Instances of an older size, too, and options that end before their last member.
-  const size_t instanceSize = offsetof(gno_instance, world);
-  gno_instance instance = gno_instance_init();
-  instance.struct_size = instanceSize;
-  std::vector<std::byte> instances(2 * instanceSize);
-  for (size_t i = 0; i < 2; ++i) std::memcpy(instances.data() + i * instanceSize, &instance, instanceSize);
-  uint32_t added[2] = {};
-  CHECK(gno_simulator_add_instances(other, reinterpret_cast<gno_instance*>(instances.data()), 2, added) == GNO_OK);
-  CHECK(added[1] == added[0] + 1);
-  const gnosphere::test::Folder folder;
-  const std::string file = gnosphere::test::put(folder / "floor.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").string();
-  gno_load_options load = gno_load_options_init();
-  load.scale = 1000;
-  Older<gno_load_options> olderLoad(load, offsetof(gno_load_options, scale));
-  std::memcpy(reinterpret_cast<std::byte*>(olderLoad.get()) + offsetof(gno_load_options, scale), &load.scale,
-              sizeof load.scale);
-  gno_scene loaded = nullptr;
-  REQUIRE(gno_scene_load(file.c_str(), olderLoad.get(), &loaded) == GNO_OK);
-  gno_mesh mesh = gno_mesh_init();
-  REQUIRE(gno_scene_get_mesh(loaded, 0, &mesh) == GNO_OK);
-  CHECK(*std::max_element(mesh.positions, mesh.positions + 9) <= 1);
-  CHECK(gno_scene_destroy(loaded) == GNO_OK);
-
-  whole.struct_size = 4;
-  CHECK(fails(gno_scan_get_counters(b, &whole), GNO_INVALID_ARGUMENT, "which is no size of it"));
-  for (const gno_scan scan : {a, b}) CHECK(gno_scan_destroy(scan) == GNO_OK);
-  for (const gno_simulator each : {simulator, other}) CHECK(gno_simulator_destroy(each) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
-}
-
-TEST_CASE("C: options are set by their names") {
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  CHECK(gno_options_set(&options, "accuracy=exact") == GNO_OK);
-  CHECK(gno_options_set(&options, "faces=front") == GNO_OK);
-  const std::string both = options.assignments;
-  CHECK(fails(gno_options_set(&options, "tuning.bining=lists"), GNO_INVALID_ARGUMENT, "tuning.binning"));
-  CHECK(fails(gno_options_set(&options, "faces=back"), GNO_INVALID_ARGUMENT, "material, front or both"));
-  CHECK(fails(gno_options_set(nullptr, "faces=front"), GNO_INVALID_ARGUMENT, "gno_options is null"));
-  CHECK(fails(gno_options_set(&options, nullptr), GNO_INVALID_ARGUMENT, "assignment is null"));
-  CHECK(options.assignments == both);
-  gno_options again = gno_options_init();
-  CHECK(gno_options_set(&again, "accuracy=exact") == GNO_OK);
-  CHECK(gno_options_set(&again, "faces=front") == GNO_OK);
-  CHECK(again.assignments == options.assignments);  // kept once
-
-  // The materials reflect on both sides, unless the option says otherwise: from below the floor is seen from behind.
-  gno_scene scene = makeScene();
-  gno_sensor sensor = nullptr;
-  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  uint64_t hits[2] = {};
-  for (int i = 0; i < 2; ++i) {
-    gno_simulator simulator = nullptr;
-    REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-    gno_shot shot = gno_shot_init();
-    shot.pose.position[2] = -1.8;
-    gno_counters counters = gno_counters_init();
-    gno_scan scan = nullptr;
-    REQUIRE(gno_simulator_scan(simulator, &shot, &scan) == GNO_OK);
-    REQUIRE(gno_scan_get_counters(scan, &counters) == GNO_OK);
-    hits[i] = counters.hits;
-    CHECK(gno_scan_destroy(scan) == GNO_OK);
-    CHECK(gno_simulator_destroy(simulator) == GNO_OK);
-    options.assignments = nullptr;
-  }
-  CHECK(hits[0] < hits[1]);
   CHECK(gno_sensor_destroy(sensor) == GNO_OK);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }

@@ -6,24 +6,16 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "c/fails.hpp"
 #include "c/wall.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-/// Whether a call failed with this status, and its sentence has the words.
-bool fails(gno_status status, const char* words, gno_status expected = GNO_INVALID_ARGUMENT) {
-  INFO(status << ": " << gno_last_error());
-  CHECK(status == expected);
-  CHECK(std::strstr(gno_last_error(), words) != nullptr);
-  return status == expected && std::strstr(gno_last_error(), words);
-}
 
 /// A scene with a wall that is placed once, and what a simulator of it on the reference needs.
 struct Wall {
