@@ -2,12 +2,11 @@
 // A Simulator as Python holds it, and the shots of a batch as Python writes them.
 #pragma once
 
-#include <unistd.h>
-
 #include <atomic>
 #include <vector>
 
 #include "arrays.hpp"
+#include "base/maker_process.hpp"
 #include "options.hpp"
 
 namespace gnosphere::python {
@@ -25,10 +24,7 @@ class SimulatorOfOneThread {
   /// Calls work(simulator) without the GIL.
   template <typename Work>
   auto use(Work&& work) {
-    if (process_ != getpid())
-      refuse(
-          "the simulator was made by another process, whose threads this one does not have; make a simulator after "
-          "the fork, or start processes with 'spawn'");
+    maker_.check();
     if (busy_.exchange(true))
       refuse(
           "the simulator is at work: one thread at a time may use it, and the function given to scan_all() may not; "
@@ -42,10 +38,10 @@ class SimulatorOfOneThread {
   }
 
  private:
+  const MakerProcess maker_;
   Simulator simulator_;
   std::vector<Warn> functions_;
   std::atomic<bool> busy_ = false;
-  pid_t process_ = getpid();
 };
 
 /// Shots, or their poses: a sequence of either, or an array of shape (n, 7).

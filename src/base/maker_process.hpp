@@ -14,6 +14,13 @@ class MakerProcess {
  public:
   /// Whether this process was forked from the one that has made the object.
   bool isParent() const { return process_ != os::processNumber(); }
+  /// Throws Error(invalidArgument) if isParent(). The object is a simulator, or belongs to one.
+  void check() const {
+    if (isParent())
+      throw Error(ErrorCode::invalidArgument,
+                  "the simulator was made by another process, whose threads this one does not have; make a simulator "
+                  "after the fork, or start processes with 'spawn'");
+  }
 
  private:
   uint32_t process_ = os::processNumber();
@@ -25,14 +32,10 @@ void leaveToParent(std::unique_ptr<T>& object) {
   if (object && object->maker().isParent()) static_cast<void>(object.release());
 }
 
-/// Returns a simulator, or what belongs to one, for a call of it. Throws Error(invalidArgument) if its maker() is the
-/// parent of this process.
+/// Returns an object for a call of it, after MakerProcess::check().
 template <class T>
 T& ofThisProcess(const std::unique_ptr<T>& object) {
-  if (object->maker().isParent())
-    throw Error(ErrorCode::invalidArgument,
-                "the simulator was made by another process, whose threads this one does not have; make a simulator "
-                "after the fork, or start processes with 'spawn'");
+  object->maker().check();
   return *object;
 }
 
