@@ -3,6 +3,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from gnosphere import drive as drives
@@ -61,6 +62,76 @@ def test_the_timing_of_open_scenario(tmp_path):
     timing = '<Timing domainAbsoluteRelative="{}" offset="5" scale="2"/>'
     assert times(timing.format("absolute")) == ([5, 9], False)
     assert times(timing.format("relative")) == ([5, 9], True)
+
+
+def test_sumo_without_lengths(tmp_path):
+    (tmp_path / "fcd.xml").write_text(FCD)
+    with pytest.warns(UserWarning, match=r"the lengths of vehicles, which are half of it too far ahead \(2\)"):
+        robotics.read_traffic(tmp_path / "fcd.xml", {"*": "car"})
+
+
+def test_entities_of_open_scenario_stand_where_init_puts_them(tmp_path):
+    init = """<Init><Actions><Private entityRef="{}"><PrivateAction><TeleportAction><Position>{}</Position>
+</TeleportAction></PrivateAction></Private></Actions></Init>"""
+    place = '<WorldPosition x="$Dist" y="-2" h="3.1415927"/>'
+    text = XOSC.replace(
+        "<Entities>",
+        """<ParameterDeclarations><ParameterDeclaration name="Dist" parameterType="double" value="40"/>
+</ParameterDeclarations><Entities>""",
+    ).replace('<Vehicle vehicleCategory="car"/>', '<CatalogReference catalogName="v" entryName="hatchback_red"/>')
+    (tmp_path / "a.xosc").write_text(text.replace("<Storyboard>", "<Storyboard>" + init.format("Ego", place)))
+    with pytest.warns(UserWarning, match="vertices without"):
+        ego, walker = robotics.read_traffic(tmp_path / "a.xosc", {"hatchback*": "car", "pedestrian": "person"})
+    assert ego["model"] == "car" and ego["outside"] == walker["outside"] == "hold"
+    assert ego["trajectory"]["waypoints"] == [{"time": 0.0, "position": [40.0, -2.0, 0.0], "yaw_deg": 180.0}]
+    (tmp_path / "a.xosc").write_text(text.replace("<Storyboard>", "<Storyboard>" + init.format("Ego", "<LanePosition/>")))
+    with pytest.warns(UserWarning, match=r"places of Init that are no WorldPosition \(1\)"):
+        (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"*": "person"})
+    (tmp_path / "a.xosc").write_text(XOSC.replace('x="1" y="2"', 'x="$Far" y="2"'))
+    with pytest.raises(ValueError, match=r"a.xosc: <WorldPosition x='\$Far'>: there is no parameter of this name"):
+        robotics.read_traffic(tmp_path / "a.xosc", {"*": "person"})
+
+
+def test_trajectories_of_open_scenario_follow_each_other(tmp_path):
+    action = XOSC[XOSC.index("<FollowTrajectoryAction>") : XOSC.index("</RoutingAction>")]
+    last = '<Vertex time="3"><Position><LanePosition/></Position></Vertex>'
+    follow = '<TrajectoryFollowingMode followingMode="follow"/></FollowTrajectoryAction>'
+    then = (
+        action.replace(last, "")
+        .replace('time="2"', 'time="5"').replace('x="1" y="2" z="0.5" h="1.5707963"', 'x="4" y="2" z="0.5"')
+        .replace('time="0"', 'time="2"').replace('x="1" y="0"', 'x="{}" y="2" z="0.5"')
+        .replace("</FollowTrajectoryAction>", follow)
+    )  # fmt: skip
+    text = XOSC.replace(last, "")
+
+    def waypoints(start):
+        both = text.replace("</RoutingAction>", then.format(start) + "</RoutingAction>")
+        (tmp_path / "a.xosc").write_text(both)
+        (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
+        return walker["trajectory"]["waypoints"]
+
+    assert waypoints("1") == [
+        {"time": 0.0, "position": [1.0, 0.0, 0.0], "yaw_deg": 0.0},
+        {"time": 2.0, "position": [1.0, 2.0, 0.5], "yaw_deg": 90.0},
+        {"time": 5.0, "position": [4.0, 2.0, 0.5]},  # looks along its way
+    ]
+    with pytest.warns(UserWarning, match=r"places at times at which an entity is elsewhere, too \(1\)"):
+        assert len(waypoints("3")) == 3
+
+
+def test_pitch_and_roll_of_open_scenario(tmp_path):
+    (tmp_path / "a.xosc").write_text(XOSC.replace('h="1.5707963"', 'h="0.3" p="-0.2" r="0.1"'))
+    with pytest.warns(UserWarning, match="vertices without"):
+        (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
+    about = [([0, 0, 1], 0.3), ([0, 1, 0], -0.2), ([1, 0, 0], 0.1)]
+    turn = np.eye(3)
+    for axis, angle in about:  # Rodrigues
+        cross = np.cross(np.eye(3), axis)
+        turn = turn @ (np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+    x, y, z, w = walker["trajectory"]["waypoints"][1]["orientation"]
+    forward = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]
+    np.testing.assert_allclose(forward, turn[:, 0], atol=1e-8)
+    np.testing.assert_allclose(2 * (y * z + x * w), turn[2, 1], atol=1e-8)
 
 
 def test_open_scenario(tmp_path):

@@ -24,12 +24,13 @@ def read_traffic(
     classes: Optional[Mapping[str, str]] = None,
     lengths: Optional[Mapping[str, float]] = None,
 ) -> list[Actor]:
-    """The "actors" of a drive file, who are gone before their first and after their last time.
+    """The "actors" of a drive file. Those of SUMO are gone before their first and after their last time; those of
+    OpenSCENARIO stand there.
 
     models, classes: the model and the class of the drive file by patterns of the type: in SUMO that of the vehicle or
-        person, in OpenSCENARIO its category, such as car or pedestrian. The longest pattern that fits counts, of
-        equally long ones the last; the class is the model if none does, and who fits no pattern of models is left out,
-        with a warning.
+        person, in OpenSCENARIO its category, such as car or pedestrian, or its entry in a catalogue. The longest
+        pattern that fits counts, of equally long ones the last; the class is the model if none does, and who fits no
+        pattern of models is left out, with a warning.
     lengths: metres, by the same patterns. SUMO places a vehicle by the middle of its front, so it is shifted back by
         half of its length.
     """
@@ -42,8 +43,14 @@ def read_traffic(
     if root.tag not in readers:
         raise ValueError(f"{path} is XML of <{root.tag}>; SUMO's <fcd-export> and <OpenSCENARIO> are read")
     left_out = Counter[str]()
+    if lengths is None and (vehicles := {thing.get("id") for thing in root.iterfind("timestep/vehicle")}):
+        left_out["the lengths of vehicles, which are half of it too far ahead"] = len(vehicles)
     actors = []
-    for name, kind, waypoints in readers[root.tag](root, lengths or {}, left_out):
+    try:
+        tracks = list(readers[root.tag](root, lengths or {}, left_out))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    for name, kind, waypoints in tracks:
         model = adapter.of_longest_pattern(models, kind)
         if model is None:
             left_out[f"the type '{kind}'"] += 1
@@ -54,10 +61,10 @@ def read_traffic(
                 "model": model,
                 "class": adapter.of_longest_pattern(classes or {}, kind) or model,
                 "trajectory": {"waypoints": waypoints},
-                "outside": "gone",
+                "outside": "gone" if readers[root.tag] is _sumo else "hold",
             }
         )
-    adapter.warn_left_out(os.fspath(path), left_out)
+    adapter.warn_left_out(os.fspath(path), +left_out)
     return actors
 
 
@@ -83,41 +90,111 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]
 
 
 def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
-    kinds = {}
-    for thing in root.iter("ScenarioObject"):
-        shape = next((child for child in thing if child.tag in ("Vehicle", "Pedestrian", "MiscObject")), None)
-        kind = "" if shape is None else shape.get(f"{shape.tag[0].lower()}{shape.tag[1:]}Category", shape.tag.lower())
-        kinds[thing.get("name", "")] = kind
+    """Entities stand where Init puts them until their trajectories begin, and where these end afterwards."""
+    _fill_in_parameters(root)
     tracks: dict[str, Track] = {}
+    for thing in root.iter("ScenarioObject"):
+        name = thing.get("name", "")
+        tracks[name] = (name, _kind_of(thing), [])
     for group in root.iter("ManeuverGroup"):
         names = [reference.get("entityRef", "") for reference in group.iter("EntityRef")]
-        for trajectory, offset, scale in _trajectories(group, left_out):
-            waypoints = []
-            for vertex in trajectory.iter("Vertex"):
-                place = vertex.find("Position/WorldPosition")
-                if place is None or vertex.get("time") is None:
-                    left_out["vertices without a time or a WorldPosition"] += 1
-                    continue
-                x, y, z, turn = (float(place.get(key, "0")) for key in "xyzh")
-                time = scale * float(vertex.get("time", "0")) + offset
-                waypoints.append(_waypoint(time, (x, y, z), math.degrees(turn)))
-            for name in names if waypoints else ():
-                tracks.setdefault(name, (name, kinds.get(name, ""), []))[2].extend(waypoints)
-            for curve in trajectory.iter("Shape"):
-                if curve.find("Polyline") is None:
-                    left_out["trajectories that are no polylines"] += 1
+        for waypoints in _trajectories(group, left_out):
+            for name in names:
+                tracks.setdefault(name, (name, "", []))[2].extend(waypoints)
+    for private in root.iterfind("Storyboard/Init/Actions/Private"):
+        place = private.find(".//TeleportAction/Position")
+        if place is None:
+            continue
+        world, name = place.find("WorldPosition"), private.get("entityRef", "")
+        if world is None:
+            left_out["places of Init that are no WorldPosition"] += 1
+        elif name in tracks and not tracks[name][2]:
+            tracks[name][2].append(_placed(0.0, world, along=False))
     for name, kind, waypoints in tracks.values():
-        yield name, kind, sorted(waypoints, key=lambda waypoint: waypoint["time"])
+        if waypoints:
+            yield name, kind, _in_order(waypoints, left_out)
 
 
-def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[tuple[ET.Element, float, float]]:
-    """The trajectories that actors follow, with what is added to their times, in seconds, after these are scaled."""
+def _fill_in_parameters(root: ET.Element) -> None:
+    """Puts the values of parameters in place of their names, which begin with $."""
+    values = {
+        parameter.get("name", ""): parameter.get("value", "")
+        for parameter in root.iterfind("ParameterDeclarations/ParameterDeclaration")
+    }
+    for element in root.iter():
+        for key, text in element.items():
+            if text.startswith("$"):
+                if text[1:] not in values:
+                    raise ValueError(f"<{element.tag} {key}='{text}'>: there is no parameter of this name")
+                element.set(key, values[text[1:]])
+
+
+def _kind_of(thing: ET.Element) -> str:
+    """The category of an entity, or the name of its entry in a catalogue."""
+    for child in thing:
+        if child.tag in ("Vehicle", "Pedestrian", "MiscObject"):
+            return child.get(f"{child.tag[0].lower()}{child.tag[1:]}Category", child.tag.lower())
+        if child.tag == "CatalogReference":
+            return child.get("entryName", "")
+    return ""
+
+
+def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[list[Actor]]:
+    """The waypoints of the trajectories that actors follow."""
     for action in group.iter("FollowTrajectoryAction"):
         timing = action.find("TimeReference/Timing")
+        mode = action.find("TrajectoryFollowingMode")
+        along = mode is not None and mode.get("followingMode") == "follow"
         offset, scale = 0.0, 1.0
         if timing is not None:
             offset, scale = float(timing.get("offset", "0")), float(timing.get("scale", "1"))
             if timing.get("domainAbsoluteRelative") == "relative":
                 left_out["the starts of trajectories with relative times, which are taken as 0"] += 1
         for trajectory in action.iter("Trajectory"):
-            yield trajectory, offset, scale
+            left_out["trajectories that are no polylines"] += sum(
+                curve.find("Polyline") is None for curve in trajectory.iter("Shape")
+            )
+            waypoints = []
+            for vertex in trajectory.iter("Vertex"):
+                place = vertex.find("Position/WorldPosition")
+                if place is None or vertex.get("time") is None:
+                    left_out["vertices without a time or a WorldPosition"] += 1
+                    continue
+                waypoints.append(_placed(scale * float(vertex.get("time", "0")) + offset, place, along))
+            if waypoints and action.find("TimeReference/None") is not None:
+                left_out["TimeReference None, so the times of vertices count all the same"] += 1
+            yield waypoints
+
+
+def _placed(time: float, place: ET.Element, along: bool) -> Actor:
+    """A waypoint at a WorldPosition. If `along`, one without a heading looks along its way."""
+    x, y, z, turn, pitch, roll = (float(place.get(key, "0")) for key in "xyzhpr")
+    waypoint = _waypoint(time, (x, y, z), math.degrees(turn))
+    if along and place.get("h") is None:
+        del waypoint["yaw_deg"]
+    elif pitch or roll:
+        del waypoint["yaw_deg"]
+        waypoint["orientation"] = [round(value, 9) for value in _turned(turn, pitch, roll)]
+    return waypoint
+
+
+def _turned(yaw: float, pitch: float, roll: float) -> tuple[float, float, float, float]:
+    """The quaternion x, y, z, w of a turn by yaw about z, then pitch about the new y, then roll about the new x."""
+    (cy, sy), (cp, sp), (cr, sr) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in (yaw, pitch, roll))
+    return (
+        cy * cp * sr - sy * sp * cr,
+        cy * sp * cr + sy * cp * sr,
+        sy * cp * cr - cy * sp * sr,
+        cy * cp * cr + sy * sp * sr,
+    )
+
+
+def _in_order(waypoints: list[Actor], left_out: Counter[str]) -> list[Actor]:
+    """Sorted by time. Trajectories that follow each other have a waypoint in common, of which one stays."""
+    ordered: list[Actor] = []
+    for waypoint in sorted(waypoints, key=lambda waypoint: waypoint["time"]):
+        if not ordered or waypoint["time"] > ordered[-1]["time"]:
+            ordered.append(waypoint)
+        elif math.dist(waypoint["position"], ordered[-1]["position"]) > 0.01:
+            left_out["places at times at which an entity is elsewhere, too"] += 1
+    return ordered
