@@ -214,6 +214,11 @@ GNO_API gno_status gno_scene_add_alpha_image(gno_scene scene, const gno_alpha_im
 GNO_API gno_status gno_scene_add_material(gno_scene scene, const gno_material* material, uint32_t* index);
 GNO_API gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index);
 GNO_API gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index);
+/* Appends a copy of `other`, moved by `transform` (null: not moved): alpha images, materials, meshes, instances, nodes,
+ * skins and clips get the indices that follow, in their order. `first_instance` (may be null) gets the index of the
+ * first of these instances. */
+GNO_API gno_status gno_scene_join(gno_scene scene, gno_scene other, const gno_transform* transform,
+                                  uint32_t* first_instance);
 GNO_API gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts);
 GNO_API gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_alpha_image* image);
 GNO_API gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* material);
@@ -780,6 +785,10 @@ GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno
 /* Adds many instances, without their names, and gives `count` indices in the same order; `indices` may be null. */
 GNO_API gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instance* instances, size_t count,
                                                uint32_t* indices);
+/* Adds the materials, meshes and instances of a scene, moved by `transform` (null: not moved). Each of the arrays (may
+ * be null) gets as many indices as gno_scene_get_counts() states of the scene, in the same order. */
+GNO_API gno_status gno_simulator_add_scene(gno_simulator simulator, gno_scene scene, const gno_transform* transform,
+                                           uint32_t* materials, uint32_t* meshes, uint32_t* instances);
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
                                                const gno_transform* transform);

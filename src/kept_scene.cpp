@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <ranges>
 #include <utility>
 
 #include "base/finite.hpp"
@@ -205,6 +206,35 @@ std::vector<uint32_t> KeptScene::addInstances(std::span<const Instance> instance
     throw;
   }
   return indices;
+}
+
+AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
+  validate(scene);
+  AddedScene added;
+  added.materials.reserve(scene.materials.size());
+  added.meshes.reserve(scene.meshes.size());
+  std::vector<Instance> instances = scene.instances;
+  try {
+    for (const Material& material : scene.materials) {
+      const bool hasImage = material.alphaImage != kNoImage;
+      const AlphaImage* image = hasImage ? &scene.alphaImages[material.alphaImage] : nullptr;
+      added.materials.push_back(static_cast<uint32_t>(addMaterial(material, image)));
+    }
+    for (Mesh mesh : scene.meshes) {
+      for (MeshPart& part : mesh.parts) part.material = added.materials[part.material];
+      added.meshes.push_back(static_cast<uint32_t>(addMesh(mesh)));
+    }
+    for (Instance& instance : instances) {
+      instance.mesh = added.meshes[instance.mesh];
+      instance.transform = transform * instance.transform;
+    }
+    added.instances = addInstances(instances);
+  } catch (...) {
+    for (const uint32_t mesh : std::views::reverse(added.meshes)) removeMesh(mesh);
+    for (const uint32_t material : std::views::reverse(added.materials)) removeMaterial(material);
+    throw;
+  }
+  return added;
 }
 
 void KeptScene::removeInstance(size_t index) {

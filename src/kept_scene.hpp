@@ -48,6 +48,7 @@ class KeptScene {
   void setTransforms(const CallerTransforms& buffer);
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world);
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
+  AddedScene addScene(const Scene& scene, const Transform& transform);
   void removeInstance(size_t index);
   void setTransform(size_t instance, const Transform& transform);
   void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);

@@ -221,6 +221,12 @@ class Simulator::Impl {
     return indices;
   }
 
+  AddedScene addScene(const Scene& scene, const Transform& transform) {
+    AddedScene added = kept_.addScene(scene, transform);
+    noteInstances();
+    return added;
+  }
+
   /// The index of the instance leaves the lists of sensors that ignore it, because another instance may get it.
   void removeInstance(size_t instance) {
     kept_.removeInstance(instance);
@@ -434,6 +440,9 @@ std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instance
 }
 size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
   return ofThisProcess(impl_).addInstance(mesh, transform, classId, world);
+}
+AddedScene Simulator::addScene(const Scene& scene, const Transform& transform) {
+  return ofThisProcess(impl_).addScene(scene, transform);
 }
 void Simulator::removeInstance(size_t instance) {
   ofThisProcess(impl_).removeInstance(instance);

@@ -285,6 +285,11 @@ struct Shot {
   std::optional<Weather> weather;
 };
 
+/// The indices of what Simulator::addScene() has added, each list in the order of the scene's.
+struct AddedScene {
+  std::vector<uint32_t> materials, meshes, instances;
+};
+
 /// A scene and sensors on a device. Materials, meshes, instances and sensors can be added and removed between scans.
 /// Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; the index of a
 /// removed object is given to the next one added.
@@ -364,6 +369,9 @@ class GNOSPHERE_API Simulator {
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0, uint32_t world = 0);
   /// Adds many instances and returns their indices, in order. Instance::name and Instance::className are ignored.
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
+  /// Adds the materials, meshes and instances of a scene, for example of a vehicle with several parts, moved by
+  /// `transform`. To move it again, set the transforms of its instances to the new one times those that `scene` states.
+  AddedScene addScene(const Scene& scene, const Transform& transform = {});
   /// Removes an instance; the next one that is added gets its index.
   void removeInstance(size_t instance);
   /// Moves an instance: `transform` maps the mesh frame to the world frame, in metres.

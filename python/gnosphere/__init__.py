@@ -5,6 +5,9 @@ Everything of the C++ face under the same names in snake_case: docs/python.md. F
 y left, z up, in metres; angles are radians unless a name ends in _deg; times are seconds.
 """
 
+import importlib
+from typing import TYPE_CHECKING
+
 try:
     import gnosphere_cpu as _gnosphere_cpu  # noqa: F401  the Vulkan driver that `pip install gnosphere[cpu]` brings
 except ImportError:
@@ -14,3 +17,13 @@ from ._gnosphere import *
 from ._gnosphere import __version__ as __version__
 from . import _text as _text
 from . import _values as _values
+
+if TYPE_CHECKING:
+    from . import helios as helios, patterns as patterns, pictures as pictures, robotics as robotics
+else:
+
+    def __getattr__(name):
+        """Imports a module of the package that is named for the first time."""
+        if name in ("helios", "patterns", "pictures", "robotics"):
+            return importlib.import_module(f".{name}", __name__)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

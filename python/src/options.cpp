@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "arrays.hpp"
 #include "field_list.hpp"
 #include "rows.hpp"
 
@@ -38,6 +39,16 @@ void bindRequest(nb::module_& m) {
 }
 
 void bindShot(nb::module_& m) {
+  nb::class_<AddedScene>(m, "AddedScene",
+                         "The indices of what Simulator.add_scene() has added, in the order of the scene.")
+      .def_prop_ro(
+          "materials", [](const AddedScene& self) { return copiedColumn(self.materials); }, kOwned,
+          "Shape (n,), uint32.")
+      .def_prop_ro(
+          "meshes", [](const AddedScene& self) { return copiedColumn(self.meshes); }, kOwned, "Shape (n,), uint32.")
+      .def_prop_ro(
+          "instances", [](const AddedScene& self) { return copiedColumn(self.instances); }, kOwned,
+          "Shape (n,), uint32.");
   nb::class_<MemoryUse>(m, "MemoryUse", "Bytes of device memory by purpose.")
       .def_ro("scene", &MemoryUse::scene, "Meshes, instances, and lists whose size follows theirs.")
       .def_ro("sensor", &MemoryUse::sensor, "Tables of the beams.")

@@ -163,6 +163,14 @@ void bindScene(nb::module_& m) {
       "Raises Error(invalid_argument) that names the material, image, mesh, part, instance, node, skin or clip whose "
       "indices or sizes are inconsistent.");
 
+  m.def(
+      "joined", [](const Scene& scene, const Scene& other, const Transform& to) { return joined(scene, other, to); },
+      "scene"_a, "other"_a, "transform"_a = Transform(), WithoutGil(),
+      "Returns a scene with everything of `scene`, and everything of `other` behind it, moved by `transform`: "
+      "materials, "
+      "alpha images, meshes and instances get the indices that follow, in their order, and nodes, skins and clips do, "
+      "too. Raises Error(invalid_argument).");
+
   nb::enum_<UpAxis>(m, "UpAxis", "Which axis of a file points up.")
       .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")
       .value("y", UpAxis::y)

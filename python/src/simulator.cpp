@@ -305,6 +305,15 @@ void bindChanges(nb::class_<Self>& simulator) {
                         "numpy.typing.ArrayLike = 0) -> numpy.typing.NDArray[numpy.uint32]"),
                 "Adds many instances in one call and returns their indices. `transforms` are as those of "
                 "set_transforms(); the others are one number, or have the shape (n,).");
+  simulator.def(
+      "add_scene",
+      [](Self& self, const Scene& scene, const Transform& transform) {
+        return self.use([&, copy = transform](Simulator& of) { return of.addScene(scene, copy); });
+      },
+      "scene"_a, "transform"_a = Transform(),
+      "Adds the materials, meshes and instances of a scene, for example of a vehicle with several parts, moved by "
+      "`transform`. To move it again, set the transforms of its instances to the new one times those that `scene` "
+      "states. The scene must not be changed meanwhile.");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
       "set_transform",

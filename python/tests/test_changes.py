@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes, sensors and effects that are changed, in Python and in a running simulator."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from conftest import at, beams
@@ -34,6 +37,39 @@ def test_instances_and_meshes_come_move_and_go(reference, square):
         reference.set_transform(near, at(1))
     with pytest.raises(gnosphere.Error, match="mesh"):
         reference.remove_mesh(0)
+
+
+def test_a_scene_is_added_and_joined(reference, square):
+    car = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(mesh=0, transform=at(1), class_id=7)])
+    added = reference.add_scene(car, at(4))
+    assert [list(added.materials), list(added.meshes), list(added.instances)] == [[1], [1], [1]]
+    scan = reference.scan(gnosphere.Pose())
+    assert scan.ranges[MIDDLE] == pytest.approx(5) and scan["class"][MIDDLE] == 7
+    reference.set_transforms(added.instances, [at(2) * instance.transform for instance in car.instances])
+    assert distance(reference) == pytest.approx(3)
+    both = gnosphere.joined(gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(mesh=0)]), car, at(4))
+    assert [instance.mesh for instance in both.instances] == [0, 1] and both.instances[1].transform.rows[0, 3] == 5
+    with pytest.raises(gnosphere.Error, match="joined: the transform is not finite"):
+        gnosphere.joined(both, car, at(float("nan")))
+
+
+def test_a_device_is_chosen_by_a_word(square):
+    scene = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(mesh=0)])
+    for device in ("reference", gnosphere.DeviceChoice("reference"), gnosphere.device_by_name("reference")):
+        options = gnosphere.SimulatorOptions(device=device)
+        assert options.device.kind == gnosphere.DeviceChoice.Kind.reference
+    options.device = "auto"
+    assert options.device.kind == gnosphere.DeviceChoice.Kind.vulkan
+    simulator = gnosphere.Simulator(scene, beams(5), gnosphere.SimulatorOptions(device="reference"))
+    assert simulator.device().name == "reference"
+
+
+def test_modules_are_there_without_an_import_of_their_own():
+    for name in ("pictures", "patterns", "robotics", "helios"):
+        command = [sys.executable, "-c", f"import gnosphere; print(gnosphere.{name}.__name__)"]
+        assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == f"gnosphere.{name}\n"
+    with pytest.raises(AttributeError, match="no attribute 'pictues'"):
+        gnosphere.pictues
 
 
 def test_sensors_and_materials_come_and_go(reference, square):

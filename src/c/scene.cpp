@@ -136,6 +136,18 @@ gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance,
   return addTo(scene, &Scene::instances, instanceOf, instance, index);
 }
 
+gno_status gno_scene_join(gno_scene scene, gno_scene other, const gno_transform* transform, uint32_t* first_instance) {
+  return guard([&] {
+    const Transform placed = transform ? transformOf(*transform) : Transform();
+    const Scene from = *Locked(other);  // a copy, so that no call holds two scenes at once
+    Changing to(scene);
+    const size_t first = to->instances.size();
+    static_cast<Scene&>(*to) = joined(*to, from, placed);
+    to->valid = false;
+    if (first_instance) *first_instance = static_cast<uint32_t>(first);
+  });
+}
+
 gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
   return guard([&] {
     Locked from(scene);

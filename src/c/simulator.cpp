@@ -318,6 +318,18 @@ gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instan
   });
 }
 
+gno_status gno_simulator_add_scene(gno_simulator simulator, gno_scene scene, const gno_transform* transform,
+                                   uint32_t* materials, uint32_t* meshes, uint32_t* instances) {
+  return guard([&] {
+    const Transform placed = transform ? transformOf(*transform) : Transform();
+    InUse from(scene);
+    const AddedScene added = Idle(simulator)->addScene(*from, placed);
+    if (materials) std::ranges::copy(added.materials, materials);
+    if (meshes) std::ranges::copy(added.meshes, meshes);
+    if (instances) std::ranges::copy(added.instances, instances);
+  });
+}
+
 gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index) {
   return guard([&] { Idle(simulator)->removeInstance(index); });
 }

@@ -7,6 +7,7 @@
 
 #include "base/vector.hpp"
 #include "drive/pose_math.hpp"
+#include "scene/join.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -16,23 +17,6 @@ constexpr double kAround = 0.05;      ///< seconds before and after a time withi
 
 /// Below the ground, farther than any sensor sees.
 constexpr Transform kAway = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1e7}};
-
-/// Adds the materials, images and meshes of `part`. Returns the number of its first mesh.
-uint32_t addMeshes(Scene& scene, const Scene& part) {
-  const auto materials = static_cast<uint32_t>(scene.materials.size()),
-             images = static_cast<uint32_t>(scene.alphaImages.size()),
-             meshes = static_cast<uint32_t>(scene.meshes.size());
-  scene.alphaImages.insert(scene.alphaImages.end(), part.alphaImages.begin(), part.alphaImages.end());
-  for (Material material : part.materials) {
-    if (material.alphaImage != kNoImage) material.alphaImage += images;
-    scene.materials.push_back(std::move(material));
-  }
-  for (Mesh mesh : part.meshes) {
-    for (MeshPart& run : mesh.parts) run.material += materials;
-    scene.meshes.push_back(std::move(mesh));
-  }
-  return meshes;
-}
 
 /// Returns the transform that gives a model the length, width and height of its actor.
 Transform fitting(const Actor& actor, const Scene& model) {
@@ -106,7 +90,7 @@ Vec3 wayOf(const std::vector<Vec3>& vertices, const Pose& start, const std::vect
 World::World(const Drive& drive) : drive_(drive) {
   for (size_t i = 0; i < drive.scenes.size(); ++i) {
     const Scene& part = drive.scenes[i];
-    const uint32_t firstMesh = addMeshes(scene_, part);
+    const uint32_t firstMesh = appendMeshes(scene_, part);
     if (drive.sceneAnimations[i])
       scenes_.push_back({&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}});
     for (Instance instance : part.instances) {
@@ -116,7 +100,7 @@ World::World(const Drive& drive) : drive_(drive) {
     }
   }
   std::vector<uint32_t> firstMeshes;
-  for (const Scene& model : drive.models) firstMeshes.push_back(addMeshes(scene_, model));
+  for (const Scene& model : drive.models) firstMeshes.push_back(appendMeshes(scene_, model));
   for (const Actor& actor : drive.actors) {
     const Scene& model = drive.models[actor.model];
     Body body = {&model,          objects_.size(),       numbersFrom(firstMeshes[actor.model], model),

@@ -158,6 +158,43 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
+TEST_CASE("C: a scene is joined to another, and added to a simulator, as in C++") {
+  gno_scene town = makeScene(), car = makeScene();
+  const gno_transform place = {{0, -1, 0, 3, 1, 0, 0, 2, 0, 0, 1, 0.5}};
+  gno_simulator simulator = makeSimulator(town, "clean", {});
+  uint32_t materials[1] = {}, meshes[1] = {}, instances[2] = {}, first = 0;
+  REQUIRE(gno_simulator_add_scene(simulator, car, &place, materials, meshes, instances) == GNO_OK);
+  CHECK((materials[0] == 1 && meshes[0] == 1 && instances[0] == 2 && instances[1] == 3));
+  REQUIRE(gno_scene_join(town, car, &place, &first) == GNO_OK);
+  CHECK(first == 2);
+  gno_simulator joinedSimulator = makeSimulator(town, "clean", {});
+  Transform placed;
+  std::copy(std::begin(place.rows), std::end(place.rows), placed.rows.begin());
+  Simulator expected(joined(sameScene(), sameScene(), placed), {builtinSensor("VLP-16"), Effects::none()}, []() {
+    SimulatorOptions options;
+    options.device = deviceByName("reference");
+    return options;
+  }());
+  gno_shot shot = gno_shot_init();
+  shot.pose.position[2] = 1.8;
+  const Scan scan = expected.scan({{0, 0, 1.8}, {}});
+  for (const gno_simulator each : {simulator, joinedSimulator}) {
+    gno_scan got = nullptr;
+    REQUIRE(gno_simulator_scan(each, &shot, &got) == GNO_OK);
+    CHECK(sameColumn<float>(got, GNO_FIELD_RANGE, scan));
+    CHECK(sameColumn<uint32_t>(got, GNO_FIELD_INSTANCE, scan));
+    CHECK(gno_scan_destroy(got) == GNO_OK);
+    CHECK(gno_simulator_destroy(each) == GNO_OK);
+  }
+  CHECK(std::ranges::count(scan.instances, 3u) > 0);
+  REQUIRE(gno_scene_join(car, car, nullptr, nullptr) == GNO_OK);
+  gno_scene_counts counts = gno_scene_counts_init();
+  REQUIRE(gno_scene_get_counts(car, &counts) == GNO_OK);
+  CHECK((counts.materials == 2 && counts.meshes == 2 && counts.instances == 4));
+  CHECK(fails(gno_scene_join(car, nullptr, nullptr, nullptr), "the handle of the scene is null"));
+  for (const gno_scene scene : {town, car}) CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
 TEST_CASE("C: classes of materials and instances, by number and name, are what they were given as") {
   gno_scene scene = makeScene();
   gno_material material = gno_material_init();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
 #include <random>
 
 #include "support.hpp"
@@ -181,6 +182,45 @@ TEST_CASE("a cut-out material that is added brings its own image") {
   planted.instances.push_back({"", 1, {}});
   CHECK(simulator.plan().has("cut-outs"));
   CHECK(sameBytes(simulator.scan({}), Simulator(planted, request, vulkanOptions()).scan({})));
+}
+
+TEST_CASE("a scene that is added scans as the joined scene does, and a wrong place leaves nothing of it behind") {
+  needVulkan();
+  MeshBuilder wall;
+  wall.quad({9, -9, -9}, {0, 18, 0}, {0, 0, 18}, 3);
+  const Scene scene = sceneOf(wall.take());
+  Scene added = sceneOf(glassPane(0));
+  added.materials.push_back(glass());
+  Material leaves;
+  leaves.alphaMode = AlphaMode::mask;
+  leaves.alphaImage = 0;
+  added.materials.push_back(leaves);
+  added.alphaImages = {{2, 2, {0, 255, 255, 0}}};
+  Mesh tree = glassPane(2);
+  for (size_t v = 0; v < tree.vertexCount(); ++v) tree.uvs.insert(tree.uvs.end(), {tree.positions[3 * v + 1], 0.5f});
+  added.meshes.push_back(tree);
+  added.meshes.push_back(glassPane(1));
+  added.instances.push_back({"", 1, translation(0, 0, 1)});
+  added.instances.push_back({"", 2, translation(1, 0, 0), 6});
+  const Transform place = {{0, 1, 0, 1, -1, 0, 0, 0, 0, 0, 1, 0.5}};
+  const SensorRequest request = {gridSensor(180, 12, -10, 10), {}, {Field::intensity, Field::classId}};
+  Simulator simulator(scene, request, vulkanOptions());
+  const Scan before = simulator.scan({});
+  Transform nowhere = place;
+  nowhere.rows[7] = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(simulator.addScene(added, nowhere), "entry 0: the transform is not finite");
+  CHECK(sameBytes(simulator.scan({}), before));
+  const AddedScene indices = simulator.addScene(added, place);
+  CHECK(indices.materials == std::vector<uint32_t>{1, 2, 3});
+  CHECK(indices.meshes == std::vector<uint32_t>{1, 2, 3});
+  CHECK(indices.instances == std::vector<uint32_t>{1, 2, 3});
+  CHECK(simulator.plan().has("cut-outs"));
+  CHECK(simulator.plan().has("transmission"));
+  CHECK(sameBytes(simulator.scan({}), Simulator(joined(scene, added, place), request, vulkanOptions()).scan({})));
+  for (const uint32_t instance : indices.instances) simulator.removeInstance(instance);
+  for (const uint32_t mesh : indices.meshes) simulator.removeMesh(mesh);
+  for (const uint32_t material : indices.materials) simulator.removeMaterial(material);
+  CHECK(sameBytes(simulator.scan({}), before));
 }
 
 TEST_CASE("a material of meshes in use changes its optics, its image, and whether it is glass") {

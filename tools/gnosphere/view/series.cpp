@@ -182,7 +182,8 @@ class DriveOutput {
     if (!sensor.empty() && !candidates_.empty())
       throw Error(ErrorCode::invalidArgument,
                   "--sensor: " + folder_.string() + " has no clouds of '" + sensor + "' that can be shown; " +
-                      (known.empty() ? "its formats do not tell the sensor" : "there are those of " + known));
+                      (known.empty() ? "its formats do not tell the sensor, as pcd and npy do; leave out --sensor"
+                                     : "there are those of " + known));
     std::string others;
     for (const std::string& format : others_) others += (others.empty() ? "" : " and ") + format;
     throw Error(ErrorCode::invalidArgument,
