@@ -170,7 +170,8 @@ struct Effects {
     EffectUse use = EffectUse::automatic;
   } radialSpeed;
 
-  /// Returns a value with every effect off: geometry alone.
+  /// Returns a value with every effect off: geometry alone. An effect that is off ignores its other values; give it a
+  /// `use`, too, or a new value: `effects.rangeNoise = {.sigma = 0.02}`.
   GNOSPHERE_API static Effects none();
 };
 

@@ -120,7 +120,10 @@ void bindEffects(nb::module_& m) {
       "The effects that a scan simulates beside geometry, each with its parameters. Units are metres, radians, seconds "
       "and 1/m; powers are relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.");
   bindRow<[](Effects& all) -> Effects& { return all; }>(effects, "seed", seedParameter());
-  effects.def_static("none", &Effects::none, "Returns a value with every effect off: geometry alone.");
+  effects.def_static(
+      "none", &Effects::none,
+      "Returns a value with every effect off: geometry alone. An effect that is off ignores its other values; give "
+      "it a `use`, too, or a new value: effects.range_noise = Effects.RangeNoise(sigma=0.02).");
   bindSignal(effects);
   bindEchoes(effects);
   bindMotion(effects);

@@ -14,7 +14,7 @@ class MakerProcess {
  public:
   /// Whether this process was forked from the one that has made the object.
   bool isParent() const { return process_ != os::processNumber(); }
-  /// Throws Error(invalidArgument) if isParent(). The object is a simulator, or belongs to one.
+  /// Throws Error(invalidArgument) if this process was forked. The object is a simulator, or belongs to one.
   void check() const {
     if (isParent())
       throw Error(ErrorCode::invalidArgument,

@@ -253,9 +253,9 @@ std::vector<EffectInfo> makeTable() {
           "square to the beam at `range`. Automatic: on if a range is given, or with fog, rain, snow or dust.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
-           number<&E::detection, &E::Detection::range>(
-               "range", "m", 0, 1e6,
-               "Distance of that target; 0 means 10 % at Sensor::rangeAt10Percent, or else Sensor::rangeMax."),
+           number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,
+                                                       "Distance of that target; 0 means 10 % at the range that the "
+                                                       "sensor states for 10 %, or else at its largest."),
            number<&E::detection, &E::Detection::softness>(
                "softness", "", 0, 10,
                "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),
@@ -266,7 +266,7 @@ std::vector<EffectInfo> makeTable() {
           {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
                                                          "Probability that a beam is lost with all its returns, 0..1."),
            number<&E::dropOut, &E::DropOut::intensityLimit>(
-               "intensity_limit", "", 0.001, 1, "Unit intensity above which zeroIntensityRate has no effect."),
+               "intensity_limit", "", 0.001, 1, "Unit intensity above which zero_intensity_rate has no effect."),
            number<&E::dropOut, &E::DropOut::zeroIntensityRate>(
                "zero_intensity_rate", "", 0, 1, "Probability at intensity 0, 0..1; falls linearly to 0 at the limit."),
            indices<&E::dropOut, &E::DropOut::deadBeams>(
@@ -329,7 +329,7 @@ std::vector<EffectInfo> makeTable() {
                 {"dual", "The last and the strongest; if these are one echo, the second strongest as well."}},
                "Which echoes are returned."),
            count<&E::returns, &E::Returns::count>(
-               "count", "", 0, 5, "Only for Mode::all: largest number of returns; 0 means Sensor::maxReturns."),
+               "count", "", 0, 5, "Only with the mode all: largest number of returns; 0 means that of the sensor."),
            number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100,
                                                         "Echoes that are closer together are merged."),
            number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,

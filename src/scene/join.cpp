@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two scenes become one.
+// Makes one scene of two.
 #include "scene/join.hpp"
 
 #include "base/finite.hpp"

@@ -308,6 +308,12 @@ TEST_CASE("an effect that is off but needed is refused, or disables the effects 
   asked.effects.intensity.use = EffectUse::off;
   asked.sensor.maxReturns = 2;
   checkOut(asked, "returns", "intensity, which it needs, is off in the request");
+  checkOut(asked, "fog", "intensity, which it needs, is off in the request");
+  CHECK(asked.of("returns").leftOut);
+  CHECK_FALSE(asked.of("fog").leftOut);  // no visibility calls for it
+  asked.effects.fog.visibility = 80;
+  CHECK(asked.of("fog").leftOut);
+  asked.effects.fog.visibility = 0;
   checkOut(asked, "intensity", "off in the request");
   asked.effects.returns.use = EffectUse::on;
   checkRefused(asked, "intensity is off, but returns needs it; set intensity to auto");
