@@ -168,6 +168,8 @@ Drive DriveReader::read(const fs::path& file) {
   addStanding();
   ignores();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
+  warnOfClocks();
+  warnOfSensors();
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);
 }

@@ -105,11 +105,31 @@ void DriveReader::warnOfTurns(const json& list, const std::string& path) {
                             (count > 1 ? " (so do " + std::to_string(count) + " waypoints)" : ""));
 }
 
+/// Warns of yaws in radians: all fit the way as such, and as degrees one of them is more than 60 degrees off.
+/// `along` has the waypoints as they look along the way.
+void DriveReader::warnOfRadians(const json& list, const std::vector<Trajectory::Stamp>& along,
+                                const std::string& path) {
+  constexpr double kFits = 0.2;  // rad
+  size_t wrong = list.size();
+  for (size_t i = 0; i < list.size(); ++i) {
+    if (!list[i].contains("yaw_deg")) return;
+    const double yaw = list[i]["yaw_deg"].get<double>(), way = yawPitchRollOf(along[i].pose.orientation)[0];
+    const auto offBy = [&](double angle) { return std::abs(std::remainder(way - angle, 2 * M_PI)); };
+    if (std::abs(yaw) > 2 * M_PI || offBy(yaw) > kFits) return;
+    if (wrong == list.size() && offBy(kDegree * yaw) > M_PI / 3) wrong = i;
+  }
+  if (wrong == list.size()) return;
+  warn(entryPath(path, wrong) + ".yaw_deg",
+       "is " + shown(list[wrong]["yaw_deg"]) +
+           ", and the way leads elsewhere; the yaws are in degrees, and along the way these would be radians");
+}
+
 std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path) {
   std::vector<Trajectory::Stamp> stamps;
   for (const json& waypoint : list)
     stamps.push_back({waypoint["time"].get<double>(), {vectorOf(waypoint["position"]), {}}});
   headAlong(stamps);
+  warnOfRadians(list, stamps, path);
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string at = entryPath(path, i);
     Quaternion& turn = stamps[i].pose.orientation;

@@ -36,6 +36,7 @@ class DriveReader {
     }
   }
   void refuse(const std::string& path, const std::string& why) { mistakes_.push_back(path + ": " + why); }
+  void warn(const std::string& path, const std::string& why);
   std::filesystem::path file(const nlohmann::json& name) const { return folder_ / pathOf(name.get<std::string>()); }
 
   /// Returns the index of a name, or adds a mistake.
@@ -53,6 +54,7 @@ class DriveReader {
   std::optional<Animation> animation(const nlohmann::json& object, const std::string& path, const Scene& scene);
   Trajectory trajectory(const nlohmann::json& object, const std::string& path);
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, const std::string& path);
+  void warnOfRadians(const nlohmann::json& list, const std::vector<Trajectory::Stamp>& along, const std::string& path);
   void warnOfTurns(const nlohmann::json& list, const std::string& path);
   Sensor sensor(const nlohmann::json& value, const std::string& path);
   Effects effects(const nlohmann::json& value, const std::string& path);
@@ -71,6 +73,11 @@ class DriveReader {
   void sensors();
   void ignores();
   void warnOfBodies();
+  void warnOfClocks();
+  void warnOfSensors();
+  void warnOfMount(const Pose& mount, const std::string& path);
+  void warnOfWeather(const RigSensor& sensor, const std::string& path);
+  void warnOfMotion(size_t sensor, const std::string& path);
   void imu();
   void frames();
   void times();

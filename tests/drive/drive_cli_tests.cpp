@@ -18,7 +18,7 @@ struct DrivePlace : Workplace {
   DrivePlace() {
     put("cube.obj", kCube);
     put("floor.obj", kFloor);
-    Json json = smallDrive();
+    Json json = quietDrive();
     json["outputs"] = {{{"format", "semantickitti"}}, {{"format", "boxes"}}, {{"format", "mcap"}}};
     put("drive.json", json.dump());
   }
@@ -70,7 +70,7 @@ TEST_CASE("a drive without any point is told, and so is a file that has been cha
 TEST_CASE("a log of a drive has its first lines while the drive runs") {
   const DrivePlace place;
   Json json = Json::parse(place.get("drive.json"));
-  json["duration"] = 100;  // seconds of work
+  json["ego"]["trajectory"]["waypoints"][1]["time"] = 100;  // seconds of work
   place.put("drive.json", json.dump());
   const std::string file = place / "drive.json", out = place / "out_d", log = place / "log";
   const pid_t child = fork();
@@ -108,15 +108,14 @@ TEST_CASE("wrong calls of gnosphere drive are refused before anything is written
   place.put("drive.json", "{\"scenes\": []}");
   refused("-o out_b", 1, "scenes: must have at least 1 entry, has 0; ego: is missing; sensors: is missing");
   place.put("wall", "");
-  Json json = smallDrive();
-  place.put("drive.json", json.dump());
+  place.put("drive.json", quietDrive().dump());
   refused("-o wall/out", 1, "wall/out");
 }
 
 TEST_CASE("a drive that is killed five times and resumed has the same bytes") {
   const DrivePlace place;
   Json json = Json::parse(place.get("drive.json"));
-  json["duration"] = 4;
+  json["ego"]["trajectory"]["waypoints"][1]["time"] = 4;
   place.put("drive.json", json.dump());
   REQUIRE(place.make("-o whole").status == 0);
   const auto framesDone = [&] {

@@ -54,6 +54,7 @@ TEST_CASE("a sensor does not see the actors that it ignores, and other sensors d
 TEST_CASE("a run warns of sensors that start within the box of an actor, unless they ignore it") {
   const DriveFolder folder;
   Json json = driveWithBody();
+  json["sensors"][1]["effects"] = "auto";
   const auto warnings = [&] { return folder.read(json).warnings; };
   REQUIRE(warnings().size() == 2);
   CHECK(warnings()[0] ==

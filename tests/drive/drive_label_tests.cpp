@@ -313,7 +313,7 @@ TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and 
 TEST_CASE("a scene of which no instance has boxes keeps its instances and their names") {
   const DriveFolder folder;
   put(folder / "floor.obj", std::string("o a floor that has more letters than a short string\n") + kFloor);
-  Json json = smallDrive();
+  Json json = quietDrive();
   json["scenes"][0]["boxes"] = {"person"};
   const std::vector<Instance> instances = folder.read(json).scenes[0].instances;
   REQUIRE(instances.size() == 1);

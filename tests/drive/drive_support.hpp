@@ -69,6 +69,13 @@ inline Json smallDrive() {
           {"outputs", {{{"format", "npy"}, {"fields", "x,y,z,range,time,class,instance"}}}}};
 }
 
+/// The small drive with nothing to warn of: all that moves and rains reaches both sensors.
+inline Json quietDrive() {
+  Json json = smallDrive();
+  json["sensors"][1]["effects"] = "auto";
+  return json;
+}
+
 /// A folder with the files that smallDrive() names.
 class DriveFolder {
  public:

@@ -25,8 +25,8 @@ constexpr FormatInfo kFormats[] = {
     {.name = "openpcdet", .make = makeOpenPcdet, .shown = false, .oneSensor = true},
     {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
-    {.name = "las", .make = makeLas, .shown = false, .fields = "", .survey = true},
-    {.name = "mcap", .make = makeMcap, .shown = false},
+    {.name = "las", .make = makeLas, .shown = false, .fields = "", .pointTimes = true, .survey = true},
+    {.name = "mcap", .make = makeMcap, .shown = false, .pointTimes = true},
     {.name = "osi", .make = makeOsi, .shown = false},
     {.name = "boxes", .make = makeBoxes, .shown = false},
 };

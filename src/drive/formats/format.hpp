@@ -31,6 +31,8 @@ class Format {
   /// The fields that scans of these sensors must hold.
   virtual std::vector<Field> fields() const = 0;
   virtual bool needsBoxes() const { return false; }
+  /// Whether it writes actors without points; it needs boxes, too.
+  virtual bool needsMissed() const { return false; }
   /// Appends the files of a frame.
   virtual void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const = 0;
   /// Writes the files that need every frame, once all frames are complete. `frames` has the summaries of all frames.
@@ -71,9 +73,11 @@ struct FormatInfo {
   bool shown;  ///< gnosphere view shows its clouds
   /// The fields of a row, unless the drive file chooses others; null if it may not.
   const char* fields = nullptr;
-  bool keyframes = false;  ///< the drive file may choose which frames are key frames
-  bool oneSensor = false;  ///< it has one lidar
-  bool survey = false;     ///< the drive file may state a flight line and a coordinate reference system
+  bool keyframes = false;   ///< the drive file may choose which frames are key frames
+  bool allActors = false;   ///< the drive file may ask for actors without a point
+  bool oneSensor = false;   ///< it has one lidar
+  bool pointTimes = false;  ///< its points have times, whatever fields the drive file chooses
+  bool survey = false;      ///< the drive file may state a flight line and a coordinate reference system
 };
 
 std::span<const FormatInfo> formats();

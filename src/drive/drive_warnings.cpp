@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Warnings of what a drive file says without a mistake, and probably does not mean: clocks that do not match, sensors
+// that make no scan, and weather and motion that do not reach a sensor.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "drive/drive_reader.hpp"
+#include "drive/formats/format.hpp"
+#include "sensor/beams.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+constexpr double kSlack = 1e-6;  // s: sums of Unix times and durations are as exact
+
+/// Returns a time such as "1700000000.25 s".
+std::string secondsText(double time) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.3f", time);
+  std::string trimmed = text;
+  trimmed.erase(trimmed.find_last_not_of('0') + 1);
+  if (trimmed.back() == '.') trimmed.pop_back();
+  return trimmed + " s";
+}
+
+std::string spanText(const Trajectory& trajectory) {
+  return "is from " + secondsText(trajectory.begin()) + " to " + secondsText(trajectory.end());
+}
+
+/// Returns "a, b and c".
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
+  return text;
+}
+
+/// Whether the points that this output writes have times of their own within a scan.
+bool hasPointTimes(const Output& output) {
+  return formatNamed(output.format).pointTimes || std::ranges::find(output.fields, Field::time) != output.fields.end();
+}
+
+}  // namespace
+
+void DriveReader::warn(const std::string& path, const std::string& why) {
+  drive_.warnings.push_back(path + ": " + why);
+}
+
+/// Warns of trajectories and weather whose times are not those of the drive.
+void DriveReader::warnOfClocks() {
+  const double first = drive_.start, last = drive_.start + drive_.duration;
+  const std::string span = "and the drive from " + secondsText(first) + " to " + secondsText(last);
+  const Trajectory& ego = drive_.ego;
+  const bool egoMoves = ego.stamps().size() > 1;
+  if (egoMoves && (ego.begin() > last + kSlack || ego.end() < first - kSlack))
+    warn("ego.trajectory", spanText(ego) + ", " + span + ", so the vehicle stands all the time; give another start");
+  else if (egoMoves && ego.end() < last - kSlack)
+    warn("ego.trajectory", "ends at " + secondsText(ego.end()) + ", " + span + ", so the vehicle stands for the last " +
+                               secondsText(last - ego.end()) + "; give a shorter duration");
+
+  // A drive may be a part of a recording, so that actors who come earlier or later, as the vehicle does, are meant.
+  const double earliest = egoMoves ? std::min(first, ego.begin()) : first,
+               latest = egoMoves ? std::max(last, ego.end()) : last;
+  const auto isBeside = [&](const Actor& actor) {
+    const Trajectory& trajectory = actor.trajectory;
+    return trajectory.stamps().size() > 1 &&
+           (trajectory.begin() > latest + kSlack || trajectory.end() < earliest - kSlack);
+  };
+  const auto found = std::ranges::find_if(drive_.actors, isBeside);
+  if (found != drive_.actors.end()) {
+    const auto count = std::ranges::count_if(drive_.actors, isBeside);
+    warn(entryPath("actors", static_cast<size_t>(found - drive_.actors.begin())) + ".trajectory",
+         spanText(found->trajectory) + ", " + span + ", so " + inQuotes(found->name) +
+             (found->goneOutside ? " is never there" : " stands all the time") + "; \"begin\" moves its first time" +
+             (count > 1 ? " (of " + std::to_string(count) + " trajectories beside the drive this is the first)" : ""));
+  }
+
+  const std::vector<WeatherStamp>& weather = drive_.weather;
+  if (weather.size() > 1 &&
+      (weather[1].time > latest - first + kSlack || weather.back().time < earliest - first - kSlack))
+    warn("weather[1].time", "is " + secondsText(weather[1].time) +
+                                ", and times of weather count from the start of the drive, which lasts " +
+                                secondsText(drive_.duration));
+}
+
+/// Warns of a mounting so far away that its numbers may be in another unit.
+void DriveReader::warnOfMount(const Pose& mount, const std::string& path) {
+  constexpr double kFar = 50;  // m
+  if (const double distance = lengthOf(mount.position); distance > kFar)
+    warn(path + ".mount.position",
+         "is " + gnosphere::numberText(std::round(distance)) + " m from the vehicle's origin; positions are in metres");
+}
+
+/// Warns of what of the drive's weather the effects of a sensor turn off.
+void DriveReader::warnOfWeather(const RigSensor& sensor, const std::string& path) {
+  const auto any = [&](double WeatherStamp::*value) {
+    return std::ranges::any_of(drive_.weather, [&](const WeatherStamp& stamp) { return stamp.*value > 0; });
+  };
+  std::vector<std::string> off;
+  const auto check = [&](const char* name, EffectUse use, double WeatherStamp::*value) {
+    if (use == EffectUse::off && any(value)) off.push_back(name);
+  };
+  check("fog", sensor.effects.fog.use, &WeatherStamp::fog);
+  check("rain", sensor.effects.rain.use, &WeatherStamp::rain);
+  check("snow", sensor.effects.snow.use, &WeatherStamp::snow);
+  if (!off.empty())
+    warn(path + ".effects", "turn " + listed(off) + " off, so that of the drive's weather does not reach " +
+                                inQuotes(sensor.name) + "; \"use\": \"auto\" lets it");
+}
+
+/// Warns of motion within the scans of a sensor that its effects turn off, if an output has times of its points.
+void DriveReader::warnOfMotion(size_t index, const std::string& path) {
+  const RigSensor& sensor = drive_.sensors[index];
+  const double first = drive_.start, last = drive_.start + drive_.duration, scan = durationOf(sensor.sensor, 0);
+  const auto writes = [&](const Output& output) {
+    return hasPointTimes(output) && std::ranges::find(output.sensors, index) != output.sensors.end();
+  };
+  const auto output = std::ranges::find_if(drive_.outputs, writes);
+  if (!(scan > 0) || output == drive_.outputs.end()) return;
+  bool actorsMove = false;
+  for (size_t a = 0; a < drive_.actors.size(); ++a) {
+    const Actor& actor = drive_.actors[a];
+    const bool moves = (actor.animation && actor.animation->speed != 0) || actor.trajectory.movesWithin(first, last);
+    actorsMove |= moves && std::ranges::find(sensor.ignores, a) == sensor.ignores.end();
+  }
+  std::vector<std::string> off;
+  if (sensor.effects.sensorMotion.use == EffectUse::off && drive_.ego.movesWithin(first, last))
+    off.push_back("sensor-motion");
+  if (sensor.effects.objectMotion.use == EffectUse::off && actorsMove) off.push_back("object-motion");
+  if (!off.empty())
+    warn(path + ".effects", "turn " + listed(off) + " off, so a scan of " + inQuotes(sensor.name) +
+                                " shows its start alone, although the times of its points in " + output->format +
+                                " go on to " + secondsText(scan) + "; \"use\": \"auto\" lets them move");
+}
+
+/// Warns of sensors of which a drive has less than its file seems to ask for.
+void DriveReader::warnOfSensors() {
+  for (size_t s = 0; s < drive_.sensors.size(); ++s) {
+    const RigSensor& sensor = drive_.sensors[s];
+    const std::string path = entryPath("sensors", s);
+    if (sensor.offset >= drive_.duration - kSlack)
+      warn(path + ".offset", "is " + secondsText(sensor.offset) + ", and the drive lasts " +
+                                 secondsText(drive_.duration) + ", so " + inQuotes(sensor.name) + " makes no scan");
+    warnOfMount(sensor.mount, path);
+    warnOfWeather(sensor, path);
+    warnOfMotion(s, path);
+  }
+  if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests of what a drive warns of: times, sensors and weather that a file probably does not mean.
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "drive_support.hpp"
+
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+using Warnings = std::vector<std::string>;
+
+Warnings warningsOf(const Json& json) {
+  return DriveFolder().read(json).warnings;
+}
+
+}  // namespace
+
+TEST_CASE("trajectories beside the time of the drive are warned of") {
+  REQUIRE(warningsOf(quietDrive()).empty());
+  Json json = quietDrive();
+  json["actors"][0]["trajectory"] = {
+      {"waypoints", {waypoint(1700000000, 3, 3, 0.75), waypoint(1700000001.5, 8, 3, 0.75)}}};
+  CHECK(warningsOf(json) == Warnings{"actors[0].trajectory: is from 1700000000 s to 1700000001.5 s, and the drive from "
+                                     "0 s to 1 s, so 'car-1' stands all the time; \"begin\" moves its first time"});
+  json["actors"][0]["outside"] = "gone";
+  REQUIRE(warningsOf(json).size() == 1);
+  CHECK_THAT(warningsOf(json)[0], ContainsSubstring("so 'car-1' is never there; "));
+  json["actors"][0]["trajectory"]["begin"] = 0.9;  // it overlaps by a tenth of a second
+  CHECK(warningsOf(json).empty());
+  json["actors"][0]["trajectory"] = {{"waypoints", {waypoint(1700000000, 3, 3, 0.75)}}};  // a parked car
+  CHECK(warningsOf(json).empty());
+
+  json = quietDrive();
+  json["duration"] = 0.1;  // a part of the whole, in which the person has not yet come
+  CHECK(warningsOf(json).empty());
+  json["start"] = 1000;
+  json["duration"] = 4;
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: is from 0 s to 1 s, and the drive from 1000 s to 1004 s, so the "
+                                     "vehicle stands all the time; give another start"});
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};  // it is meant to stand
+  CHECK(warningsOf(json) ==
+        Warnings{"actors[0].trajectory: is from 0 s to 1 s, and the drive from 1000 s to 1004 s, so 'car-1' stands all "
+                 "the time; \"begin\" moves its first time (of 2 trajectories beside the drive this is the first)"});
+}
+
+TEST_CASE("yaws in radians are warned of") {
+  const auto driven = [](double yaw, double x, double y) {
+    Json json = quietDrive(), from = waypoint(0, 0, 0, 0), to = waypoint(1, x, y, 0);
+    from["yaw_deg"] = to["yaw_deg"] = yaw;
+    json["ego"]["trajectory"] = {{"waypoints", {from, to}}};
+    return warningsOf(json);
+  };
+  CHECK(driven(1.6, -0.1, 5) ==
+        Warnings{"ego.trajectory.waypoints[0].yaw_deg: is 1.6, and the way leads elsewhere; the "
+                 "yaws are in degrees, and along the way these would be radians"});
+  CHECK(driven(1.6, 5, 0).empty());  // a little to the left
+  CHECK(driven(0, -5, 0).empty());   // backwards
+  CHECK(driven(90, 0, 5).empty());
+}
+
+TEST_CASE("a drive that goes on when its vehicle has arrived is warned of") {
+  Json json = quietDrive();
+  json["start"] = 0.25;
+  json["duration"] = 1.5;
+  CHECK(warningsOf(json) ==
+        Warnings{"ego.trajectory: ends at 1 s, and the drive from 0.25 s to 1.75 s, so the vehicle stands for the last "
+                 "0.75 s; give a shorter duration"});
+  json["duration"] = 0.75;
+  CHECK(warningsOf(json).empty());
+  json["duration"] = 1.5;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};  // it is meant to stand
+  CHECK(warningsOf(json).empty());
+}
+
+TEST_CASE("entries of weather on another clock are warned of") {
+  Json json = quietDrive();
+  json["weather"] = {{{"time", 1700000000}}, {{"time", 1700000000.5}, {"rain", 5}}};
+  CHECK(warningsOf(json) == Warnings{"weather[1].time: is 1700000000.5 s, and times of weather count from the start of "
+                                     "the drive, which lasts 1 s"});
+  json["weather"] = {{{"time", 0}}, {{"time", 0.9}, {"rain", 5}}, {{"time", 2}, {"rain", 9}}};
+  CHECK(warningsOf(json).empty());
+  json["duration"] = 0.5;  // a part of the whole, in which the rain has not yet come
+  CHECK(warningsOf(json).empty());
+  json["weather"] = {{{"time", 5}, {"rain", 5}}};  // one entry holds at all times
+  CHECK(warningsOf(json).empty());
+}
+
+TEST_CASE("a sensor that makes no scan, or is mounted far away, is warned of") {
+  Json json = quietDrive();
+  json["sensors"][1]["offset"] = 1;
+  CHECK(warningsOf(json) == Warnings{"sensors[1].offset: is 1 s, and the drive lasts 1 s, so 'side' makes no scan"});
+  json["sensors"][1]["offset"] = 0.9;
+  CHECK(warningsOf(json).empty());
+  json["sensors"][0]["mount"]["position"] = {900, 0, 1200};  // millimetres
+  json["imu"]["mount"]["position"] = {0, 0, 51};
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[0].mount.position: is 1500 m from the vehicle's origin; positions are in metres",
+                 "imu.mount.position: is 51 m from the vehicle's origin; positions are in metres"});
+}
+
+TEST_CASE("weather of the drive that the effects of a sensor turn off is warned of") {
+  Json json = quietDrive();
+  json["sensors"][1]["effects"] = {{"fog", {{"use", "off"}}}, {"snow", {{"use", "off"}}}};
+  CHECK(warningsOf(json).empty());  // the drive has rain alone
+  json["weather"] = {{{"time", 0}, {"visibility", 100}}, {{"time", 1}, {"snow", 2}, {"rain", 3}}};
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[1].effects: turn fog and snow off, so that of the drive's weather does not "
+                 "reach 'side'; \"use\": \"auto\" lets it"});
+}
+
+TEST_CASE("motion within scans that effects turn off is warned of where points have times") {
+  Json json = quietDrive();
+  json["weather"] = Json::array();
+  json["sensors"][1]["effects"] = "clean";
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[1].effects: turn sensor-motion and object-motion off, so a scan of 'side' shows its start "
+                 "alone, although the times of its points in npy go on to 0.1 s; \"use\": \"auto\" lets them move"});
+  json["outputs"] = {{{"format", "mcap"}}, {{"format", "npy"}, {"fields", "x,y,z"}}};
+  REQUIRE(warningsOf(json).size() == 1);
+  CHECK_THAT(warningsOf(json)[0], ContainsSubstring("of its points in mcap go on"));
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  json["duration"] = 1;
+  REQUIRE(warningsOf(json).size() == 1);
+  CHECK_THAT(warningsOf(json)[0], ContainsSubstring("effects: turn object-motion off,"));
+  json["sensors"][1]["ignores"] = {"car-1", "person-1"};  // the person stands, and comes and goes
+  CHECK(warningsOf(json).empty());
+
+  json.erase("duration");
+  json["ego"] = smallDrive()["ego"];
+  json["outputs"] = {{{"format", "kitti"}, {"sensors", {"side"}}}, {{"format", "mcap"}, {"sensors", {"top"}}}};
+  CHECK(warningsOf(json).empty());  // KITTI's points have no times
+}
