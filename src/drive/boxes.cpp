@@ -4,6 +4,7 @@
 
 #include "drive/pose_math.hpp"
 #include "drive/record.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -49,9 +50,9 @@ const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
   return beams;
 }
 
-double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object) {
-  constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
-  const Beams& beams = beamsOf(recorded.planned);
+template <typename Use>
+void BoxFinder::eachBeamThrough(const PlannedScan& planned, const Pose& seen, const Vec3& size, const Use& use) {
+  const Beams& beams = beamsOf(planned);
   const Vec3 centre = seen.position;
   const double radius = lengthOf(size) / 2, distance = lengthOf(centre);
   double reach = radius;  // beams leave from within this distance of the sensor's origin
@@ -61,24 +62,12 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
       distance > reach ? static_cast<float>(std::sqrt(distance * distance - reach * reach) - 1e-3) : -INFINITY;
   const auto x = static_cast<float>(centre.x), y = static_cast<float>(centre.y), z = static_cast<float>(centre.z);
   const Pose toBox = inverse(seen);
-  const size_t returns = recorded.scan.returns;
-  uint64_t through = 0, stopped = 0;
   const auto isNear = [&](size_t beam) { return x * beams.x[beam] + y * beams.y[beam] + z * beams.z[beam] >= least; };
   const auto follow = [&](size_t beam) {
     const Vec3 along = toBox.orientation * Vec3{beams.x[beam], beams.y[beam], beams.z[beam]};
     const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
     const double entry = entryRange(from, along, size);
-    if (!(entry < INFINITY)) return;
-    // A beam without a return from a surface does not tell whether something stands before the box.
-    bool meets = false, arrives = false;
-    for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
-      const uint32_t met = recorded.scan.instances[i];
-      meets |= met != kNoTriangle;
-      arrives |= met == object || (met != kNoTriangle && recorded.scan.ranges[i] >= entry - kMargin);
-    }
-    if (!meets) return;
-    ++through;
-    if (!arrives) ++stopped;
+    if (entry < INFINITY) use(beam, entry);
   };
   // Few beams come near a box. The count of those of a block is vectorised, because it does not branch.
   constexpr size_t kBlock = 64;
@@ -89,12 +78,47 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
     for (size_t beam = start; near > 0 && beam < end; ++beam)
       if (isNear(beam)) follow(beam);
   }
-  return through == 0 ? 1 : 1 - static_cast<double>(stopped) / static_cast<double>(through);
+}
+
+double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object) {
+  constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
+  const size_t returns = recorded.scan.returns;
+  uint64_t through = 0, stopped = 0;
+  eachBeamThrough(recorded.planned, seen, size, [&](size_t beam, double entry) {
+    // A beam without a return from a surface does not tell whether something stands before the box.
+    bool meets = false, arrives = false;
+    for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
+      const uint32_t met = recorded.scan.instances[i];
+      meets |= met != kNoTriangle;
+      arrives |= met == object || (met != kNoTriangle && recorded.scan.ranges[i] >= entry - kMargin);
+    }
+    if (!meets) return;
+    ++through;
+    if (!arrives) ++stopped;
+  });
+  return through == 0 ? NAN : 1 - static_cast<double>(stopped) / static_cast<double>(through);
+}
+
+Box BoxFinder::boxAt(const RecordedScan& recorded, size_t actor, double seconds) {
+  const PlannedScan& planned = recorded.planned;
+  Box box;
+  box.actor = actor;
+  const double seenAt = planned.time + seconds;
+  box.time = recorded.actorsMove ? seenAt : planned.time;
+  const World::Placement placement = world_.placementOf(actor, planned.time, recorded.endOfMotion(), box.time);
+  const Bounds& bounds = placement.bounds;
+  box.size = bounds.max - bounds.min;
+  box.inWorld = placement.pose * Pose{0.5 * (bounds.min + bounds.max), {}};
+  box.seen = inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
+  box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : box.seen;
+  box.velocity = placement.velocity;
+  box.moving = placement.isMoving();
+  box.visibility = visibility(recorded, box.seen, box.size, world_.objectOfActor(actor));
+  return box;
 }
 
 std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
   const Scan& scan = recorded.scan;
-  const PlannedScan& planned = recorded.planned;
   std::vector<std::vector<float>> times(drive_.actors.size());
   const uint32_t firstActor = drive_.actors.empty() ? kNoTriangle : world_.objectOfActor(0);
   std::vector<size_t> actors(world_.scene().instances.size());
@@ -108,22 +132,31 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
   std::vector<Box> boxes;
   for (size_t a = 0; a < times.size(); ++a) {
     if (times[a].empty()) continue;
-    Box box;
-    box.actor = a;
+    Box& box = boxes.emplace_back(boxAt(recorded, a, median(times[a])));
     box.points = times[a].size();
-    const double seenAt = planned.time + median(times[a]);
-    box.time = recorded.actorsMove ? seenAt : planned.time;
-    const World::Placement placement = world_.placementOf(a, planned.time, recorded.endOfMotion(), box.time);
-    const Bounds& bounds = placement.bounds;
-    box.size = bounds.max - bounds.min;
-    box.inWorld = placement.pose * Pose{0.5 * (bounds.min + bounds.max), {}};
-    const Pose seen =
-        inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
-    box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : seen;
-    box.velocity = placement.velocity;
-    box.moving = placement.isMoving();
-    box.visibility = visibility(recorded, seen, box.size, world_.objectOfActor(a));
-    boxes.push_back(box);
+    if (std::isnan(box.visibility)) box.visibility = 1;  // all its points lie beside the box
+  }
+  return boxes;
+}
+
+std::vector<Box> BoxFinder::findMissed(const RecordedScan& recorded) {
+  const auto& [index, number, time] = recorded.planned;
+  const RigSensor& rigged = drive_.sensors[index];
+  const double reach = widestWindow(rigged.sensor).most;
+  std::vector<Box> boxes;
+  for (size_t a = 0; a < drive_.actors.size(); ++a) {
+    if (std::ranges::find(recorded.boxes, a, &Box::actor) != recorded.boxes.end()) continue;
+    if (std::ranges::find(rigged.ignores, a) != rigged.ignores.end() || !world_.poseOf(a, time)) continue;
+    const Box atStart = boxAt(recorded, a, 0);
+    const Vec3 from = inverse(atStart.seen).position, half = 0.5 * atStart.size;
+    const Vec3 nearest = {std::clamp(from.x, -half.x, half.x), std::clamp(from.y, -half.y, half.y),
+                          std::clamp(from.z, -half.z, half.z)};
+    if (lengthOf(from - nearest) > reach) continue;
+    std::vector<float> times;  // at which beams pass the actor
+    eachBeamThrough(recorded.planned, atStart.seen, atStart.size, [&](size_t beam, double) {
+      times.push_back(static_cast<float>(timeOf(rigged.sensor, beam, number)));
+    });
+    boxes.push_back(times.empty() ? atStart : boxAt(recorded, a, median(times)));
   }
   return boxes;
 }

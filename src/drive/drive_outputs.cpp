@@ -131,3 +131,6 @@ void DriveReader::outputs() {
 }
 
 }  // namespace gnosphere::drive
+    if (object.contains("all_actors") && !format.allActors)
+      refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
+    output.allActors = object.value("all_actors", false);

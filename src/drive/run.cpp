@@ -81,7 +81,8 @@ void writeObjects(const Drive& drive, const World& world, FinalFiles& files) {
 /// Makes frames: this thread scans, another one finds boxes and writes.
 void makeFrames(const Drive& drive, const World& world, const Formats& formats, const std::vector<uint64_t>& frames,
                 const RunOptions& options, const Manifest& manifest, RunReport& report) {
-  const bool boxes = std::any_of(formats.begin(), formats.end(), [](const auto& f) { return f->needsBoxes(); });
+  const bool boxes = std::ranges::any_of(formats, [](const auto&f) { return f->needsBoxes(); }),
+             missed = std::ranges::any_of(formats, [](const auto&f) { return f->needsMissed(); });
   Scanner scanner(drive, world, fieldsOf(drive, formats), options.simulator);
   report.device = scanner.device().name;
   BoxFinder finder(drive, world);
@@ -89,6 +90,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
   FrameQueue queue([&](FrameRecord& record) {
     for (RecordedScan& scan : record.scans) {
       if (boxes) scan.boxes = finder.find(scan);
+      if (missed) scan.missed = finder.findMissed(scan);
       ++report.scans;
       report.points += scan.points;
     }

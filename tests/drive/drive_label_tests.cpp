@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the boxes of a drive are where its points are, move as these do, and say how much of an actor is seen.
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <sstream>
 
@@ -14,6 +15,7 @@
 
 using namespace gnosphere;
 using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
 
 namespace {
@@ -117,6 +119,60 @@ TEST_CASE("a car behind glass is seen") {
   CHECK(clear["visibility"] == 1);
   CHECK(behind["visibility"] == 1);
   CHECK(behind["points"].get<uint64_t>() > 0);
+}
+
+TEST_CASE("actors that no beam has hit have boxes where an output asks for all") {
+  const DriveFolder folder;
+  // Two corners of a large box: nearly all beams pass between them.
+  std::string corners;
+  for (const double side : {-0.5, 0.5})
+    for (int corner = 0; corner < 3; ++corner)
+      corners += "v " + std::to_string(side + (corner == 1 ? 1e-4 : 0)) + " " +
+                 std::to_string(side + (corner == 2 ? 1e-4 : 0)) + " " + std::to_string(side) + "\n";
+  put(folder / "corners.obj", corners + "f 1 2 3\nf 4 5 6\n");
+  put(folder / "wall.obj", "v 4 -3 -1\nv 4 3 -1\nv 4 3 5\nv 4 -3 5\nf 1 2 3\nf 1 3 4\n");
+  Json json = actorDrive();
+  json["duration"] = 0.3;
+  json["scenes"].push_back({{"file", "wall.obj"}, {"class", "ground"}});
+  json["models"]["corners"] = {{"file", "corners.obj"}};
+  json["actors"] = {car("hidden", {facing(waypoint(0, 8, 0, 0.75), 90), facing(waypoint(1, 8, 1, 0.75), 90)}),
+                    car("seen", {facing(waypoint(0, -8, 0, 0.75), 0)}),
+                    car("beyond", {facing(waypoint(0, 0, 62.2, 0.75), 0)}),
+                    car("partly within reach", {facing(waypoint(0, 0, 60.9, 0.75), 0)}),
+                    car("above", {facing(waypoint(0, 0, 3, 20), 0)}),
+                    car("gone", {facing(waypoint(0.5, -5, 5, 0.75), 0)}),
+                    car("ignored", {facing(waypoint(0, 0, 5, 0.75), 0)}),
+                    car("hollow", {facing(waypoint(0, 0, -6, 0.75), 0)})};
+  json["actors"][5]["outside"] = "gone";
+  json["actors"][7]["model"] = "corners";
+  json["sensors"][0]["ignores"] = {"ignored"};
+  folder.run(json, "hit");
+  json["outputs"].back()["all_actors"] = true;
+  folder.run(json, "all");
+  CHECK(boxesOf(folder, 2, "hit").size() == 1);
+  std::map<std::string, Json> boxes = boxesOf(folder, 2, "all");
+  REQUIRE(boxes.size() == 5);
+  CHECK(boxes["seen"] == boxesOf(folder, 2, "hit")["seen"]);
+  CHECK(boxes["seen"]["points"] > 0);
+  for (const char* name : {"hidden", "partly within reach", "above", "hollow"}) {
+    INFO(name);
+    CHECK(boxes[name]["points"] == 0);
+    CHECK(boxes[name]["class"] == "car");
+  }
+  CHECK(boxes["hidden"]["visibility"] == 0);
+  CHECK(boxes["hollow"]["visibility"] == 1);
+  // Nothing lies behind the ones far away and far up that would tell.
+  CHECK_FALSE(boxes["partly within reach"].contains("visibility"));
+  CHECK_FALSE(boxes["above"].contains("visibility"));
+  CHECK(boxes["above"]["time"] == 0);
+  // The head turns clockwise from behind, so it looks ahead halfway through its scan.
+  const double time = boxes["hidden"]["time"];
+  CHECK_THAT(time, WithinAbs(0.05, 0.01));
+  CHECK_THAT(boxes["hidden"]["world_frame"]["position"][1].get<double>(), WithinAbs(0.2 + time, 1e-9));
+  CHECK_THAT(boxes["hidden"]["velocity"][1].get<double>(), WithinAbs(1, 1e-9));
+
+  json["outputs"][0]["all_actors"] = true;
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].all_actors: is only for boxes"));
 }
 
 TEST_CASE("the velocity of an actor is taken within its trajectory, and it stands before and after that") {
@@ -299,7 +355,7 @@ TEST_CASE("instances of a scene whose classes have boxes are actors that stand")
 
 TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and of boxes that no instance has") {
   const DriveFolder folder;
-  Json json = smallDrive();
+  Json json = quietDrive();
   json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 2}}};
   CHECK(folder.read(json).warnings.empty());  // the side has 5 scans a second from 0.05 s on
   json["outputs"][0]["keyframes"] = 1;
@@ -313,7 +369,7 @@ TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and 
 TEST_CASE("a scene of which no instance has boxes keeps its instances and their names") {
   const DriveFolder folder;
   put(folder / "floor.obj", std::string("o a floor that has more letters than a short string\n") + kFloor);
-  Json json = quietDrive();
+  Json json = smallDrive();
   json["scenes"][0]["boxes"] = {"person"};
   const std::vector<Instance> instances = folder.read(json).scenes[0].instances;
   REQUIRE(instances.size() == 1);

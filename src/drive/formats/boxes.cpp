@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit.
+// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit, or within the sensor's range.
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.hpp"
@@ -21,11 +23,15 @@ class Boxes : public Format {
 
   std::vector<Field> fields() const override { return {}; }
   bool needsBoxes() const override { return true; }
+  bool needsMissed() const override { return output_.allActors; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     eachScan(frame, [&](const RecordedScan& recorded) {
       std::string lines;
-      for (const Box& box : recorded.boxes) lines += jsonText(lineOf(recorded, box)) + "\n";
+      std::vector<Box> boxes = recorded.boxes;
+      if (output_.allActors) boxes.insert(boxes.end(), recorded.missed.begin(), recorded.missed.end());
+      std::ranges::sort(boxes, {}, &Box::actor);
+      for (const Box& box : boxes) lines += jsonText(lineOf(recorded, box)) + "\n";
       files.push_back({sensorFile(recorded.planned, "jsonl"), lines, ""});
     });
   }
@@ -34,18 +40,19 @@ class Boxes : public Format {
   Json lineOf(const RecordedScan& recorded, const Box& box) const {
     const Actor& actor = drive_.actors[box.actor];
     const Class& category = drive_.classes[actor.category];
-    return {{"object", world_.objectOfActor(box.actor)},
-            {"name", actor.name},
-            {"class", category.name},
-            {"class_id", category.id},
-            {"time", box.time - recorded.planned.time},
-            {"sensor_frame", poseOf(box.inSensor)},
-            {"world_frame", poseOf(box.inWorld)},
-            {"size", listOf(box.size)},
-            {"velocity", listOf(box.velocity)},
-            {"moving", box.moving},
-            {"points", box.points},
-            {"visibility", box.visibility}};
+    Json line = {{"object", world_.objectOfActor(box.actor)},
+                 {"name", actor.name},
+                 {"class", category.name},
+                 {"class_id", category.id},
+                 {"time", box.time - recorded.planned.time},
+                 {"sensor_frame", poseOf(box.inSensor)},
+                 {"world_frame", poseOf(box.inWorld)},
+                 {"size", listOf(box.size)},
+                 {"velocity", listOf(box.velocity)},
+                 {"moving", box.moving},
+                 {"points", box.points}};
+    if (!std::isnan(box.visibility)) line["visibility"] = box.visibility;
+    return line;
   }
 };
 

@@ -28,7 +28,7 @@ constexpr FormatInfo kFormats[] = {
     {.name = "las", .make = makeLas, .shown = false, .fields = "", .pointTimes = true, .survey = true},
     {.name = "mcap", .make = makeMcap, .shown = false, .pointTimes = true},
     {.name = "osi", .make = makeOsi, .shown = false},
-    {.name = "boxes", .make = makeBoxes, .shown = false},
+    {.name = "boxes", .make = makeBoxes, .shown = false, .allActors = true},
 };
 
 }  // namespace
