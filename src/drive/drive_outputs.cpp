@@ -56,6 +56,17 @@ void DriveReader::checkBag(const Output& output, const std::string& path) {
                                  shown(drive_.epoch + drive_.start) + " s: give an epoch");
 }
 
+/// Checks that traces can have the times of the drive, and the fields of an output.
+void DriveReader::checkTrace(const Output& output, const std::string& path) {
+  for (const Field field : output.fields)
+    if (field != Field::radialSpeed)
+      refuse(path + ".fields", std::string("OSI's detections have no place for ") + fieldInfo(field).name +
+                                   "; beside what they always have they take radial_speed");
+  if (drive_.epoch + drive_.start < 0)
+    refuse(path + ".format",
+           "OSI has no times below 0; the drive begins at " + shown(drive_.epoch + drive_.start) + " s: give an epoch");
+}
+
 /// Warns of sensors that start no scan in some of the frames that are samples.
 void DriveReader::warnOfSamples(const Output& output, const std::string& path) {
   constexpr uint64_t kMost = 1000;  // samples that are looked at
@@ -120,17 +131,18 @@ void DriveReader::outputs() {
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
+    if (object.contains("all_actors") && !format.allActors)
+      refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
+    output.allActors = object.value("all_actors", false);
     for (const char* name : {"crs", "flight_line", "one_file"})
       if (object.contains(name) && !format.survey)
         refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
     if (format.survey) survey(object, output, path);
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
+    if (output.format == "osi") checkTrace(output, path);
     drive_.outputs.push_back(std::move(output));
   }
 }
 
 }  // namespace gnosphere::drive
-    if (object.contains("all_actors") && !format.allActors)
-      refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
-    output.allActors = object.value("all_actors", false);

@@ -87,6 +87,7 @@ class DriveReader {
   void outputs();
   void checkFolder(const std::string& name, const std::string& path);
   std::vector<size_t> sensorsOf(const nlohmann::json& output, bool oneSensor, const std::string& path);
+  void checkTrace(const Output& output, const std::string& path);
   void checkBag(const Output& output, const std::string& path);
   void warnOfSamples(const Output& output, const std::string& path);
   void survey(const nlohmann::json& object, Output& output, const std::string& path);

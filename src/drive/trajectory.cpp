@@ -71,6 +71,19 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
   return rates;
 }
 
+Trajectory::Span Trajectory::around(double time) const {
+  Span span = {time - kAround, time + kAround};
+  if (!(begin() < end())) return span;
+  if (time <= end()) span.to = std::min(span.to, time < begin() ? begin() : end());
+  if (time >= begin()) span.from = std::max(span.from, time > end() ? end() : begin());
+  return span;
+}
+
+Vec3 Trajectory::velocityAt(double time) const {
+  const auto [from, to] = around(time);
+  return (1 / (to - from)) * (at(to).position - at(from).position);
+}
+
 bool Trajectory::movesWithin(double from, double to) const {
   const Pose start = at(from);
   if (!equal(start, at(to))) return true;

@@ -36,6 +36,15 @@ class Trajectory {
   /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing.
   /// The unit is mounted on the vehicle at the pose `mount`, about whose axes the turn rate is.
   Rates ratesAt(double time, const Pose& mount = {}) const;
+  static constexpr double kAround = 0.05;  ///< seconds before and after a time within which a speed is taken
+  /// The times before and after a time between which a speed is taken. The pose is constant before and after the
+  /// trajectory, so they lie on one side of its ends.
+  struct Span {
+    double from = 0, to = 0;
+  };
+  Span around(double time) const;
+  /// The velocity in m/s of the mean of this span.
+  Vec3 velocityAt(double time) const;
   bool covers(double time) const { return time >= begin() && time <= end(); }
   /// Whether the pose changes between two times.
   bool movesWithin(double from, double to) const;

@@ -13,7 +13,6 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr double kMovingSpeed = 0.1;  ///< m/s
-constexpr double kAround = 0.05;      ///< seconds before and after a time within which a speed is taken
 
 /// Below the ground, farther than any sensor sees.
 constexpr Transform kAway = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1e7}};
@@ -151,7 +150,7 @@ Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) con
   const Trajectory& trajectory = moving.trajectory;
   if (moving.goneOutside) {
     to = std::min(to, trajectory.end());
-    from = std::max(trajectory.begin(), from < to ? from : to - kAround);
+    from = std::max(trajectory.begin(), from < to ? from : to - Trajectory::kAround);
   }
   if (!(from < to)) return {};
   const Body& body = bodies_[actor];
@@ -170,18 +169,7 @@ World::Placement World::placementOf(size_t actor, double begin, double end, doub
   const Body& body = bodies_[actor];
   Shapes shapes(*this, body);
   if (begin == end) {
-    // The actor stands before and after its trajectory, so a speed is taken on one side of the trajectory's ends.
-    double from = time - kAround, to = time + kAround;
-    if (const double first = trajectory.begin(), last = trajectory.end(); first < last) {
-      if (trajectory.covers(time)) {
-        from = std::max(from, first);
-        to = std::min(to, last);
-      } else if (time < first) {
-        to = std::min(to, first);
-      } else {
-        from = std::max(from, last);
-      }
-    }
+    const auto [from, to] = trajectory.around(time);
     return {trajectory.at(time), body.animation ? boundsAround(shapes.at(time)) : body.bounds,
             velocityOf(actor, from, to, shapes)};
   }

@@ -119,7 +119,8 @@ TEST_CASE("with an ignored actor every format has the files of a drive where it 
   const std::regex token("[0-9a-f]{32}");
   size_t compared = 0;
   for (const auto& [name, bytes] : filesOf(folder / "out")) {
-    if (name.starts_with("manifest")) continue;  // it has the hash of the drive file
+    if (name.starts_with("manifest")) continue;    // it has the hash of the drive file
+    if (name.find("_gt_") != name.npos) continue;  // it has where all actors are, whoever sees them
     INFO(name);
     REQUIRE(wanted.contains(name));
     if (name.ends_with(".json"))  // nuScenes has hashes of the drive file in its tokens

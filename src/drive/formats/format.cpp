@@ -27,7 +27,7 @@ constexpr FormatInfo kFormats[] = {
     {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "las", .make = makeLas, .shown = false, .fields = "", .pointTimes = true, .survey = true},
     {.name = "mcap", .make = makeMcap, .shown = false, .pointTimes = true},
-    {.name = "osi", .make = makeOsi, .shown = false},
+    {.name = "osi", .make = makeOsi, .shown = false, .fields = ""},
     {.name = "boxes", .make = makeBoxes, .shown = false, .allActors = true},
 };
 
