@@ -47,9 +47,11 @@ struct NamedKind {
   Kind kind;
 };
 
-/// The names of classes that say what an object is, in plain words and as nuScenes has them.
+/// The names of classes that say what an object is, in plain words and as nuScenes and SemanticKITTI have them.
 constexpr NamedKind kKinds[] = {
     {"vehicle", {kVehicle}},
+    {"other-vehicle", {kVehicle}},
+    {"van", {kVehicle}},
     {"car", {kVehicle, 4}},
     {"vehicle.car", {kVehicle, 4}},
     {"truck", {kVehicle, 7}},
