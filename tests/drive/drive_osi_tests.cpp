@@ -294,3 +294,37 @@ TEST_CASE("OSI has no times below 0") {
   json["epoch"] = 0.5;
   CHECK_NOTHROW(folder.read(json));
 }
+
+TEST_CASE("OSI: the name of a class tells what an object is, and a parked vehicle is a moving object") {
+  const DriveFolder folder;
+  Json json = osiDrive();
+  json["duration"] = 0.1;
+  json["actors"] = Json::array();
+  // A class, its MovingObject.Type and its VehicleClassification.Type.
+  const std::vector<std::tuple<const char*, uint64_t, uint64_t>> kinds = {
+      {"Van", 2, 1},         {"vehicle.truck", 2, 7},          {"bicycle", 2, 11}, {"BUS", 2, 12},
+      {"vehicle.car", 2, 4}, {"human.pedestrian.adult", 3, 0}, {"animal", 4, 0},   {"bicycle rack", 0, 0}};
+  for (const auto& [name, type, vehicle] : kinds) {
+    json["classes"][name] = {{"id", 100}};
+    json["actors"].push_back({{"name", name},
+                              {"model", "cube"},
+                              {"class", name},
+                              {"trajectory", {{"waypoints", {waypoint(0, 5, 5, 0.5)}}}}});
+  }
+  folder.run(json);
+  const std::string truth = messagesOf(folder.get("out/osi/20231114T221320Z_gt_370_300_1_world.osi")).at(0);
+  const auto moving = objectsOf(pbf_reader(truth), 5), standing = objectsOf(pbf_reader(truth), 4);
+  CHECK((moving.size() == kinds.size() && standing.size() == 1));  // the vehicle itself is moving, too
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    const auto& [name, type, vehicle] = kinds[i];
+    INFO(name);
+    if (type == 0) {
+      CHECK(standing.contains(i + 1));  // behind the floor
+      continue;
+    }
+    const pbf_reader& object = moving.at(i + 1);
+    CHECK(whole(object, 3) == type);
+    CHECK(has(object, 6) == (type == 2));
+    if (type == 2) CHECK(whole(child(object, 6), 1) == vehicle);
+  }
+}
