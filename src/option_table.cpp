@@ -26,9 +26,8 @@ Option<S> accuracyOption() {
     options.accuracy = static_cast<Accuracy>(word);
     options.accuracyParts.reset();
   };
-  return {
-      {"accuracy", "", "Named choices of the parts in AccuracyParts.", ChoiceParameter<S>{accuracyWords(), get, set}},
-      Changes::cloud};
+  return {{"accuracy", "", "Named choices of its parts.", ChoiceParameter<S>{accuracyWords(), get, set}},
+          Changes::cloud};
 }
 
 /// One part of the accuracy; the others stay those of SimulatorOptions::accuracy.
@@ -66,10 +65,14 @@ std::vector<Option<S>> makeSimulatorTable() {
       part<&Parts::range>("accuracy_parts.range",
                           {{"plane", "Equation 4 of the paper."},
                            {"edge_weights", "A convex combination of the depths of the corners."},
-                           {"exact", "The exact quotient, correctly rounded; only with Inside::exact."}},
+                           {"exact", "The exact quotient, correctly rounded; only with the exact inside test."}},
                           "How the range of a hit is computed."),
-      {choice<&S::faces>("faces", {{"material", "Material::doubleSided decides."}, {"front"}, {"both"}},
-                         "Which faces of a triangle reflect."),
+      {choice<&S::faces>(
+           "faces",
+           {{"material", "Both faces of double-sided materials, the front of others; only glTF files have others."},
+            {"front"},
+            {"both"}},
+           "Which faces of a triangle reflect."),
        cloud},
       {choice<&S::tuning, &Tuning::binning>(
            "tuning.binning",
@@ -94,7 +97,8 @@ std::vector<Option<S>> makeSimulatorTable() {
        time},
       {choice<&S::tuning, &Tuning::culling, &Culling::occlusion>(
            "tuning.culling.occlusion", {{"auto"}, {"always"}, {"never"}},
-           "Triangles behind hits nearer to the sensor. The test reads the word of every beam; `automatic` uses it if "
+           "Triangles behind hits nearer to the sensor. The test reads the word of every beam, so by default it is "
+           "used if "
            "the scene has enough triangles to make that worthwhile."),
        time},
       {choice<&S::tuning, &Tuning::subRays>(
@@ -109,7 +113,7 @@ std::vector<Option<S>> makeSimulatorTable() {
       {flag<&S::tuning, &Tuning::keepStill>(
            "tuning.keep_still",
            "If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 "
-           "bytes per beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or "
+           "bytes per beam, from its second scan from that pose). Keeping hits has no effect with lists of hits or "
            "the paper's bounds."),
        time},
       {flag<&S::tuning, &Tuning::float64>("tuning.float64",
@@ -117,15 +121,16 @@ std::vector<Option<S>> makeSimulatorTable() {
        time},
       {flag<&S::tuning, &Tuning::stageTimes>(
            "tuning.stage_times",
-           "If true, Timings::gpuMs and Timings::stages are measured on a CPU device, too. Other devices always "
+           "If true, the device's own time and that of each stage are measured on a CPU device, too. Other devices "
+           "always "
            "measure them: it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes "
            "about 1 ms of a scan, as long as a scan of few beams itself."),
        time},
-      {count<&S::tuning, &Tuning::maxBatchBytes>("tuning.max_batch_bytes", "bytes", 0, UINT64_MAX,
-                                                 "Most bytes that shots which are submitted together (see "
-                                                 "Simulator::scanAll()) take on the device in lists of "
-                                                 "instances and clusters; at least one shot is submitted. 0 means 256 "
-                                                 "MB on a CPU and 1 GB on other devices."),
+      {count<&S::tuning, &Tuning::maxBatchBytes>(
+           "tuning.max_batch_bytes", "bytes", 0, UINT64_MAX,
+           "Most bytes that scans which are submitted together take on the device in lists of "
+           "instances and clusters; at least one scan is submitted. 0 means 256 "
+           "MB on a CPU and 1 GB on other devices."),
        machine},
       {count<&S::tuning, &Tuning::maxSubmissionWork>(
            "tuning.max_submission_work", "", 0, UINT64_MAX,
@@ -136,25 +141,25 @@ std::vector<Option<S>> makeSimulatorTable() {
       {count<&S::tuning, &Tuning::maxBufferBytes>(
            "tuning.max_buffer_bytes", "bytes", 0, UINT64_MAX,
            "Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array "
-           "needs more, the call that needs it throws Error(outOfMemory); the simulator stays usable."),
+           "needs more, the call that needs it fails for want of memory; the simulator stays usable."),
        machine},
       {text<&S::cache>("cache",
                        "Folder in which compiled pipelines are kept. If empty, it is \"gnosphere\" in $XDG_CACHE_HOME "
                        "or ~/.cache; if \"off\", pipelines are not kept."),
        machine},
       {flag<&S::validation>("validation",
-                            "Turns the Vulkan validation layer on; its messages are thrown as Error(device)."),
+                            "Turns the Vulkan validation layer on; its messages are errors of the device."),
        machine},
       {flag<&S::compileOnly>(
            "compile_only",
-           "The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan() has what the "
+           "The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan has what the "
            "driver's compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver "
            "that only compiles is enough. Only for Vulkan devices of the library's own."),
        machine},
       {flag<&S::resultsOnDevice>(
            "results_on_device",
-           "Results stay on the device: a BatchStream submits the scans, and the scan functions throw "
-           "Error(invalidArgument). Only for Vulkan devices of the library's own."),
+           "Results stay on the device: a stream of batches submits the scans, and no other call scans. "
+           "Only for Vulkan devices of the library's own."),
        machine},
   };
 }
@@ -162,10 +167,10 @@ std::vector<Option<S>> makeSimulatorTable() {
 std::vector<Option<SensorRequest>> makeRequestTable() {
   using namespace rows;
   return {
-      {flag<&SensorRequest::variableWeather>(
-           "variable_weather",
-           "If true, shots may set Shot::weather: fog, rain, snow and volumes are planned even if `effects` gives them "
-           "no value, unless they are off."),
+      {flag<&SensorRequest::variableWeather>("variable_weather",
+                                             "If true, shots may bring their own weather: fog, rain, snow and volumes "
+                                             "are planned even if `effects` gives them "
+                                             "no value, unless they are off."),
        Changes::cloud},
       {indices<&SensorRequest::ignoredInstances>(
            "ignored_instances", "instance",

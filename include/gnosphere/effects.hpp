@@ -40,7 +40,7 @@ struct Effects {
              ///< retro-reflectors
     } scale = Scale::unit;       ///< in which values the strength is reported
     double wavelength = 905;     ///< nm; selects the column of a material table, and the extinction of snow
-    double attenuation = 0.004;  ///< 1/m; only for Model::carla
+    double attenuation = 0.004;  ///< 1/m; only for the model `carla`
   } intensity;
 
   /// A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` square to
@@ -48,7 +48,8 @@ struct Effects {
   struct Detection {
     EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1
-    /// m, distance of that target; 0 means 10 % at Sensor::rangeAt10Percent, or else Sensor::rangeMax
+    /// m, distance of that target; 0 means 10 % at the range that the sensor states for it, or else at its largest
+    /// range
     double range = 0;
     double softness = 0;  ///< relative width of the probability curve (logistic in ln power); 0 for a sharp threshold
   } detection;
@@ -58,7 +59,7 @@ struct Effects {
   struct DropOut {
     EffectUse use = EffectUse::automatic;
     double generalRate = 0;           ///< probability that a beam is lost with all its returns, 0..1
-    double intensityLimit = 1;        ///< unit intensity above which zeroIntensityRate has no effect
+    double intensityLimit = 1;        ///< unit intensity above which the rate at intensity 0 has no effect
     double zeroIntensityRate = 0;     ///< probability at intensity 0, 0..1; falls linearly to 0 at the limit
     std::vector<uint32_t> deadBeams;  ///< indices of beams that never return anything: channel * columns + column
   } dropOut;
@@ -114,7 +115,7 @@ struct Effects {
       all,                     ///< up to `count` echoes in order of range
       dual,                    ///< the last and the strongest; if these are one echo, the second strongest as well
     } mode = Mode::all;        ///< which echoes are returned
-    uint32_t count = 0;        ///< only for Mode::all: largest number of returns; 0 means Sensor::maxReturns
+    uint32_t count = 0;        ///< only for the mode `all`: largest number of returns; 0 means the sensor's
     double separation = 0.4;   ///< m; echoes that are closer together are merged
     double pulseWidth = 5e-9;  ///< s, full width at half maximum
   } returns;
@@ -129,43 +130,47 @@ struct Effects {
     EffectUse use = EffectUse::automatic;
   } cutOuts;
 
-  /// The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor states a
-  /// rotation period, or if the beams of a list have times.
+  /// The sensor moves during the scan as the motion of the shot says. Automatic: on if the sensor states a rotation
+  /// period, or if the beams of a list have times.
   struct SensorMotion {
     EffectUse use = EffectUse::automatic;
     bool deskew =
-        false;  ///< if true, points are reported in the frame of Shot::pose, otherwise in that of their column
+        false;  ///< if true, points are reported in the frame of the shot's pose, otherwise in that of their column
   } sensorMotion;
 
-  /// Instances move during the scan as Shot::instanceMotions and Shot::meshMotions say.
+  /// Instances and meshes move during the scan as their motions in the shot say.
   struct ObjectMotion {
     EffectUse use = EffectUse::automatic;
   } objectMotion;
 
+  /// Fog: its droplets weaken returns and give some of their own. Automatic: on if a visibility is given.
   struct Fog {
-    EffectUse use = EffectUse::automatic;  ///< automatic: on if a visibility is given
+    EffectUse use = EffectUse::automatic;
     double visibility = 0;  ///< m, meteorological optical range (5 % contrast, Koschmieder); 0 for no fog
   } fog;
+  /// Rain: its drops weaken returns and give some of their own. Automatic: on if a rate is given.
   struct Rain {
-    EffectUse use = EffectUse::automatic;  ///< automatic: on if a rate is given
-    double rate = 0;                       ///< mm/h; 0 for no rain
+    EffectUse use = EffectUse::automatic;
+    double rate = 0;  ///< mm/h; 0 for no rain
   } rain;
+  /// Snow: its flakes weaken returns and give some of their own. Automatic: on if a rate is given.
   struct Snow {
-    EffectUse use = EffectUse::automatic;  ///< automatic: on if a rate is given
-    double rate = 0;                       ///< mm/h of melted water; 0 for no snow
+    EffectUse use = EffectUse::automatic;
+    double rate = 0;  ///< mm/h of melted water; 0 for no snow
   } snow;
   /// Dust or spray that fills an axis-aligned box.
   struct Volume {
     Vec3 min, max;          ///< metres, world frame
     double extinction = 0;  ///< 1/m
   };
+  /// Boxes of dust or spray, which weakens returns and gives some of its own. Automatic: on if there are boxes.
   struct Volumes {
-    EffectUse use = EffectUse::automatic;  ///< automatic: on if there are boxes
-    std::vector<Volume> boxes;             ///< in the world frame
+    EffectUse use = EffectUse::automatic;
+    std::vector<Volume> boxes;  ///< in the world frame
   } volumes;
 
   /// Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface moves
-  /// away. Automatic: on if Field::radialSpeed is requested.
+  /// away. Automatic: on if the field radial_speed is requested.
   struct RadialSpeed {
     EffectUse use = EffectUse::automatic;
   } radialSpeed;

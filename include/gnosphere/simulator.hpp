@@ -33,7 +33,7 @@ struct SensorPlan;
 struct CallerVertices;
 struct CallerTransforms;
 
-/// The accuracy setting: named choices of the parts in AccuracyParts.
+/// The accuracy setting: named choices of its parts.
 enum class Accuracy {
   paper,     ///< section 3 of the paper to the letter: vertex boxes, first-vertex range cull, plain edge normals
   draft,     ///< exact bounds, but the paper's inside test and range in single precision: beams may slip through at
@@ -66,7 +66,7 @@ struct AccuracyParts {
   enum class Range {
     plane,        ///< equation 4 of the paper
     edgeWeights,  ///< a convex combination of the depths of the corners
-    exact,        ///< the exact quotient, correctly rounded; only with Inside::exact
+    exact,        ///< the exact quotient, correctly rounded; only with the exact inside test
   };
   Bounds bounds = Bounds::exact;
   Cull cull = Cull::nearestPoint;
@@ -79,7 +79,7 @@ GNOSPHERE_API AccuracyParts accuracyPartsOf(Accuracy accuracy);
 
 /// Which faces of a triangle reflect.
 enum class ReflectingFaces {
-  material,  ///< Material::doubleSided decides
+  material,  ///< both faces of double-sided materials, the front of others; only glTF files have others
   front,
   both,
 };
@@ -98,7 +98,7 @@ struct Culling {
   bool rows = true;     ///< triangles between two rows of beams, above or below the field of view
   bool columns = true;  ///< triangles between two columns of beams
   bool cones = true;    ///< clusters of one-sided triangles that are all back-facing
-  /// Triangles behind hits nearer to the sensor. The test reads the word of every beam; `automatic` uses it if the
+  /// Triangles behind hits nearer to the sensor. The test reads the word of every beam, so by default it is used if the
   /// scene has enough triangles to make that worthwhile.
   enum class Occlusion { automatic, always, never };
   Occlusion occlusion = Occlusion::automatic;
@@ -119,22 +119,22 @@ struct Tuning {
   Culling culling;
   SubRays subRays = SubRays::automatic;
   /// If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 bytes per
-  /// beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or the paper's bounds.
+  /// beam, from its second scan from that pose). Keeping hits has no effect with lists of hits or the paper's bounds.
   bool keepStill = true;
   bool float64 = true;  ///< if false, double precision is not used even if the device has it
-  /// If true, Timings::gpuMs and Timings::stages are measured on a CPU device, too. Other devices always measure them:
-  /// it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes about 1 ms of a scan,
-  /// as long as a scan of few beams itself.
+  /// If true, the device's own time and that of each stage are measured on a CPU device, too. Other devices always
+  /// measure them: it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes about
+  /// 1 ms of a scan, as long as a scan of few beams itself.
   bool stageTimes = false;
-  /// Most bytes that shots which are submitted together (see Simulator::scanAll()) take on the device in lists of
-  /// instances and clusters; at least one shot is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
+  /// Most bytes that scans which are submitted together take on the device in lists of instances and clusters; at least
+  /// one scan is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
   uint64_t maxBatchBytes = 0;
   /// Most triangles and lines of light, roughly counted, that one submission looks at on a Vulkan device of the
   /// library's own; a scan of more is several submissions, so that a desktop draws between them and its driver does not
   /// take the device for stuck. 0 means no limit on a CPU and 67,108,864 on other devices.
   uint64_t maxSubmissionWork = 0;
   /// Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array needs
-  /// more, the call that needs it throws Error(outOfMemory); the simulator stays usable.
+  /// more, the call that needs it fails for want of memory; the simulator stays usable.
   uint64_t maxBufferBytes = 0;
 };
 
@@ -202,13 +202,13 @@ struct SimulatorOptions {
   /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
   /// done. Each step is then timed by itself, so scans take a little longer. Batches of a BatchStream have no lines.
   std::function<void(const std::string& line)> trace;
-  bool validation = false;  ///< turns the Vulkan validation layer on; its messages are thrown as Error(device)
-  /// The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan() has what the driver's
+  bool validation = false;  ///< turns the Vulkan validation layer on; its messages are errors of the device
+  /// The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan has what the driver's
   /// compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver that only
   /// compiles is enough. Only for Vulkan devices of the library's own.
   bool compileOnly = false;
-  /// Results stay on the device: a BatchStream submits the scans, and the scan functions throw Error(invalidArgument).
-  /// Only for Vulkan devices of the library's own.
+  /// Results stay on the device: a stream of batches submits the scans, and no other call scans. Only for Vulkan
+  /// devices of the library's own.
   bool resultsOnDevice = false;
   Tuning tuning;
 };
@@ -220,8 +220,8 @@ struct SensorRequest {
   /// The fields that scans hold beyond points, ranges, triangles and instances; read them with Scan::column(). With
   /// SimulatorOptions::resultsOnDevice, the fields that batches hold beyond ranges.
   std::vector<Field> fields;
-  /// If true, shots may set Shot::weather: fog, rain, snow and volumes are planned even if `effects` gives them no
-  /// value, unless they are off.
+  /// If true, shots may bring their own weather: fog, rain, snow and volumes are planned even if `effects` gives them
+  /// no value, unless they are off.
   bool variableWeather = false;
   /// Results that stay on a device lie like this: in the caller's buffers on a device of the caller (see
   /// vulkan::adopt()), and with SimulatorOptions::resultsOnDevice in those of a BatchStream, which has columns of

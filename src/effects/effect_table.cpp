@@ -165,7 +165,9 @@ Answer appliesMotion(const Question& q) {
     return {false, "the sensor fires all beams at once",
             q.sensor.isGrid() ? "give the sensor a rotation period" : "give its beams times"};
   if (!q.sensor.isGrid()) return {true, "the beams fire at times of their own"};
-  return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
+  const double period = q.sensor.rotationPeriod;
+  return {true, "the sensor sweeps its columns in " +
+                    (period < 0.9995 ? format("%.3g ms", 1e3 * period) : format("%.6g s", period))};
 }
 
 /// Answers for an effect of the medium to which the request gives no value.
@@ -246,7 +248,8 @@ std::vector<EffectInfo> makeTable() {
            number<&E::intensity, &E::Intensity::wavelength>(
                "wavelength", "nm", 905, 1550, "Selects the column of a material table, and the extinction of snow.",
                true),
-           number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10, "Only for Model::carla.")}),
+           number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10,
+                                                             "Only for the model `carla`.")}),
       effect<&E::detection>(
           "detection", gpu::kDetection, appliesDetection, always,
           "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
@@ -255,7 +258,7 @@ std::vector<EffectInfo> makeTable() {
                                                              "Of the weakest target that is detected, 0..1."),
            number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,
                                                        "Distance of that target; 0 means 10 % at the range that the "
-                                                       "sensor states for 10 %, or else at its largest."),
+                                                       "sensor states for it, or else at its largest range."),
            number<&E::detection, &E::Detection::softness>(
                "softness", "", 0, 10,
                "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),
@@ -266,7 +269,7 @@ std::vector<EffectInfo> makeTable() {
           {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
                                                          "Probability that a beam is lost with all its returns, 0..1."),
            number<&E::dropOut, &E::DropOut::intensityLimit>(
-               "intensity_limit", "", 0.001, 1, "Unit intensity above which zero_intensity_rate has no effect."),
+               "intensity_limit", "", 0.001, 1, "Unit intensity above which the rate at intensity 0 has no effect."),
            number<&E::dropOut, &E::DropOut::zeroIntensityRate>(
                "zero_intensity_rate", "", 0, 1, "Probability at intensity 0, 0..1; falls linearly to 0 at the limit."),
            indices<&E::dropOut, &E::DropOut::deadBeams>(
@@ -329,7 +332,7 @@ std::vector<EffectInfo> makeTable() {
                 {"dual", "The last and the strongest; if these are one echo, the second strongest as well."}},
                "Which echoes are returned."),
            count<&E::returns, &E::Returns::count>(
-               "count", "", 0, 5, "Only with the mode all: largest number of returns; 0 means that of the sensor."),
+               "count", "", 0, 5, "Only for the mode `all`: largest number of returns; 0 means the sensor's."),
            number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100,
                                                         "Echoes that are closer together are merged."),
            number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,
@@ -341,27 +344,33 @@ std::vector<EffectInfo> makeTable() {
                           "Holes in surfaces: materials with alpha mode MASK."),
       effect<&E::sensorMotion>(
           "sensor-motion", gpu::kSensorMotion, appliesMotion, never,
-          "The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor states a rotation "
+          "The sensor moves during the scan as the motion of the shot says. Automatic: on if the sensor states a "
+          "rotation "
           "period, or if the beams of a list have times.",
           {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
               "deskew",
-              "If true, points are reported in the frame of Shot::pose, otherwise in that of their column.")}),
+              "If true, points are reported in the frame of the shot's pose, otherwise in that of their column.")}),
       effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, appliesMotion, never,
-                               "Instances move during the scan as Shot::instanceMotions and Shot::meshMotions say."),
+                               "Instances and meshes move during the scan as their motions in the shot say."),
       effect<&E::fog>(
-          "fog", gpu::kFog, appliesFog, always, "Automatic: on if a visibility is given.",
+          "fog", gpu::kFog, appliesFog, always,
+          "Fog: its droplets weaken returns and give some of their own. Automatic: on if a visibility is given.",
           {number<&E::fog, &E::Fog::visibility>(
               "visibility", "m", 0, 1e6, "Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.")}),
-      effect<&E::rain>("rain", gpu::kRain, appliesRain, always, "Automatic: on if a rate is given.",
+      effect<&E::rain>("rain", gpu::kRain, appliesRain, always,
+                       "Rain: its drops weaken returns and give some of their own. Automatic: on if a rate is given.",
                        {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500, "0 for no rain.")}),
-      effect<&E::snow>("snow", gpu::kSnow, appliesSnow, always, "Automatic: on if a rate is given.",
+      effect<&E::snow>("snow", gpu::kSnow, appliesSnow, always,
+                       "Snow: its flakes weaken returns and give some of their own. Automatic: on if a rate is given.",
                        {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100, "Of melted water; 0 for no snow.")}),
-      effect<&E::volumes>("volumes", gpu::kVolumes, appliesVolumes, always, "Automatic: on if there are boxes.",
-                          {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}),
+      effect<&E::volumes>(
+          "volumes", gpu::kVolumes, appliesVolumes, always,
+          "Boxes of dust or spray, which weakens returns and gives some of its own. Automatic: on if there are boxes.",
+          {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}),
       effect<&E::radialSpeed>(
           "radial-speed", gpu::kRadialSpeed, appliesRadialSpeed, never,
           "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "
-          "moves away. Automatic: on if Field::radialSpeed is requested."),
+          "moves away. Automatic: on if the field radial_speed is requested."),
   };
 }
 

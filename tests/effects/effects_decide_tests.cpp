@@ -134,8 +134,12 @@ TEST_CASE("properties that the sensor states enable effects") {
   const std::string why = ", 19 sub-rays, the default: with 7, twice as many beams have a wrong number of returns";
   checkIn(asked, "divergence", "the sensor states 3 x 1.5 mrad" + why);
   checkIn(asked, "returns", "the sensor reports up to 2 returns per beam");
-  checkIn(asked, "sensor-motion", "the sensor takes 0.1 s for a turn");
-  checkIn(asked, "object-motion", "the sensor takes 0.1 s for a turn");
+  checkIn(asked, "sensor-motion", "the sensor sweeps its columns in 100 ms");
+  checkIn(asked, "object-motion", "the sensor sweeps its columns in 100 ms");
+  asked.sensor.rotationPeriod = 0.0500617;
+  checkIn(asked, "sensor-motion", "the sensor sweeps its columns in 50.1 ms");
+  asked.sensor.rotationPeriod = 2400;
+  checkIn(asked, "sensor-motion", "the sensor sweeps its columns in 2400 s");
   checkIn(asked, "intensity", "needed by divergence, returns");
 
   asked.effects.returns.count = 3;  // replaces the number that the sensor states
