@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
+
 namespace gnosphere {
 
 /// Returns the number of insertions, removals and exchanges of a letter from `a` to `b` (Levenshtein 1966).
@@ -26,10 +28,11 @@ inline size_t editDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// Returns text such as "the nearest are fog, snow, rain", or lists all names if there are few.
+/// Returns text such as "the nearest are fog, snow, rain", or lists all names if there are few, whatever their
+/// capitals are.
 inline std::string nearestText(const std::string& name, std::vector<std::string> names) {
   std::stable_sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return editDistance(name, a) < editDistance(name, b);
+    return editDistance(lower(name), lower(a)) < editDistance(lower(name), lower(b));
   });
   constexpr size_t kShown = 3;
   std::string list;

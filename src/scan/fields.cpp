@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/lasting.hpp"
+#include "base/nearest_text.hpp"
 #include "base/text.hpp"
 #include "gnosphere/error.hpp"
 
@@ -117,12 +118,14 @@ std::vector<Field> parseFields(const std::string& names) {
     const auto known = std::find_if(columns.begin(), columns.end(),
                                     [&](const ColumnInfo& column) { return name == column.fieldName; });
     if (known == columns.end()) {
-      std::string list;
-      for (const ColumnInfo& column : columns) {
-        if (column.component == 0 || column.fieldName == column.name)
-          list.append(list.empty() ? "" : ", ").append(column.fieldName);
-      }
-      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; known are " + list);
+      if (const ColumnInfo* column = findColumn(name))
+        throw Error(ErrorCode::invalidArgument,
+                    "'" + name + "' is a column of the field " + column->fieldName + "; ask for " + column->fieldName);
+      std::vector<std::string> all;
+      for (const ColumnInfo& column : columns)
+        if (column.component == 0) all.push_back(column.fieldName);
+      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; " + nearestText(name, all) +
+                                                  "; docs/api.md and gnosphere scan --help list all");
     }
     if (std::find(fields.begin(), fields.end(), known->field) != fields.end()) {
       throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");

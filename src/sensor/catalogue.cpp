@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/lasting.hpp"
+#include "base/nearest_text.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
@@ -167,17 +168,17 @@ const std::vector<CatalogueHead>& sensorCatalogue() {
 Sensor builtinSensor(const std::string& name) {
   const size_t colon = std::min(name.find(':'), name.size());
   const std::string bare = name.substr(0, colon), mode = colon < name.size() ? name.substr(colon + 1) : "";
-  std::string names;
+  std::vector<std::string> names;
   for (const Sensor& sensor : builtinSensors()) {
     if (sameWord(sensor.name, name)) return sensor;
     if (sameWord(sensor.name, bare))
       throw Error(ErrorCode::invalidArgument, "the sensor " + sensor.name +
                                                   " is an ideal head of the paper and has no modes, so '" + name +
                                                   "' is none; leave out ':" + mode + "'");
-    names += (names.empty() ? "" : ", ") + sensor.name;
+    names.push_back(sensor.name);
   }
   for (const CatalogueHead& head : sensorCatalogue()) {
-    names += ", " + head.name;
+    names.push_back(head.name);
     if (!sameWord(head.name, bare)) continue;
     std::string modes;
     for (const std::string& known : head.modes) {
@@ -191,7 +192,8 @@ Sensor builtinSensor(const std::string& name) {
     }
     throw Error(ErrorCode::invalidArgument, "the sensor " + head.name + " has no mode '" + mode + "', but " + modes);
   }
-  throw Error(ErrorCode::invalidArgument, "no built-in sensor is called '" + name + "'; known are " + names);
+  throw Error(ErrorCode::invalidArgument, "no built-in sensor is called '" + name + "'; " +
+                                              nearestText(bare, std::move(names)) + "; gnosphere sensors lists all");
 }
 
 }  // namespace gnosphere
