@@ -161,10 +161,10 @@ Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
   return sum.result();
 }
 
-Comparison compareFiles(const CloudFile& reference, const CloudFile& other, double tolerance) {
+FileComparison compareFiles(const CloudFile& reference, const CloudFile& other, double tolerance) {
   ComparisonSum sum(std::max(reference.scan.beamCount(), other.scan.beamCount()), tolerance);
   sum.add(reference, other);
-  return sum.result();
+  return {sum.result(), sum.sameOwner()};
 }
 
 std::vector<Field> fieldsNotCompared(const Scan& reference, const Scan& other) {

@@ -20,6 +20,8 @@ class ComparisonSum {
   /// Compares the clouds of two files; throws as compareFiles() does.
   void add(const CloudFile& reference, const CloudFile& other);
   Comparison result() const;
+  /// How many returns the errors of ranges are of.
+  uint64_t sameOwner() const { return errors_; }
 
  private:
   /// Whether the reference marks any return of the beam as a tie. Files keep no rows for missing returns.
