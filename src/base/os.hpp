@@ -75,6 +75,8 @@ const char* vulkanAdvice();
 
 /// Whether a stream is a terminal that knows the control sequences of ECMA-48.
 bool isTerminal(std::FILE* stream);
+/// The columns of the terminal that a stream is; 0 if it is none, or does not say.
+unsigned terminalColumns(std::FILE* stream);
 /// Gives a program's main() standard streams for bytes in UTF-8, each open, and its arguments in UTF-8.
 void prepareProgram(int& argc, char**& argv);
 

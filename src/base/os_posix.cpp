@@ -4,6 +4,7 @@
 #include <fnmatch.h>
 #include <locale.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -144,6 +145,11 @@ const char* vulkanAdvice() {
 
 bool isTerminal(std::FILE* stream) {
   return ::isatty(::fileno(stream)) == 1;
+}
+
+unsigned terminalColumns(std::FILE* stream) {
+  winsize size = {};
+  return ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 // A file that the program or a driver opens must not get the number of a standard stream that is closed: what is

@@ -208,6 +208,12 @@ bool isTerminal(std::FILE* stream) {
   return GetConsoleMode(handle, &mode) && SetConsoleMode(handle, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
 }
 
+unsigned terminalColumns(std::FILE* stream) {
+  CONSOLE_SCREEN_BUFFER_INFO info;
+  if (!GetConsoleScreenBufferInfo(handleOf(_fileno(stream)), &info)) return 0;
+  return static_cast<unsigned>(info.srWindow.Right - info.srWindow.Left + 1);
+}
+
 void prepareProgram(int& argc, char**& argv) {
   SetConsoleOutputCP(CP_UTF8);
   for (std::FILE* stream : {stdin, stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);

@@ -93,6 +93,16 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
     CHECK_THAT(svg, ContainsSubstring(label(name)));
 }
 
+TEST_CASE("accuracy warns if no beam hits, as scan does") {
+  needVulkan();
+  const Workplace place;
+  putSmall(place);
+  const Result result = place.run("accuracy wide.obj --pose 5000,0,0 --poses 1 --runs 1" + kSmall);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.err, StartsWith("gnosphere: warning: no beam that is compared hits anything; wide.obj spans x ") &&
+                             ContainsSubstring("the sensor at 5000, 0, 0 sees as far as 120 m; --pose moves it"));
+}
+
 TEST_CASE("accuracy leaves paper out for sensors that the paper does not know, and says so") {
   needVulkan();
   const Workplace place;

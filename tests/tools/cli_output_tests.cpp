@@ -34,6 +34,19 @@ TEST_CASE("what is printed to a closed output is a failure, and goes to no other
   }
 }
 
+TEST_CASE("whoever closes a pipe wants no more, so there is no message") {
+  const Workplace place;
+  for (const char* signal : {"", "trap '' PIPE; "}) {
+    INFO(signal);
+    const Result closed =
+        place.run("-c \"" + std::string(signal) +
+                      "{ sleep 0.3; '" GNOSPHERE_BINARY "' effects; echo \\$? >status; } | true; cat status\"",
+                  "", "/bin/sh");
+    CHECK(closed.err == "");
+    CHECK(closed.out == "141\n");
+  }
+}
+
 TEST_CASE("no output file is one that is read, nor another one under a second name") {
   namespace fs = std::filesystem;
   const Workplace place;
@@ -112,7 +125,7 @@ TEST_CASE("numbers of one have no plural, and a share that is not the whole is n
   const Workplace place;
   place.put("one.obj", "v -500 -500 0\nv 500 -500 0\nv 0 500 0\nf 1 2 3\n");
   const Result one = place.run("scan one.obj" + kQuick);
-  CHECK_THAT(one.out, ContainsSubstring("1 triangle (1 unique) in 1 instance, loaded"));
+  CHECK_THAT(one.out, ContainsSubstring("1 triangle (1 unique) in 1 instance, x -500..500"));
   // Inside a box every beam hits but those that leave by a hole.
   place.put("box.obj",
             "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n"
@@ -141,7 +154,9 @@ TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones"
               .status == 0);
   const Result same = place.run("compare a.pcd b.csv");
   CHECK(same.status == 0);
-  CHECK_THAT(same.out, ContainsSubstring("the same"));
+  CHECK_THAT(same.out, ContainsSubstring("the same") &&
+                           ContainsSubstring("set apart by the reference; 0 of them differ") &&
+                           ContainsSubstring("than the reference's tolerance, or 0.001 m"));
 
   gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
@@ -158,6 +173,16 @@ TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones"
   CHECK(json.at("wrong_range") == 1);
   CHECK(json.at("same") == false);
   CHECK(json.at("not_compared").empty());
+
+  // A reference without ties and tolerances does not tell them.
+  const Result plain = place.run("compare c.ply a.pcd");
+  CHECK_THAT(plain.out,
+             ContainsSubstring("\nties                     -  not known, as the reference has no field tie\n") &&
+                 ContainsSubstring("further apart than 0.001 m, as the reference has no field tolerance\n"));
+  for (uint32_t& triangle : scan.triangles) triangle += triangle != gnosphere::kNoTriangle;
+  gnosphere::writeCloud(scan, place / "e.ply", options);
+  CHECK_THAT(place.run("compare e.ply a.pcd").out,
+             ContainsSubstring("\nrange error   -, as no return has the same triangle in both\n"));
 
   options.fields = gnosphere::parseFields("beam,range");
   gnosphere::writeCloud(scan, place / "d.ply", options);

@@ -14,6 +14,24 @@ using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
+namespace {
+
+size_t longestLine(const std::string& text) {
+  size_t longest = 0;
+  for (size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1)
+    longest = std::max(longest, text.find('\n', begin) - begin);
+  return longest;
+}
+
+/// 1234 -> 1,234
+std::string grouped(size_t number) {
+  std::string text = std::to_string(number);
+  if (text.size() > 3) text.insert(text.size() - 3, ",");
+  return text;
+}
+
+}  // namespace
+
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
   checkRefused("look", 2, "there is no command 'look'; the nearest are ");
@@ -22,13 +40,28 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --frob", 2, "there is no option '--frob'; the nearest are ");
   checkRefused("scan floor.obj --outptu a.pcd", 2, "there is no option '--outptu'; the nearest are --output, ");
   checkRefused("scan floor.obj roof.obj", 2, "there is no place for 'roof.obj'");
-  checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
+  checkRefused("scan floor.obj --pose 0 -1 1.8", 2,
+               "there is no place for '-1'; commas join the values of one option, as 1,2,3");
+  checkRefused("scan floor.obj -o a.csv --fields x y z", 2, "there is no place for 'y'; commas join the values");
+  checkRefused("scan floor.obj --scale cm", 2,
+               "gnosphere: --scale must be a number, is 'cm' (see gnosphere scan --help)");
+  checkRefused(
+      "scan floor.obj --sensor VLP-17", 2,
+      "no built-in sensor is called 'VLP-17'; the nearest are VLP-16, VLP-32, VLP-32C; gnosphere sensors lists all; "
+      "or give a file");
+  checkRefused("scan floor.obj --sensor hdl64e:10Hz", 2,
+               "no built-in sensor is called 'hdl64e:10Hz'; the nearest are HDL-64E");
   checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
   checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
   checkRefused("scan floor.obj -o a.npy --ascii", 2, "--ascii changes .pcd and .ply files");
   checkRefused("scan floor.obj --frame world", 2, "there is no --output");
   checkRefused("scan floor.obj --frame lidar -o a.pcd", 2, "sensor,world");
-  checkRefused("scan floor.obj --fields x,y,colour", 2, "x, y, z, range, ring");
+  checkRefused(
+      "scan floor.obj -o a.csv --fields x,y,rnge", 2,
+      "no field is called 'rnge'; the nearest are range, ring, tie; docs/api.md and gnosphere scan --help list all");
+  checkRefused("scan floor.obj -o a.csv --fields x,normal_x", 2,
+               "'normal_x' is a column of the field normal; ask for normal");
+  checkRefused("scan floor.obj -o a.csv --fields u", 2, "'u' is a column of the field barycentrics");
   checkRefused("scan floor.obj --fields x,tie", 2, "--device reference");
   checkRefused("scan floor.obj --fields '' -o a.npy", 2, "''");
   checkRefused("scan floor.obj --fields x,y", 2, "--fields changes cloud files, and there is no --output");
@@ -41,6 +74,12 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --pose 1,2,nan", 2, "finite");
   checkRefused("scan floor.obj --pose 1,2,3,0,0,0,0", 2, "has a quaternion whose length is 0 and not 1");
   checkRefused("scan floor.obj --pose 1,2,3,0,0,40,9", 2, "has a quaternion whose length is 41 and not 1");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,0.7,0.7", 2, "has a quaternion whose length is 0.99 and not 1; ");
+  checkRefused("scan floor.obj --pose 1,2,3,jaw=9", 2, "'jaw=9' is no angle; there are yaw, roll, pitch, in degrees");
+  checkRefused("scan floor.obj --pose 1,2,3,yaw=north", 2, "'yaw=north' is no finite number of degrees, as yaw=90 is");
+  checkRefused("scan floor.obj --pose 1,2,3,yaw=1,yaw=2", 2, "yaw is given twice; keep one");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,0,1,yaw=2", 2, "has a quaternion and angles; keep one of them");
+  checkRefused("scan floor.obj --pose yaw=2", 2, "'yaw=2' is not X,Y,Z, then nothing or ");
   checkRefused("scan floor.obj --pose 1,2,3,", 2, "X,Y,Z");
   checkRefused("scan floor.obj --accuracy rough", 2, "paper");
   checkRefused("scan floor.obj --scale 0", 2, "--scale");
@@ -48,7 +87,7 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj -o a.pcd -o a.pcd", 2, "twice");
   checkRefused("scan floor.obj --stats floor.obj", 2, "is read, too");
   checkRefused("scan robot.urdf", 2, "robot.urdf': the Python package reads such files: python -m gnosphere.robotics");
-  checkRefused("sensors VLP-17", 2, "VLP-16");
+  checkRefused("sensors VLP-17", 2, "the nearest are VLP-16");
   checkRefused("sensors Puck --rate 20", 2, "--fire-times complete a sensor file, and 'Puck' is built in");
   checkRefused("town -o town.glb --triangles -5", 2, "--triangles");
   checkRefused("town -o town.glb --triangles 1e9", 2,
@@ -141,6 +180,20 @@ TEST_CASE("a pose may begin with a minus, and its quaternion have few digits") {
   CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
 }
 
+TEST_CASE("the orientation of a pose may be angles, and a scan tells those of a head that does not stand upright") {
+  const Workplace place;
+  const auto told = [&](const std::string& pose) {
+    const Result result = place.run("scan floor.obj --pose " + pose + kQuick);
+    CHECK(result.status == 0);
+    return result.out;
+  };
+  CHECK_THAT(told("0,0,1.8,0,0,0,-1"), ContainsSubstring(" at 0, 0, 1.8: 16 channels"));
+  // A quaternion whose w is first stands on its head.
+  CHECK_THAT(told("0,0,1.8,1,0,0,0"),
+             ContainsSubstring(" at 0, 0, 1.8, turned by roll 180, pitch 0, yaw 0 degrees: 16"));
+  CHECK_THAT(told("0,0,1.8,pitch=-10,yaw=90"), ContainsSubstring(", turned by roll 0, pitch -10, yaw 90 degrees: 16"));
+}
+
 TEST_CASE("with --frame world clouds of all poses lie on the scene's surfaces") {
   const Workplace place;
   place.put("wall.obj", "v 10 -50 -50\nv 10 50 -50\nv 10 50 50\nv 10 -50 50\nf 1 2 3\nf 1 3 4\n");
@@ -223,6 +276,63 @@ TEST_CASE("a scan that meets nothing tells where scene and sensor are") {
   CHECK_THAT(far.err, StartsWith("gnosphere: warning: no beam hits anything; floor.obj spans x ") &&
                           ContainsSubstring("the sensor at 0, 0, 5000 sees as far as 100 m; --pose moves it, --scale"));
   CHECK(place.run("scan floor.obj --set ignored_instances=[] --effect fog.visibility=20" + kQuick).err == "");
+}
+
+TEST_CASE("a scan of faces that look away tells of --faces") {
+  const Workplace place;
+  place.put("one.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0,
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"byteLength": 36, "uri":
+      "data:application/octet-stream;base64,AAAgwQAAAAAAACBBAAAgQQAAAAAAACBBAAAAAAAAAAAAAKDB"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3,
+      "type": "VEC3", "min": [-10, 0, -20], "max": [10, 0, 10]}]})");
+  for (const char* scene : {"one.gltf", "floor.obj --faces front"}) {
+    INFO(scene);
+    const std::string scan = std::string("scan ") + scene + kQuick;
+    CHECK(place.run(scan + "--pose 0,0,1.8").err == "");
+    const Result below = place.run(scan + "--pose 0,0,-1.8");
+    REQUIRE(below.status == 0);
+    CHECK_THAT(below.err, StartsWith("gnosphere: warning: no beam hits anything; the triangles of ") &&
+                              ContainsSubstring(" that are in view face away, and only their front reflects; with "
+                                                "--faces both ") &&
+                              EndsWith(" of 28,800 beams hit\n"));
+    CHECK(place.run(scan + "--pose 0,0,-1.8 --set faces=both").err == "");
+    // Where nothing is in reach, faces are not to blame.
+    CHECK_THAT(place.run(scan + "--pose 0,0,-5000").err,
+               ContainsSubstring(" hits anything; ") && ContainsSubstring("--scale"));
+  }
+  CHECK_THAT(place.run("scan --help").out, ContainsSubstring("only glTF files have others"));
+}
+
+TEST_CASE("a scan tells the size of its scene, and that it writes nothing") {
+  const Workplace place;
+  const Result result = place.run("scan floor.obj" + kQuick);
+  CHECK_THAT(result.out, ContainsSubstring(" in 1 instance, x -10..10, y -10..10, z 0..0 m, loaded in ") &&
+                             EndsWith("\nwrote      nothing; -o FILE writes the cloud\n"));
+  CHECK_THAT(place.run("scan floor.obj -o a.npy" + kQuick).out, !ContainsSubstring("nothing"));
+}
+
+TEST_CASE("a scan in fog tells how many beams have no surface") {
+  const Workplace place;
+  const std::string scan = "scan floor.obj -o a.csv --fields beam,label --compact" + kQuick;
+  const Result foggy = place.run(scan + "--effect fog.visibility=30");
+  REQUIRE(foggy.status == 0);
+  const std::string rows = place.get("a.csv");
+  size_t scattered = 0;
+  for (size_t at = rows.find(",2\n"); at != rows.npos; at = rows.find(",2\n", at + 1)) ++scattered;
+  REQUIRE(scattered > 100);
+  CHECK_THAT(foggy.out, ContainsSubstring("%), " + grouped(scattered) + " of them by fog alone\n"));
+  CHECK_THAT(place.run(scan).out, !ContainsSubstring("alone"));
+}
+
+TEST_CASE("the field class of a scene without classes comes with a warning") {
+  const Workplace place;
+  const std::string scan = "scan floor.obj -o a.csv" + kQuick;
+  const Result classless = place.run(scan + "--fields x,class");
+  CHECK(classless.status == 0);
+  CHECK_THAT(classless.err,
+             StartsWith("gnosphere: warning: --fields: nothing in floor.obj has the number of a class") &&
+                 ContainsSubstring("the extras of a glTF file give one"));
+  CHECK(place.run(scan + "--fields x").err == "");
 }
 
 TEST_CASE("a KITTI file has intensities, unless effects without any are asked for") {
@@ -386,14 +496,16 @@ TEST_CASE("help and version succeed, and every help text ends with an example") 
   const Workplace place;
   CHECK_THAT(place.run("--help").out, ContainsSubstring("scan") && ContainsSubstring("town"));
   CHECK_THAT(place.run("scan --help").out, ContainsSubstring("--pose") && ContainsSubstring("1.8 m"));
-  for (const std::string command :
-       {"", "scan", "plan", "accuracy", "compare", "devices", "sensors", "effects", "town"}) {
+  for (const std::string command : {"", "scan", "plan", "accuracy", "compare", "devices", "sensors", "effects",
+                                    "options", "info", "town", "drive", "view"}) {
     const std::string help = place.run(command + " --help").out;
     INFO(help);
+    CHECK(longestLine(help) <= 80);
     const size_t example = help.find("\nExample: gnosphere ");
     REQUIRE(example != help.npos);
     CHECK(help.find_first_not_of('\n', help.find('\n', example + 1)) == help.npos);  // it is the last line
   }
+  CHECK(longestLine(place.run("options").out) <= 80);
   const Result version = place.run("--version");
   CHECK(version.status == 0);
   CHECK_THAT(version.out, StartsWith("gnosphere "));

@@ -1,15 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers and names as the command line prints them, and the times at which a run tells how far it is.
+#include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <numbers>
 
+#include "base/quaternion.hpp"
 #include "console.hpp"
+#include "drive/pose_math.hpp"
+#include "pose_text.hpp"
 
 using namespace gnosphere::cli;
+using Catch::Approx;
+
+namespace {
+
+constexpr double kRight = std::numbers::pi / 2;
+
+}  // namespace
 
 TEST_CASE("counts have the word for one or for many") {
   CHECK(counted(1, "frame", "frames") == "1 frame");
   CHECK(counted(0, "frame", "frames") == "0 frames");
   CHECK(counted(1234, "frame", "frames") == "1,234 frames");
+}
+
+TEST_CASE("lengths have three digits in one form") {
+  CHECK(metres(0) == "0");
+  CHECK(metres(0.00062) == "6.20e-04");
+  CHECK(metres(0.0019) == "1.90e-03");
+  CHECK(metres(12.345) == "1.23e+01");
+}
+
+TEST_CASE("lines break at blanks, and those behind the first begin further right") {
+  CHECK(wrapped("", 10) == "");
+  CHECK(wrapped("one two three", 7) == "one two\nthree");
+  CHECK(wrapped("one two three", 9, 2) == "one two\n  three");
+  CHECK(wrapped("one two three", 8, 2) == "one\n  two\n  three");
+  CHECK(wrapped("one indivisible word", 5) == "one\nindivisible\nword");
+  CHECK(wrapped("one\ntwo three\n", 20) == "one\ntwo three\n");
+}
+
+TEST_CASE("the angles of a pose are those of drive files") {
+  const gnosphere::Pose pose = parsePose("1,2,3, roll=30,yaw=90,pitch=5");
+  const gnosphere::Quaternion expected = gnosphere::drive::yawPitchRoll(kRight, kRight / 18, kRight / 3);
+  CHECK(pose.position.z == 3);
+  CHECK(pose.orientation.x == Approx(expected.x));
+  CHECK(pose.orientation.y == Approx(expected.y));
+  CHECK(pose.orientation.z == Approx(expected.z));
+  CHECK(pose.orientation.w == Approx(expected.w));
+  const gnosphere::Vec3 forward = parsePose("0,0,0,yaw=90,pitch=30").orientation * gnosphere::Vec3{1, 0, 0};
+  CHECK(forward.y == Approx(std::sqrt(0.75)));  // to the left
+  CHECK(forward.z == Approx(-0.5));             // and down
+  CHECK(turnText(pose.orientation) == "turned by roll 30, pitch 5, yaw 90 degrees");
+  CHECK(turnText({0, 0, 0, -1}) == "");
 }
 
 TEST_CASE("characters that control a terminal are shown as numbers, and all other text as it is") {

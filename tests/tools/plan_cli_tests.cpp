@@ -102,14 +102,33 @@ TEST_CASE("plan --effects takes a preset or a file, and assignments override it 
 
 TEST_CASE("effects are listed, and a printed preset is a valid file for --effects") {
   const Workplace place;
-  CHECK_THAT(place.run("effects").out, ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
-                                           ContainsSubstring("\nrange-noise (auto)\n") &&
-                                           ContainsSubstring("  visibility           0              0..1000000 m\n"));
+  CHECK_THAT(place.run("effects").out,
+             ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
+                 ContainsSubstring("\nrange-noise (auto)\n") &&
+                 ContainsSubstring("  visibility           0              0..1000000 m; 0 for no fog\n"));
   const Result printed = place.run("effects os1-rain");
   REQUIRE(printed.status == 0);
   place.put("e.json", printed.out);
   CHECK(place.run("effects e.json").out == printed.out);
   CHECK(place.run("plan floor.obj --effects e.json").out == place.run("plan floor.obj --effects os1-rain").out);
+}
+
+TEST_CASE("an effect is told with its parameters and its page") {
+  const Workplace place;
+  const Result fog = place.run("effects Fog");
+  CHECK(fog.status == 0);
+  CHECK(fog.out ==
+        "fog (auto)\n"
+        "  Fog: its droplets weaken returns and give some of their own. Automatic: on if\n"
+        "  a visibility is given.\n"
+        "\n"
+        "  visibility, default 0\n"
+        "    0..1000000 m\n"
+        "    Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.\n"
+        "\n"
+        "The formula and its sources: docs/effects/fog.md\n");
+  CHECK_THAT(place.run("effects returns").out, ContainsSubstring("      dual: The last and the strongest"));
+  CHECK(place.run("effects frog").status == 2);
 }
 
 TEST_CASE("one file of CARLA's attributes is read as a sensor and as effects") {
@@ -162,7 +181,7 @@ TEST_CASE("invalid requests of effects are refused in one line") {
   }
   checkRefused("plan floor.obj --effect fog=on", 2, "fog is on, but no visibility is given; give fog.visibility");
   checkRefused("plan floor.obj --effect divergence=on --sensor VLP-16", 2, "sensor 'VLP-16' states no divergence");
-  checkRefused("plan floor.obj --fields x,brightness", 2, "x, y, z, range");
+  checkRefused("plan floor.obj --fields x,brightness", 2, "no field is called 'brightness'; the nearest are ");
   checkRefused("effects os1-fog", 2, "clean, auto, carla");
   checkRefused("plan none.obj", 1, "none.obj");
 }
@@ -184,6 +203,5 @@ TEST_CASE("a scan on a device tells of echoes that a beam does not keep, and wha
   CHECK_THAT(one.out, ContainsSubstring(" echoes more than a beam keeps\n"));
   const Result both = place.run(scan + "--trajectory poses.tum");
   CHECK_THAT(both.out, ContainsSubstring(" echoes more than a beam keeps\n") &&
-                           ContainsSubstring("; scans that are submitted together share their time, and the first may "
-                                             "include compilation\n"));
+                           ContainsSubstring(" at best; the first may include compilation\n"));
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "gnosphere/output.hpp"
+#include "support.hpp"
 #include "tools/cli_support.hpp"
 
 using namespace gnosphere::test;
@@ -43,6 +44,15 @@ TEST_CASE("a trajectory gives the same files as its poses one by one") {
     CHECK(frame.at("counters") == alone.at("counters"));
     CHECK(frame.at("wall_ms") > 0);
   }
+}
+
+TEST_CASE("the times of scans leave out what is drawn of them") {
+  needVulkan();
+  const Workplace place;
+  place.put("t.tum", kThree);
+  REQUIRE(place.run("scan floor.obj --trajectory t.tum --image i.png --stats s.json --effects clean").status == 0);
+  const auto frame = place.json("s.json").at("frame");
+  CHECK(frame.at("wall_ms").at("median").get<double>() < frame.at("total_ms").get<double>() / 6);
 }
 
 TEST_CASE("a trajectory whose scans meet nothing is told, and why beams are lost") {

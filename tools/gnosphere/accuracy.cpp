@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gnosphere/eval/accuracy.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "console.hpp"
 #include "effect_options.hpp"
 #include "gnosphere/eval/sub_rays.hpp"
+#include "no_hits.hpp"
 #include "scanning.hpp"
 #include "sub_rays_report.hpp"
 
@@ -26,6 +28,7 @@ struct Options : ScanningOptions, EffectOptions {
 };
 
 constexpr uint64_t kPoses = 4;
+constexpr const char* kNobody = "no beam that is compared";  ///< if none hits
 
 /// Takes `count` poses evenly along a trajectory, including its first.
 std::vector<Pose> thinned(const std::vector<Pose>& all, uint64_t count) {
@@ -96,6 +99,8 @@ int runAccuracy(const Options& options) {
     measure.progress = stepProgress();
     const SubRayReport report = measureSubRays(scene, request, poses, measure);
     measure.progress = nullptr;  // erases the progress line
+    if (std::ranges::all_of(report.rows, [](const SubRayRow& row) { return row.beams == 0; }))
+      warnOfNoHits(kNobody, options, options.trajectory, scene, request, measure.simulator, poses[0]);
     return tell(options, SubRaysStory{options.scene, scene, sensor, poses, report});
   }
   AccuracyOptions measure;
@@ -107,6 +112,8 @@ int runAccuracy(const Options& options) {
   measure.progress = stepProgress();
   const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
   measure.progress = nullptr;  // erases the progress line
+  if (report.settings[0].error.hits == 0)
+    warnOfNoHits(kNobody, options, options.trajectory, scene, {sensor, Effects::none()}, measure.simulator, poses[0]);
   return tell(options, AccuracyStory{options.scene, scene, sensor, poses, report});
 }
 
@@ -143,7 +150,7 @@ Action addAccuracy(CLI::App& app) {
   for (const char* other : {"--effect", "--seed", "--materials", "--sub-rays"}) app.get_option(other)->needs(effects);
   app.add_option("--json", options->json, "Write all measurements to a JSON file, or - for stdout");
   app.add_option("--plot", options->plot, "Write a plot of error over time to an .svg file");
-  app.footer("Example: gnosphere accuracy town.glb --sensor HDL-64E --poses 8 --plot accuracy.svg");
+  app.footer("Example: gnosphere accuracy town.glb --sensor HDL-64E --plot accuracy.svg");
   return [options, effects] {
     options->footprints = effects->count() > 0;
     return runAccuracy(*options);

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <utility>
 #include <vector>
@@ -28,20 +29,53 @@ Command addCommand(CLI::App& app, const char* name, const char* description, Act
   return {command, add(*command), failed};
 }
 
+/// Help whose lines fit the terminal.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kNames); }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(option->get_description(), columns_ - kNames);
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::string name = "  " + command->get_name();
+    name.resize(kCommands, ' ');
+    return name + wrapped(command->get_description(), columns_, kCommands) + "\n";
+  }
+  /// The example is a command to copy, so it stays one line.
+  std::string make_footer(const CLI::App* app) const override {
+    const std::string footer = app->get_footer();
+    const size_t example = std::min(footer.find("Example: "), footer.size());
+    return wrapped(footer.substr(0, example), columns_) + footer.substr(example) + "\n";
+  }
+
+ private:
+  static constexpr size_t kNames = 26, kCommands = 14;  ///< columns of the names of options, and of commands
+  size_t columns_ = textColumns();
+};
+
 /// Returns the exit status of a call: `failed`, with a message, if the standard output has lost what was printed.
+/// Whoever closes a pipe, as `head` does, wants no more, so then there is no message.
 int checkedOutput(int status, int failed) {
-  const bool flushed = std::fflush(stdout) == 0;
-  const int reason = errno;
-  if (flushed && std::ferror(stdout) == 0) return status;
+  if (std::fflush(stdout) == 0) {
+    if (std::ferror(stdout) == 0) return status;
+    errno = 0;
+    std::clearerr(stdout);  // what failed before has left no reason; one more byte fails for the same
+    std::fputc('\n', stdout);
+    std::fflush(stdout);
+  }
+  constexpr int kBrokenPipe = 128 + 13;  // what shells report of a program that the signal SIGPIPE ends
+  if (errno == EPIPE) return kBrokenPipe;
   complain("the standard output is not complete: it cannot be written" +
-           (flushed ? std::string() : std::string(": ") + std::strerror(reason)));
+           (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
   return failed;
 }
 
 /// Says which word of a call is none of the command's, or that there is no such command.
 std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chosen) {
   const std::vector<std::string> words = chosen.empty() ? app.remaining() : chosen[0]->remaining();
-  const auto dashed = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  const auto dashed = [](const std::string& word) {  // as options are, but not numbers below 0
+    return word.size() > 1 && word[0] == '-' && word.find_first_of("0123456789") != 1;
+  };
   const auto found = std::find_if(words.begin(), words.end(), dashed);
   const std::string word = found != words.end() ? *found : words.at(0);
   std::vector<std::string> names;
@@ -50,9 +84,32 @@ std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chose
       if (!option->get_lnames().empty()) names.push_back("--" + option->get_lnames()[0]);
     return "there is no option '" + word + "'; " + nearestText(word, std::move(names));
   }
-  if (!chosen.empty()) return "there is no place for '" + word + "'";
+  if (!chosen.empty()) {
+    const auto hasValue = [](const CLI::Option* option) {
+      return option->nonpositional() && option->count() > 0 && option->get_expected_max() > 0;
+    };
+    return "there is no place for '" + word + "'" +
+           (std::ranges::any_of(chosen[0]->get_options(), hasValue) ? "; commas join the values of one option, as 1,2,3"
+                                                                    : "");
+  }
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
   return "there is no command '" + word + "'; " + nearestText(word, std::move(names));
+}
+
+/// Says which option has a text in place of a number.
+std::string noNumber(const CLI::ConversionError& error, const std::vector<CLI::App*>& chosen) {
+  for (const CLI::App* command : chosen)
+    for (const CLI::Option* option : command->get_options()) {
+      const std::string name = option->get_name(), type = option->get_type_name();
+      if (option->results().empty() ||
+          error.what() != std::string(CLI::ConversionError(name, option->results()).what()))
+        continue;
+      const char* const wanted = type.starts_with("FLOAT")                             ? "a number"
+                                 : type.starts_with("INT") || type.starts_with("UINT") ? "a whole number"
+                                                                                       : "a value of its kind";
+      return name + " must be " + wanted + ", is '" + option->results().back() + "'";
+    }
+  return error.what();
 }
 
 int runChosen(const std::vector<Command>& commands) {
@@ -82,6 +139,7 @@ int runChosen(const std::vector<Command>& commands) {
 
 int runCommandLine(int argc, char** argv) {
   CLI::App app("GnoSphere, a LiDAR simulator that never casts a ray", "gnosphere");
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", std::string("gnosphere ") + GNOSPHERE_VERSION);
   app.require_subcommand(0, 1);
   app.footer("Example: gnosphere scan town.glb -o cloud.pcd");
@@ -93,7 +151,8 @@ int runCommandLine(int argc, char** argv) {
                  2),  // 1 says that the clouds differ
       addCommand(app, "devices", "List every device, and why one is unusable", addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", addSensors),
-      addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", addEffects),
+      addCommand(app, "effects", "List every effect and its parameters, tell of one, or print a preset as JSON",
+                 addEffects),
       addCommand(app, "options", "List every option of simulators and sensors that --set takes", addOptions),
       addCommand(app, "info", "Tell what a scene holds: meshes, materials, animations", addInfo),
       addCommand(app, "town", "Write a synthetic town", addTown),
@@ -107,9 +166,12 @@ int runCommandLine(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return checkedOutput(app.exit(error), 1);  // --help and --version
     const auto chosen = app.get_subcommands();
+    const auto* const unconverted = dynamic_cast<const CLI::ConversionError*>(&error);
     const bool isUnknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-    complain((isUnknown ? unknownWord(app, chosen) : error.what()) + " (see gnosphere " +
-             (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");
+    complain((isUnknown     ? unknownWord(app, chosen)
+              : unconverted ? noNumber(*unconverted, chosen)
+                            : std::string(error.what())) +
+             " (see gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");
     return 2;
   }
   return runChosen(commands);

@@ -36,9 +36,13 @@ void printJson(const Comparison& comparison, const std::vector<std::string>& ign
   std::printf("%s", dump(json).c_str());
 }
 
-void printComparison(const Comparison& c, const std::vector<std::string>& ignored, double tolerance) {
-  const auto row = [](const char* name, uint64_t count, const std::string& meaning) {
-    std::printf("%-13s %12s  %s\n", name, grouped(count).c_str(), meaning.c_str());
+void printComparison(const FileComparison& c, const Scan& reference, const std::vector<std::string>& ignored,
+                     double tolerance) {
+  const auto line = [](const char* name, const std::string& count, const std::string& meaning) {
+    std::printf("%-13s %12s  %s\n", name, count.c_str(), meaning.c_str());
+  };
+  const auto row = [&](const char* name, uint64_t count, const std::string& meaning) {
+    line(name, grouped(count), meaning);
   };
   row("beams", c.beams, "");
   row("returns", c.hits, "of the reference");
@@ -46,11 +50,19 @@ void printComparison(const Comparison& c, const std::vector<std::string>& ignore
   row("false", c.falseHits, "returns of the other alone");
   row("wrong owner", c.wrongOwner, "returns of both, another triangle");
   row("wrong range", c.wrongRange,
-      formatted("further apart than the reference's tolerance, or %g m where it has none", tolerance));
+      reference.has(Field::tolerance)
+          ? formatted("further apart than the reference's tolerance, or %g m where it has none", tolerance)
+          : formatted("further apart than %g m, as the reference has no field tolerance", tolerance));
   row("wrong point", c.wrongPoint, "x, y, z further apart than that and a millionth of the range");
-  row("ties", c.ties, "set apart by the reference; " + grouped(c.tieDifferences) + " of them differ");
-  std::printf("range error   max %.3g m, 99.99 %% %.3g m, RMS %.3g m\n", c.rangeErrorMax, c.rangeError9999,
-              c.rangeErrorRms);
+  if (reference.has(Field::tie))
+    row("ties", c.ties, "set apart by the reference; " + grouped(c.tieDifferences) + " of them differ");
+  else
+    line("ties", "-", "not known, as the reference has no field tie");
+  if (c.sameOwner > 0)
+    std::printf("range error   max %.3g m, 99.99 %% %.3g m, RMS %.3g m\n", c.rangeErrorMax, c.rangeError9999,
+                c.rangeErrorRms);
+  else
+    std::printf("range error   -, as no return has the same triangle in both\n");
   std::printf("point error   max %.3g m\n", c.pointErrorMax);
   if (!ignored.empty()) std::printf("not compared  %s\n", joined(ignored).c_str());
   std::printf("%s\n", c.same() ? "the same" : "NOT the same");
@@ -58,9 +70,10 @@ void printComparison(const Comparison& c, const std::vector<std::string>& ignore
 
 int runCompare(const CompareOptions& options) {
   const CloudFile reference = readCloudFile(pathOf(options.reference)), other = readCloudFile(pathOf(options.other));
-  const Comparison comparison = compareFiles(reference, other, options.tolerance);
+  const FileComparison comparison = compareFiles(reference, other, options.tolerance);
   const std::vector<std::string> ignored = ignoredFields(reference.scan, other.scan);
-  options.json ? printJson(comparison, ignored) : printComparison(comparison, ignored, options.tolerance);
+  options.json ? printJson(comparison, ignored)
+               : printComparison(comparison, reference.scan, ignored, options.tolerance);
   return comparison.same() ? 0 : 1;
 }
 

@@ -66,7 +66,7 @@ std::string formatted(const char* format, ...) {
 }
 
 std::string metres(double value) {
-  return value == 0 ? "0" : formatted(value < 1e-3 ? "%.1e" : "%.3g", value);
+  return value == 0 ? "0" : formatted("%.2e", value);
 }
 
 std::string percent(double share) {
@@ -88,6 +88,34 @@ std::string fileSize(const std::string& file) {
   if (unknown) return "";
   if (bytes < 1e3) return formatted("%.0f bytes", bytes);
   return bytes < 1e6 ? formatted("%.1f kB", bytes / 1e3) : formatted("%.1f MB", bytes / 1e6);
+}
+
+size_t textColumns() {
+  constexpr size_t kLeast = 40, kMost = 120, kUsual = 80;
+  const size_t columns = os::terminalColumns(stdout);
+  return columns == 0 ? kUsual : std::clamp(columns, kLeast, kMost);
+}
+
+std::string wrapped(const std::string& text, size_t columns, size_t indent) {
+  std::string all;
+  size_t used = indent;  // of the line, which may begin behind something else
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find_first_of(" \n", begin), text.size());
+    const bool starts = all.empty() || all.back() == '\n';
+    if (!starts && used + 1 + (end - begin) > columns) all += '\n';
+    if (!all.empty() && all.back() == '\n') {
+      all.append(indent, ' ');
+      used = indent;
+    } else if (!all.empty()) {
+      all += ' ';
+      ++used;
+    }
+    all.append(text, begin, end - begin);
+    used += end - begin;
+    if (end < text.size() && text[end] == '\n') all += '\n';
+    begin = end + 1;
+  }
+  return all;
 }
 
 void say(const char* label, const std::string& text) {

@@ -18,7 +18,7 @@ void complain(const std::string& message);
 
 std::string grouped(uint64_t number);  ///< 1234567 -> 1,234,567
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string metres(double value);     ///< 0.00059 -> 5.9e-04
+std::string metres(double value);     ///< 0.00059 -> 5.90e-04
 std::string percent(double share);    ///< 0.0123 -> 1.23 %
 std::string milliseconds(double ms);  ///< with three significant digits and the unit
 std::string bareMs(double ms);        ///< the same without the unit, for table columns in ms
@@ -28,6 +28,12 @@ std::string fileSize(const std::string& file);
 std::string counted(uint64_t count, const char* one, const char* many);
 /// Returns text without characters that would control a terminal: each is written as \\x and two hexadecimal digits.
 std::string printable(const std::string& text);
+
+/// The columns of a line of text for people: those of the terminal, but at most 120; 80 without one.
+size_t textColumns();
+/// Breaks lines at blanks so that each has at most `columns` characters, of which those behind the first begin with
+/// `indent` blanks. A longer word stays whole.
+std::string wrapped(const std::string& text, size_t columns, size_t indent = 0);
 
 /// Prints a line of a summary, with the label in its own column.
 void say(const char* label, const std::string& text);

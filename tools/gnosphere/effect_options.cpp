@@ -2,6 +2,8 @@
 #include "effect_options.hpp"
 
 #include "base/path.hpp"
+#include "effects/effect_table.hpp"
+#include "effects/parameter_text.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
@@ -15,7 +17,9 @@ void addEffectOptions(CLI::App& app, EffectOptions& options) {
   app.add_option("--effect", options.assignments,
                  "Change --effects by NAME=VALUE, as fog.visibility=200 or divergence=off; may be given more than once")
       ->allow_extra_args(false);
-  app.add_option("--seed", options.seed, "Seed of all random numbers: the same seed gives the same scan");
+  app.add_option("--seed", options.seed,
+                 "Seed of all random numbers: the same seed gives the same scan (default: " +
+                     defaultText(seedParameter()) + ", unless a file of --effects states one)");
   app.add_option("--materials", options.materials,
                  "A JSON file of reflectances by material, or ASAM OpenMATERIAL 3D (.xoma, .xomm, .xomp)");
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/path.hpp"
+#include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
@@ -50,8 +51,54 @@ int runDevices(bool json) {
   return 0;
 }
 
+/// Prints a text whose lines begin with `indent` blanks and fit the terminal.
+void printWrapped(size_t indent, const std::string& text) {
+  std::printf("%s%s\n", std::string(indent, ' ').c_str(), wrapped(text, textColumns(), indent).c_str());
+}
+
+/// Prints a parameter: name, default, `more`, allowed values and meaning.
+template <class Owner>
+void printParameter(const Parameter<Owner>& parameter, const std::string& more = "") {
+  std::printf("\n");
+  printWrapped(2, std::string(parameter.name) + ", default " + defaultText(parameter) + more);
+  printWrapped(4, allowedText(parameter));
+  printWrapped(4, parameter.doc);
+  if (const auto* choice = std::get_if<ChoiceParameter<Owner>>(&parameter.kind))
+    for (const ChoiceWord& word : choice->words)
+      if (*word.doc) printWrapped(6, std::string(word.name) + ": " + word.doc);
+}
+
+/// Returns the words about the value 0 in the sentence of a parameter, such as "0 for no fog"; empty without any.
+/// of it.
+std::string zeroText(const std::string& doc) {
+  const size_t begin = std::min({doc.find("0 for "), doc.find("0 means "), doc.find("both 0: ")});
+  if (begin == doc.npos) return "";
+  const size_t end = doc.find_first_of(";,.", begin);
+  return doc.substr(begin, end - begin);
+}
+
+std::string allowedWithZero(const Parameter<Effects>& parameter) {
+  const std::string zero = zeroText(parameter.doc);
+  return allowedText(parameter) + (zero.empty() ? "" : "; " + zero);
+}
+
+/// Prints what an effect is, its parameters, and where its page is.
+void printEffect(const EffectInfo& info) {
+  Effects defaults;
+  std::printf("%s (%s)\n", info.name, kUseWords[static_cast<size_t>(info.use(defaults))]);
+  printWrapped(2, info.doc);
+  for (const Parameter<Effects>& parameter : info.parameters) printParameter(parameter);
+  std::printf("\nThe formula and its sources: docs/effects/%s.md\n", info.name);
+}
+
 /// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name, const std::string& mode) {
+  if (mode.empty())
+    for (const EffectInfo& info : effectTable())
+      if (sameWord(info.name, name)) {
+        printEffect(info);
+        return 0;
+      }
   if (!name.empty()) {
     std::printf("%s", toJson(mode.empty() ? presetOrFile(name) : loadEffects(pathOf(name), mode)).c_str());
     return 0;
@@ -64,7 +111,7 @@ int runEffects(const std::string& name, const std::string& mode) {
     std::printf("\n%s (%s)\n", info.name, kUseWords[static_cast<size_t>(info.use(defaults))]);
     for (const Parameter<Effects>& parameter : info.parameters) {
       std::printf("  %-20s %-14s %s\n", parameter.name, valueText(parameter, defaults).c_str(),
-                  allowedText(parameter).c_str());
+                  allowedWithZero(parameter).c_str());
     }
   }
   return 0;
@@ -73,14 +120,8 @@ int runEffects(const std::string& name, const std::string& mode) {
 template <class Owner>
 void printOptions(const char* title, const std::vector<Option<Owner>>& table) {
   std::printf("%s\n", title);
-  for (const auto& [parameter, changes] : table) {
-    std::printf("\n  %s, default %s; another value changes %s\n    %s\n    %s\n", parameter.name,
-                defaultText(parameter).c_str(), kChanges[static_cast<size_t>(changes)], allowedText(parameter).c_str(),
-                parameter.doc);
-    if (const auto* choice = std::get_if<ChoiceParameter<Owner>>(&parameter.kind))
-      for (const ChoiceWord& word : choice->words)
-        if (*word.doc) std::printf("      %s: %s\n", word.name, word.doc);
-  }
+  for (const auto& [parameter, changes] : table)
+    printParameter(parameter, std::string("; another value changes ") + kChanges[static_cast<size_t>(changes)]);
 }
 
 /// Lists every option of --set: name, default, allowed values and meaning.
@@ -109,7 +150,8 @@ Action addDevices(CLI::App& app) {
 Action addEffects(CLI::App& app) {
   const auto name = std::make_shared<std::string>(), mode = std::make_shared<std::string>();
   CLI::Option* const named = app.add_option(
-      "NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
+      "NAME", *name,
+      "Tell of this effect, or print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
   app.add_option("--mode", *mode, "The id of one of several lidars that a file of CARLA's attributes has")
       ->needs(named);
   app.footer(

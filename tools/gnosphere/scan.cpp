@@ -13,6 +13,7 @@
 #include "drive/trajectory.hpp"
 #include "effect_options.hpp"
 #include "max_error.hpp"
+#include "no_hits.hpp"
 #include "output/cloud_format.hpp"
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
@@ -100,16 +101,6 @@ bool seesNothing(const Counters& counters) {
   return counters.hits == 0 && (none == 0 || none + count(Cause::dead) == counters.beams);
 }
 
-/// Warns of a scan without hits: the sensor may be far from the scene, or the scene may have another unit than metres.
-void warnOfNoHits(const ScanOptions& options, const Scene& scene, const Sensor& sensor, const Pose& pose) {
-  const Vec3& at = pose.position;
-  const bool many = !options.trajectory.empty();
-  complain("warning: no beam " + std::string(many ? "of any scan " : "") + "hits anything; " + options.scene +
-           " spans " + extentText(worldBounds(scene)) + ", and the sensor " + (many ? "first " : "") +
-           formatted("at %g, %g, %g sees as far as %g m; ", at.x, at.y, at.z, sensor.rangeMax) +
-           (many ? "another --trajectory" : "--pose") + " moves it, --scale changes the unit of the scene");
-}
-
 /// Warns of poses that follow each other in less than half a turn of the head: every pose has a scan of its own.
 void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
                       const std::vector<SensorMotion::Stamp>& trajectory) {
@@ -123,9 +114,18 @@ void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
                        sensor.rotationPeriod));
 }
 
-void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
-  if (scene.placedTriangleCount() == 0)
-    complain("warning: " + options.scene + " has no triangle, so every beam misses");
+/// Warns if the field class is asked for and has nothing to tell.
+void warnOfNoClasses(const ScanOptions& options, const CloudOptions& cloud, const Scene& scene) {
+  const auto hasClass = [](const auto& item) { return item.classId != 0; };
+  if (std::ranges::count(cloud.fields, Field::classId) == 0 || std::ranges::any_of(scene.materials, hasClass) ||
+      std::ranges::any_of(scene.instances, hasClass))
+    return;
+  complain("warning: --fields: nothing in " + options.scene +
+           " has the number of a class, so `class` is 0 everywhere; the extras of a glTF file give one, as {\"class\": "
+           "10}, and so do the classes of a drive file (gnosphere drive)");
+}
+
+void warnAbout(const ScanOptions& options, const Counters& counters) {
   if (counters.nonFinite > 0) {
     complain("warning: " + grouped(counters.nonFinite) + " triangles of " + options.scene +
              " are dropped because a corner is NaN, infinite or beyond 1e9 m");
@@ -179,6 +179,28 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
   if (!options.image.empty()) writePicture(scan, pathOf(fileOf(options, options.image, number)));
 }
 
+/// Names the planned effects whose particles can give a return, such as "fog or rain"; empty if there is none.
+std::string mediaOf(const Plan& plan) {
+  std::string names;
+  for (const char* effect : {"fog", "rain", "snow", "volumes"})
+    if (plan.has(effect)) names += (names.empty() ? "" : " or ") + std::string(effect);
+  return names;
+}
+
+/// How many beams return something, but nothing of a surface.
+uint64_t beamsOfMedium(const Scan& scan) {
+  uint64_t beams = 0;
+  for (size_t first = 0; first < scan.ranges.size(); first += scan.returns) {
+    bool medium = false, surface = false;
+    for (size_t entry = first; entry < first + scan.returns; ++entry) {
+      surface = surface || scan.hit(entry);
+      medium = medium || scan.returned(entry);
+    }
+    beams += medium && !surface;
+  }
+  return beams;
+}
+
 /// The name of a file and its size, which pipes and devices do not have.
 std::string withSize(const std::string& file) {
   const std::string size = fileSize(file);
@@ -204,6 +226,7 @@ void tell(const ScanOptions& options, const ScanReport& report) {
     say("wrote", withSize(first) + (many ? ", to " + fileOf(options, file, report.trajectory.size() - 1) : ""));
   }
   if (!options.stats.empty()) say("wrote", withSize(options.stats));
+  if (written.empty() && options.stats.empty()) say("wrote", "nothing; -o FILE writes the cloud");
 }
 
 /// Returns which built-in head a sensor is, because the ideal heads of the paper have names of real ones.
@@ -245,6 +268,7 @@ int runScan(const ScanOptions& options) {
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
+  warnOfNoClasses(options, cloud, scene);
   const Pose pose = poseOf(options, scene);
 
   const std::optional<AccuracyChoice> choice = choose(options, scene, sensor, pose);
@@ -276,22 +300,27 @@ int runScan(const ScanOptions& options) {
                        {},
                        loadMs,
                        setUpMs,
-                       choice ? &*choice : nullptr};
+                       choice ? &*choice : nullptr,
+                       mediaOf(simulator.plan())};
   start = nowMs();
   bool warned = false;  // of the steps of single precision
+  const auto keep = [&](size_t number, const Scan& scan) {
+    if (!result.media.empty()) result.ofMedium += beamsOfMedium(scan);
+    writeScan(options, cloud, scan, number, warned);
+  };
   if (trajectory.empty()) {
     result.scan = runScans(simulator, pose, options.repeat, result.runs, result.setUpMs);
-    writeScan(options, cloud, result.scan, 0, warned);
+    keep(0, result.scan);
   } else {
-    result.trajectory = scanTrajectory(simulator, sensor, trajectory,
-                                       [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i, warned); });
+    result.trajectory = scanTrajectory(simulator, sensor, trajectory, keep);
     for (const TrajectoryScan& scan : result.trajectory) result.runs.push_back(scan.timings);
     result.scan = summaryOf(result.trajectory, sensor);
   }
   result.totalMs = nowMs() - start;
-  warnAbout(options, scene, result.scan.counters);
-  if (seesNothing(result.scan.counters) && scene.placedTriangleCount() > 0)
-    warnOfNoHits(options, scene, sensor, result.scan.pose);
+  warnAbout(options, result.scan.counters);
+  if (seesNothing(result.scan.counters) || scene.placedTriangleCount() == 0)
+    warnOfNoHits(trajectory.empty() ? "no beam" : "no beam of any scan", options, options.trajectory, scene, request,
+                 settings, result.scan.pose);
   tell(options, result);
   return 0;
 }
@@ -342,7 +371,7 @@ Action addScan(CLI::App& app) {
   app.add_option("--repeat", options->repeat, "Number of timed scans after a warm-up; reports their median time")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->excludes(trajectory);
-  app.footer("Example: gnosphere scan town.glb --sensor HDL-64E -o cloud.pcd --image cloud.png");
+  app.footer("Example: gnosphere scan town.glb --sensor Puck -o cloud.pcd --image cloud.png");
   return [options] { return runScan(*options); };
 }
 

@@ -6,6 +6,8 @@
 #include "base/json_text.hpp"
 #include "console.hpp"
 #include "json.hpp"
+#include "pose_text.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -131,7 +133,7 @@ void printTimes(const ScanReport& report) {
             milliseconds(*std::min_element(wall.begin(), wall.end())) + " at best";
   }
   if (!report.trajectory.empty() && report.simulator.device().type != "reference")
-    text += "; scans that are submitted together share their time, and the first may include compilation";
+    text += "; the first may include compilation";
   std::string separator = "; on the device ";
   for (const Stage& stage : stages(report)) {
     text += separator + stage.name + " " + milliseconds(stage.medianMs);
@@ -166,28 +168,33 @@ void printSummary(const ScanReport& report) {
   const Scene& scene = report.scene;
   const DeviceInfo& device = report.simulator.device();
   const Vec3& at = report.scan.pose.position;
+  const Bounds bounds = worldBounds(scene);
   const Counters& counters = report.scan.counters;
   say("scene", report.sceneFile + ": " + counted(scene.placedTriangleCount(), "triangle", "triangles") + " (" +
                    grouped(scene.uniqueTriangleCount()) + " unique) in " +
-                   counted(scene.instances.size(), "instance", "instances") + ", loaded in " +
-                   milliseconds(report.loadMs));
+                   counted(scene.instances.size(), "instance", "instances") +
+                   (bounds.empty() ? "" : ", " + extentText(bounds)) + ", loaded in " + milliseconds(report.loadMs));
   std::string about = device.name;
   if (device.type != device.name) about += ", " + device.type;
   if (!device.driver.empty()) about += ", " + device.driver;
   say("device", about + ", ready in " + milliseconds(report.setUpMs));
   const bool moves = !report.trajectory.empty();
+  const std::string turn = turnText(report.scan.pose.orientation);
   const uint32_t channels = report.sensor.height(), columns = report.sensor.width();
   const std::string cloud =
       channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
-  say("sensor", report.sensor.name + report.head +
-                    (moves ? " at " + counted(report.trajectory.size(), "pose", "poses") + ": "
-                           : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
-                    cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
+  say("sensor",
+      report.sensor.name + report.head +
+          (moves ? " at " + counted(report.trajectory.size(), "pose", "poses") + ": "
+                 : formatted(" at %.10g, %.10g, %.10g", at.x, at.y, at.z) + (turn.empty() ? "" : ", ") + turn + ": ") +
+          cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   const Plan plan = report.simulator.plan();
   printEffects("effects", &Plan::Decision::in, plan);
   printEffects("left out", &Plan::Decision::leftOut, plan);
-  say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
-                  shareOf(counters.hits, counters.beams) + ")");
+  say("hits",
+      grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" + shareOf(counters.hits, counters.beams) +
+          ")" +
+          (report.ofMedium == 0 ? "" : ", " + grouped(report.ofMedium) + " of them by " + report.media + " alone"));
   if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
   printTriangles(counters, report.trajectory.size() > 1);
   printTimes(report);

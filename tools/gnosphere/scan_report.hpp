@@ -25,6 +25,8 @@ struct ScanReport {
   std::vector<TrajectoryScan> trajectory;  ///< only with --trajectory
   double loadMs = 0, setUpMs = 0;
   const AccuracyChoice* choice = nullptr;  ///< only with --max-error
+  std::string media;                       ///< the effects whose particles give returns; empty without any
+  uint64_t ofMedium = 0;                   ///< beams whose returns all come from these
   double totalMs = 0;                      ///< all scans, including writing files
 };
 

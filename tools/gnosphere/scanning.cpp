@@ -16,33 +16,16 @@
 #include "base/text.hpp"
 #include "base/vector.hpp"
 #include "console.hpp"
-#include "drive/number_list.hpp"
 #include "drive/trajectory.hpp"
 #include "effects/parameter_text.hpp"
 #include "option_table.hpp"
+#include "pose_text.hpp"
 
 namespace gnosphere::cli {
 
 namespace {
 
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
-
-Pose parsePose(const std::string& text) {
-  const std::vector<double> numbers = parseNumbers(text, ',');
-  if (numbers.size() != 3 && numbers.size() != 7) {
-    throw Error(ErrorCode::invalidArgument,
-                "--pose: '" + text + "' is not X,Y,Z or X,Y,Z,QX,QY,QZ,QW with finite numbers");
-  }
-  Pose pose;
-  pose.position = {numbers[0], numbers[1], numbers[2]};
-  if (numbers.size() == 3) return pose;
-  const Quaternion q = {numbers[3], numbers[4], numbers[5], numbers[6]};
-  if (!isUnit(q))
-    throw Error(ErrorCode::invalidArgument, "--pose: '" + text + "' has a quaternion whose length is " +
-                                                numberText(normOf(q)) + " and not 1; 0,0,0,1 is no turn");
-  pose.orientation = normalized(q);
-  return pose;
-}
 
 /// Whether the table of requests, and not that of simulators, has the option that this assignment names.
 bool isOfRequest(const std::string& assignment) {
@@ -87,9 +70,11 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--sensor", options.sensor,
                  "A built-in name (gnosphere sensors), with :MODE if wanted, or a sensor file")
       ->capture_default_str();
-  app.add_option("--pose", options.pose,
-                 "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
-                 "the origin, or above the lowest surface in the middle of a scene that is elsewhere)");
+  app.add_option(
+      "--pose", options.pose,
+      "Position of the sensor in metres, X,Y,Z, and its orientation if wanted, as QX,QY,QZ,QW or in degrees, "
+      "as 0,0,1.8,yaw=90: yaw turns to the left, then pitch down, then roll to the right (default: 1.8 m "
+      "above the origin, or above the lowest surface in the middle of a scene that is elsewhere)");
   addSetting(app, "--faces", "faces", options.settings);
   addSetting(app, "--binning", "tuning.binning", options.settings);
   CLI::Option* animation =
@@ -108,21 +93,22 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
 CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::string& option, Settings& settings) {
   const Parameter<SimulatorOptions>& parameter = simulatorOption(option).parameter;
   std::vector<std::string> words;
-  for (const ChoiceWord& word : wordsOf(option)) words.push_back(word.name);
+  std::string about = parameter.doc;
+  for (const ChoiceWord& word : wordsOf(option)) {
+    words.push_back(word.name);
+    if (*word.doc) about += " " + words.back() + ": " + word.doc;
+  }
   // The setting goes before the settings of --set, so --set wins wherever it is on the command line.
   const auto set = [&settings, option](const std::string& word) {
     settings.insert(settings.begin(), option + "=" + word);
   };
-  return app.add_option_function<std::string>(flag, set, parameter.doc)
+  return app.add_option_function<std::string>(flag, set, about)
       ->check(CLI::IsMember(words))
       ->default_str(defaultText(parameter));
 }
 
 CLI::Option* addAccuracyOption(CLI::App& app, Settings& settings) {
-  std::string about;
-  for (const AccuracySetting& setting : accuracySettings())
-    about += (about.empty() ? "" : " ") + std::string(setting.name) + ": " + setting.doc;
-  return addSetting(app, "--accuracy", "accuracy", settings)->description(about);
+  return addSetting(app, "--accuracy", "accuracy", settings);
 }
 
 void addSetOption(CLI::App& app, Settings& settings) {

@@ -71,11 +71,11 @@ void printTables(const SubRaysStory& story) {
   for (const SubRayRow& row : report.rows) rows.push_back(cellsOf(row));
   printTable(rows);
   std::printf(
-      "\nclean: geometry alone; range: share of the beams with a return that is off by more than %s m%s;\n"
+      "\nclean: geometry alone; range: share of the beams with a return that is off by more than %g m%s;\n"
       "returns: share of the beams with another number of returns; wrong: share of the beams with either;\n"
       "max, 99.9 %%, RMS: errors of the range, from the nearest return of the reference; intensity, 99 %%: relative\n"
       "error of the intensity, what half and what 99 %% of the returns do not exceed\n",
-      metres(report.tolerance).c_str(), " and the noise of the range");
+      report.tolerance, " and the noise of the range");
 }
 
 std::string jsonOf(const SubRaysStory& story) {
