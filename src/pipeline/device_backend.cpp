@@ -374,8 +374,17 @@ class DeviceBackend final : public Backend {
       if (view + 1 == views ? !part.last : part.views[view + 1].shot == number) continue;
       if (sensor.choosesShells() && sensor.beams() > 0) sensor.setShellHint(shellHintOf(result));
       result.timings.wallMs = waited + millisecondsSince(start);
-      to.receive(part.index + number);
+      hand(part.index + number, to);
     }
+  }
+
+  /// Hands a scan to its receiver, whose time is no part of the scans that are in flight.
+  void hand(size_t number, const Destination& to) {
+    const Clock::time_point before = Clock::now();
+    to.receive(number);
+    const Clock::duration outside = Clock::now() - before;
+    for (Slot& slot : slots_) slot.start += outside;
+    start_ += outside;
   }
 
   void finishBatch(const Part& part, size_t slot, size_t ofSensor, const Destination& to) {

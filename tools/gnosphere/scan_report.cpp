@@ -133,7 +133,7 @@ void printTimes(const ScanReport& report) {
             milliseconds(*std::min_element(wall.begin(), wall.end())) + " at best";
   }
   if (!report.trajectory.empty() && report.simulator.device().type != "reference")
-    text += "; the first may include compilation";
+    text += "; scans that are submitted together share their time, and the first may include compilation";
   std::string separator = "; on the device ";
   for (const Stage& stage : stages(report)) {
     text += separator + stage.name + " " + milliseconds(stage.medianMs);

@@ -50,15 +50,12 @@ std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& s
     if (moves) shot.motion = motionFrom(trajectory, i, durationOf(sensor, i));
   }
   std::vector<TrajectoryScan> scans;
-  Scan scan;
   Progress progress("scan", trajectory.size());
-  // Scans are made one by one, so that the time of one has no part of writing the files of another.
-  for (size_t i = 0; i < shots.size(); ++i) {
-    simulator.scanInto(shots[i], scan);
+  simulator.scanAll(shots, [&](size_t i, const Scan& scan) {
     progress.step(i + 1);
     write(i, scan);
     scans.push_back({scan.pose, scan.counters, scan.timings});
-  }
+  });
   return scans;
 }
 
