@@ -116,7 +116,7 @@ struct CatalogueHead {
 GNOSPHERE_API const std::vector<CatalogueHead>& sensorCatalogue();
 
 /// The built-in model of that name, one of builtinSensors() or of sensorCatalogue(), the latter with ":MODE" if wanted;
-/// case does not matter. Throws Error(invalidArgument) with the names or modes that are known.
+/// case does not matter. Throws Error(invalidArgument) with the nearest names, or the modes that are known.
 GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
 /// Values for what a sensor file leaves open.

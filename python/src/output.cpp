@@ -136,7 +136,7 @@ void bindOutput(nb::module_& m) {
   m.def(
       "parse_fields", [](const FieldList& list) { return tupleOf(list.fields); }, "fields"_a,
       "The fields of a text such as 'x,y,z,range', or of a sequence of Field or names; every `fields` of this package "
-      "takes both. An empty text has none. Raises Error(invalid_argument) that lists the known names for another name, "
+      "takes both. An empty text has none. Raises Error(invalid_argument) with the nearest names for another name, "
       "and TypeError for anything else.");
   m.def(
       "default_fields", [] { return tupleOf(defaultFields()); }, "x y z range ring beam triangle instance");

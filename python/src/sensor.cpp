@@ -189,7 +189,8 @@ void bindCatalogue(nb::module_& m) {
   m.def(
       "builtin_sensor", &builtinSensor, "name"_a,
       "Returns the built-in model of that name, of builtin_sensors() or of sensor_catalogue(), the latter with ':MODE' "
-      "if wanted; case does not matter. Raises Error(invalid_argument) with the names or modes that are known.");
+      "if wanted; case does not matter. Raises Error(invalid_argument) with the nearest names, or the modes that are "
+      "known.");
 }
 
 /// Returns the path of a file, empty for no file: Python's Path of an empty text is that of the folder '.'.

@@ -40,7 +40,7 @@ void addSceneOptions(CLI::App& app, ScanningOptions& options);
 /// Adds the option --accuracy to `app`.
 CLI::Option* addAccuracyOption(CLI::App& app, Settings& settings);
 
-/// Finds what a built-in name stands for, or else loads the file of that path. Throws Error that lists the names.
+/// Finds what a built-in name stands for, or else loads the file of that path. Throws Error with the nearest names.
 template <typename T>
 T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
                 T (*load)(const std::filesystem::path&)) {
