@@ -36,6 +36,7 @@ TEST_CASE("an open file can be written, renamed and replaced, and knows whether 
   CHECK(!os::openFile(file, "wbx"));
   CHECK(errno == EEXIST);
   const os::Descriptor opened = os::descriptorOf(stream);
+  CHECK(os::terminalColumns(stream) == 0);
   CHECK(std::fputs("new\n", stream) >= 0);
   CHECK(os::synchronise(stream));
   CHECK(std::fclose(stream) == 0);
