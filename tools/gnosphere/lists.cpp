@@ -69,7 +69,6 @@ void printParameter(const Parameter<Owner>& parameter, const std::string& more =
 }
 
 /// Returns the words about the value 0 in the sentence of a parameter, such as "0 for no fog"; empty without any.
-/// of it.
 std::string zeroText(const std::string& doc) {
   const size_t begin = std::min({doc.find("0 for "), doc.find("0 means "), doc.find("both 0: ")});
   if (begin == doc.npos) return "";
