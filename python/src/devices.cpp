@@ -128,16 +128,12 @@ void bindDevices(nb::module_& m) {
           "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
           "device; if empty, the best device.\n"
           "uuid: DeviceInfo.uuid of the device, 16 bytes, in which case `name` is ignored; zeros for any device.")
-      .def(
-          "__init__", [](DeviceChoice* self, const std::string& text) { new (self) DeviceChoice(deviceByName(text)); },
-          "text"_a, "What device_by_name() makes of the text.")
       .def(nb::init_implicit<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
       .def_ro("kind", &DeviceChoice::kind, "Which kind of device.")
       .def_ro("name", &DeviceChoice::name, "Its number or a part of its name; empty for the best device.")
       .def_prop_ro(
           "uuid", [](const DeviceChoice& self) { return bytesOf(self.uuid); },
           "DeviceInfo.uuid of the device, in which case `name` is ignored; 16 zeros for any device.");
-  nb::implicitly_convertible<nb::str, DeviceChoice>();
   m.def("device_by_name", &deviceByName, "text"_a,
         "Parses the choice of a device on a command line: 'auto', a number in list_devices(), a part of the name of a "
         "Vulkan device or a number in it, 'reference', 'cuda:N' or 'cuda-fast:N'.");

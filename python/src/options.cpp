@@ -162,7 +162,14 @@ void bindSimulatorOptions(nb::module_& m) {
                    "Receives a line per step of each scan on a Vulkan device, with its size and time.")
       .def_rw("tuning", &SimulatorOptions::tuning, "How scans are computed; it changes no cloud.");
   bindOptionRows<[](SimulatorOptions& all) -> SimulatorOptions& { return all; }>(options, "");
-  readWriteCopy(options, "device", &SimulatorOptions::device, "By default the best Vulkan device of the machine.");
+  options.def_prop_rw(
+      "device", [](const SimulatorOptions& self) { return self.device; },
+      [](SimulatorOptions& self, const std::variant<DeviceChoice, DeviceInfo, std::string>& given) {
+        const std::string* const text = std::get_if<std::string>(&given);
+        const DeviceInfo* const info = std::get_if<DeviceInfo>(&given);
+        self.device = text ? deviceByName(*text) : info ? DeviceChoice(*info) : std::get<DeviceChoice>(given);
+      },
+      "By default the best Vulkan device of the machine. A text is what device_by_name() takes.");
   readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");
   readWriteCopy(options, "materials", &SimulatorOptions::materials,
                 "Reflectances by name; they override the scene's materials.");
