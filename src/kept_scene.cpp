@@ -214,12 +214,32 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
   added.materials.reserve(scene.materials.size());
   added.meshes.reserve(scene.meshes.size());
   std::vector<Instance> instances = scene.instances;
+  std::vector<Material> materials = scene.materials;
+  std::vector<AlphaImage> images = scene.alphaImages;
+  const size_t firstImage = scene_.alphaImages.size();
+  for (Material& material : materials)
+    if (material.alphaImage != kNoImage) material.alphaImage += static_cast<uint32_t>(firstImage);
+  const auto exchange = [&] {
+    for (size_t i = 0; i < materials.size(); ++i) std::swap(scene_.materials[added.materials[i]], materials[i]);
+    for (size_t i = 0; i < images.size(); ++i) std::swap(scene_.alphaImages[firstImage + i], images[i]);
+    planner_.forgetTextures();
+  };
+  const auto giveBack = [&] {
+    for (const uint32_t material : std::views::reverse(added.materials)) materials_.giveBack(material);
+  };
   try {
-    for (const Material& material : scene.materials) {
-      const bool hasImage = material.alphaImage != kNoImage;
-      const AlphaImage* image = hasImage ? &scene.alphaImages[material.alphaImage] : nullptr;
-      added.materials.push_back(static_cast<uint32_t>(addMaterial(material, image)));
+    for (size_t i = 0; i < materials.size(); ++i) {
+      added.materials.push_back(static_cast<uint32_t>(materials_.next()));
+      materials_.take();
     }
+    scene_.materials.resize(materials_.size());
+    scene_.alphaImages.resize(firstImage + images.size());
+    changeMaterials(exchange);
+  } catch (...) {
+    giveBack();
+    throw;
+  }
+  try {
     for (Mesh mesh : scene.meshes) {
       for (MeshPart& part : mesh.parts) part.material = added.materials[part.material];
       added.meshes.push_back(static_cast<uint32_t>(addMesh(mesh)));
@@ -230,8 +250,13 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
     }
     added.instances = addInstances(instances);
   } catch (...) {
-    for (const uint32_t mesh : std::views::reverse(added.meshes)) removeMesh(mesh);
-    for (const uint32_t material : std::views::reverse(added.materials)) removeMaterial(material);
+    try {
+      for (const uint32_t mesh : std::views::reverse(added.meshes)) removeMesh(mesh);
+      changeMaterials(exchange);
+      giveBack();
+    } catch (...) {
+      // Memory has run out again. Meshes and materials that nothing places stay, and change no scan.
+    }
     throw;
   }
   return added;

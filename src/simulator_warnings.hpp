@@ -19,7 +19,7 @@ class SimulatorWarnings {
   /// Tells which rows of the material table have no effect, and which instances are sheared beyond what the error
   /// bounds of the accuracies allow.
   void tellScene(const Scene& scene) const;
-  /// Tells which effects are called for, but not with this accuracy or device.
+  /// Tells which effects are called for, but not with this accuracy or device, or not without an intensity.
   void tellLeftOut(const SensorPlan& plan) const;
   /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
   /// the effect off.

@@ -18,7 +18,8 @@ struct Plan {
     EffectUse request = EffectUse::automatic;
     bool in = false;     ///< true if scans simulate the effect
     std::string reason;  ///< for example "the sensor states 3.0 x 1.5 mrad"
-    /// True if the effect is called for, but the accuracy or the device cannot simulate it.
+    /// True if the effect is called for, but the accuracy or the device cannot simulate it, or the intensity that it
+    /// needs is off.
     bool leftOut = false;
   };
   /// A number that the driver's compiler reports of a pipeline, with the name that the driver gives it.

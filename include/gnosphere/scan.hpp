@@ -177,7 +177,8 @@ struct StageTime {
 /// geometry is planned; its time is not part of `gpuMs`.
 struct Timings {
   /// From the submission until the results can be read on the host, without the time in which the library had kernels
-  /// compiled. Drivers of CPUs still compile when a kernel first runs.
+  /// compiled. Drivers of CPUs still compile when a kernel first runs. The time that the receiver of scanAll() takes
+  /// meanwhile does not count; with a slow receiver a scan by itself may take longer, but not less than gpuMs.
   double wallMs = 0;
   double gpuMs = 0;
   std::vector<StageTime> stages;

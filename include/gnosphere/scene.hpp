@@ -220,8 +220,9 @@ GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 GNOSPHERE_API void validate(const Scene& scene);
 
 /// Returns the scene with everything of `other` behind what it has, moved by `transform`: materials, alpha images,
-/// meshes and instances get the indices that follow, in their order, and nodes, skins and clips do, too. Throws
-/// Error(invalidArgument) if `other` is wrong, see validate(), or the transform is not finite.
+/// meshes, instances, skins and clips get the indices that follow, in their order; nodes do, too, behind one more,
+/// which moves them, if both scenes have nodes. Throws Error(invalidArgument) if `other` is wrong, see validate(), or
+/// the transform is not finite.
 GNOSPHERE_API Scene joined(Scene scene, const Scene& other, const Transform& transform = {});
 
 /// Which axis of a file points up.

@@ -372,6 +372,8 @@ class GNOSPHERE_API Simulator {
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
   /// Adds the materials, meshes and instances of a scene, for example of a vehicle with several parts, moved by
   /// `transform`. To move it again, set the transforms of its instances to the new one times those that `scene` states.
+  /// If memory runs out, and runs out again while what was added is taken back, materials and meshes without instances
+  /// stay.
   AddedScene addScene(const Scene& scene, const Transform& transform = {});
   /// Removes an instance; the next one that is added gets its index.
   void removeInstance(size_t instance);

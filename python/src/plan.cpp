@@ -14,8 +14,10 @@ void bindPlan(nb::module_& m) {
       .def_ro("request", &Plan::Decision::request, "What the sensor asked for: off, on or automatic.")
       .def_ro("in_", &Plan::Decision::in,
               "True if scans simulate the effect; `in` in C++, which is a word of Python's.")
-      .def_ro("left_out", &Plan::Decision::leftOut,
-              "True if the effect is called for, but the accuracy or the device cannot simulate it.")
+      .def_ro(
+          "left_out", &Plan::Decision::leftOut,
+          "True if the effect is called for, but the accuracy or the device cannot simulate it, or the intensity that "
+          "it needs is off.")
       .def_ro("reason", &Plan::Decision::reason, "For example 'the sensor states 3.0 x 1.5 mrad'.");
   nb::class_<Plan::Statistic>(plan, "Statistic",
                               "A number that the driver's compiler reports of a pipeline, with the driver's name.")

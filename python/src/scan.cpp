@@ -210,8 +210,10 @@ void bindCounters(nb::module_& m) {
                           "Times of one scan. gpu_ms and stages come from device timestamps; without these, and on a "
                           "CPU device unless Tuning.stage_times asks for them, they are zero and empty.");
   timings
-      .def_ro("wall_ms", &Timings::wallMs,
-              "From the submission until the results can be read on the host, without compiling kernels.")
+      .def_ro(
+          "wall_ms", &Timings::wallMs,
+          "From the submission until the results can be read on the host, without compiling kernels and without what "
+          "the function given to scan_all() takes meanwhile.")
       .def_ro("gpu_ms", &Timings::gpuMs, "Milliseconds by the timestamps of the device.");
   readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
 }

@@ -168,8 +168,8 @@ void bindScene(nb::module_& m) {
       "scene"_a, "other"_a, "transform"_a = Transform(), WithoutGil(),
       "Returns a scene with everything of `scene`, and everything of `other` behind it, moved by `transform`: "
       "materials, "
-      "alpha images, meshes and instances get the indices that follow, in their order, and nodes, skins and clips do, "
-      "too. Raises Error(invalid_argument).");
+      "alpha images, meshes, instances, skins and clips get the indices that follow, in their order; nodes do, too, "
+      "behind one more, which moves them, if both scenes have nodes. Raises Error(invalid_argument).");
 
   nb::enum_<UpAxis>(m, "UpAxis", "Which axis of a file points up.")
       .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")

@@ -84,12 +84,29 @@ def test_entities_of_open_scenario_stand_where_init_puts_them(tmp_path):
         ego, walker = robotics.read_traffic(tmp_path / "a.xosc", {"hatchback*": "car", "pedestrian": "person"})
     assert ego["model"] == "car" and ego["outside"] == walker["outside"] == "hold"
     assert ego["trajectory"]["waypoints"] == [{"time": 0.0, "position": [40.0, -2.0, 0.0], "yaw_deg": 180.0}]
-    (tmp_path / "a.xosc").write_text(text.replace("<Storyboard>", "<Storyboard>" + init.format("Ego", "<LanePosition/>")))
+    (tmp_path / "a.xosc").write_text(
+        text.replace("<Storyboard>", "<Storyboard>" + init.format("Ego", "<LanePosition/>"))
+    )
     with pytest.warns(UserWarning, match=r"places of Init that are no WorldPosition \(1\)"):
         (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"*": "person"})
     (tmp_path / "a.xosc").write_text(XOSC.replace('x="1" y="2"', 'x="$Far" y="2"'))
-    with pytest.raises(ValueError, match=r"a.xosc: <WorldPosition x='\$Far'>: there is no parameter of this name"):
+    with pytest.raises(ValueError, match=r"a.xosc: <WorldPosition x='\$Far'> is no number, and no parameter with one"):
         robotics.read_traffic(tmp_path / "a.xosc", {"*": "person"})
+
+
+def test_an_entity_stands_where_init_puts_it_until_its_trajectory_begins(tmp_path):
+    init = """<Storyboard><Init><Actions><Private entityRef="Walker"><PrivateAction><TeleportAction><Position>
+<WorldPosition x="$there" y="7"/></Position></TeleportAction></PrivateAction></Private></Actions></Init>"""
+    text = XOSC.replace("<Storyboard>", init).replace('<Vertex time="0">', '<Vertex time="1.5">')
+    story = """<ParameterDeclarations><ParameterDeclaration name="there" value="$far"/>
+<ParameterDeclaration name="far" value="-9"/></ParameterDeclarations><Act delay="${2 * $unknown}">"""
+    (tmp_path / "a.xosc").write_text(text.replace("<Act>", story))
+    with pytest.warns(UserWarning, match="vertices without"):
+        (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
+    waypoints = walker["trajectory"]["waypoints"]
+    assert [point["time"] for point in waypoints] == [0.0, 1.499, 1.5, 2.0]
+    assert waypoints[0]["position"] == waypoints[1]["position"] == [-9.0, 7.0, 0.0]
+    assert waypoints[2]["position"] == [1.0, 0.0, 0.0]
 
 
 def test_trajectories_of_open_scenario_follow_each_other(tmp_path):
@@ -120,6 +137,11 @@ def test_trajectories_of_open_scenario_follow_each_other(tmp_path):
 
 
 def test_pitch_and_roll_of_open_scenario(tmp_path):
+    follow = '</TrajectoryRef><TrajectoryFollowingMode followingMode="follow"/>'
+    text = XOSC.replace('h="1.5707963"', 'p="-0.2"').replace("</TrajectoryRef>", follow)
+    (tmp_path / "a.xosc").write_text(text)
+    with pytest.warns(UserWarning, match=r"the pitch and the roll of vertices without a heading \(1\)"):
+        robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
     (tmp_path / "a.xosc").write_text(XOSC.replace('h="1.5707963"', 'h="0.3" p="-0.2" r="0.1"'))
     with pytest.warns(UserWarning, match="vertices without"):
         (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})

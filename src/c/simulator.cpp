@@ -322,8 +322,11 @@ gno_status gno_simulator_add_scene(gno_simulator simulator, gno_scene scene, con
                                    uint32_t* materials, uint32_t* meshes, uint32_t* instances) {
   return guard([&] {
     const Transform placed = transform ? transformOf(*transform) : Transform();
-    InUse from(scene);
-    const AddedScene added = Idle(simulator)->addScene(*from, placed);
+    const auto from = find(scene);
+    const auto to = find(simulator);
+    const std::scoped_lock lock(from->mutex, to->mutex);  // in no order, as a receiver of scans may read the scene
+    const InUse used(scene);
+    const AddedScene added = Idle(simulator)->addScene(from->value, placed);
     if (materials) std::ranges::copy(added.materials, materials);
     if (meshes) std::ranges::copy(added.meshes, meshes);
     if (instances) std::ranges::copy(added.instances, instances);

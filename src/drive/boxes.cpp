@@ -80,11 +80,12 @@ void BoxFinder::eachBeamThrough(const PlannedScan& planned, const Pose& seen, co
   }
 }
 
-double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object) {
+double BoxFinder::visibility(const RecordedScan& recorded, const Box& box) {
   constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
+  const uint32_t object = world_.objectOfActor(box.actor);
   const size_t returns = recorded.scan.returns;
   uint64_t through = 0, stopped = 0;
-  eachBeamThrough(recorded.planned, seen, size, [&](size_t beam, double entry) {
+  eachBeamThrough(recorded.planned, box.seen, box.size, [&](size_t beam, double entry) {
     // A beam without a return from a surface does not tell whether something stands before the box.
     bool meets = false, arrives = false;
     for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
@@ -113,7 +114,6 @@ Box BoxFinder::boxAt(const RecordedScan& recorded, size_t actor, double seconds)
   box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : box.seen;
   box.velocity = placement.velocity;
   box.moving = placement.isMoving();
-  box.visibility = visibility(recorded, box.seen, box.size, world_.objectOfActor(actor));
   return box;
 }
 
@@ -134,6 +134,7 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
     if (times[a].empty()) continue;
     Box& box = boxes.emplace_back(boxAt(recorded, a, median(times[a])));
     box.points = times[a].size();
+    box.visibility = visibility(recorded, box);
     if (std::isnan(box.visibility)) box.visibility = 1;  // all its points lie beside the box
   }
   return boxes;
@@ -147,16 +148,18 @@ std::vector<Box> BoxFinder::findMissed(const RecordedScan& recorded) {
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
     if (std::ranges::find(recorded.boxes, a, &Box::actor) != recorded.boxes.end()) continue;
     if (std::ranges::find(rigged.ignores, a) != rigged.ignores.end() || !world_.poseOf(a, time)) continue;
-    const Box atStart = boxAt(recorded, a, 0);
-    const Vec3 from = inverse(atStart.seen).position, half = 0.5 * atStart.size;
+    Box box = boxAt(recorded, a, 0);
+    const Vec3 from = inverse(box.seen).position, half = 0.5 * box.size;
     const Vec3 nearest = {std::clamp(from.x, -half.x, half.x), std::clamp(from.y, -half.y, half.y),
                           std::clamp(from.z, -half.z, half.z)};
     if (lengthOf(from - nearest) > reach) continue;
     std::vector<float> times;  // at which beams pass the actor
-    eachBeamThrough(recorded.planned, atStart.seen, atStart.size, [&](size_t beam, double) {
+    eachBeamThrough(recorded.planned, box.seen, box.size, [&](size_t beam, double) {
       times.push_back(static_cast<float>(timeOf(rigged.sensor, beam, number)));
     });
-    boxes.push_back(times.empty() ? atStart : boxAt(recorded, a, median(times)));
+    if (!times.empty()) box = boxAt(recorded, a, median(times));
+    box.visibility = visibility(recorded, box);
+    boxes.push_back(box);
   }
   return boxes;
 }

@@ -77,8 +77,8 @@ void DriveReader::warnOfClocks() {
 
   const std::vector<WeatherStamp>& weather = drive_.weather;
   if (weather.size() > 1 &&
-      (weather[1].time > latest - first + kSlack || weather.back().time < earliest - first - kSlack))
-    warn("weather[1].time", "is " + secondsText(weather[1].time) +
+      (weather[0].time > latest - first + kSlack || weather.back().time < earliest - first - kSlack))
+    warn("weather[0].time", "is " + secondsText(weather[0].time) +
                                 ", and times of weather count from the start of the drive, which lasts " +
                                 secondsText(drive_.duration));
 }

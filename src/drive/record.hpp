@@ -77,9 +77,9 @@ class BoxFinder {
   /// frame of the sensor at the box's time.
   template <typename Use>
   void eachBeamThrough(const PlannedScan& planned, const Pose& seen, const Vec3& size, const Use& use);
-  /// Returns the box of an actor at so many seconds after the start of a scan, without its points.
+  /// Returns the box of an actor at so many seconds after the start of a scan, without its points and visibility.
   Box boxAt(const RecordedScan& recorded, size_t actor, double seconds);
-  double visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object);
+  double visibility(const RecordedScan& recorded, const Box& box);
 
   const Drive& drive_;
   const World& world_;

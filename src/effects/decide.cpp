@@ -113,7 +113,9 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
     } else if (effects.intensity.use == EffectUse::off && decision.request == EffectUse::automatic &&
                info.needsIntensity(effects)) {
       decision.reason = "intensity, which it needs, is off in the request";
-      decision.leftOut = info.applies && info.applies(question).shows;
+      Question fixed = question;  // a place for the weather of shots calls for nothing
+      fixed.variableWeather = false;
+      decision.leftOut = info.applies && info.applies(fixed).shows;
     } else if (info.applies) {
       decideBy(info.applies(question), request.sensor, lenient, decision);
     }

@@ -373,12 +373,13 @@ class DeviceBackend final : public Backend {
       }
       if (view + 1 == views ? !part.last : part.views[view + 1].shot == number) continue;
       if (sensor.choosesShells() && sensor.beams() > 0) sensor.setShellHint(shellHintOf(result));
-      result.timings.wallMs = waited + millisecondsSince(start);
+      result.timings.wallMs = std::max(waited + millisecondsSince(start), result.timings.gpuMs);
       hand(part.index + number, to);
     }
   }
 
-  /// Hands a scan to its receiver, whose time is no part of the scans that are in flight.
+  /// Hands a scan to its receiver. The time of the receiver does not count as time of the scans in flight, although the
+  /// device may work on these scans meanwhile.
   void hand(size_t number, const Destination& to) {
     const Clock::time_point before = Clock::now();
     to.receive(number);

@@ -65,6 +65,7 @@ TEST_CASE("clips of joined scenes move what they moved in their own, and nothing
     const Scene both = joined(joined(still, first), second, kPlace);
     validate(both);
     REQUIRE(both.animation.clips.size() == 2);
+    CHECK(both.animation.nodes.size() == first.animation.nodes.size() + second.animation.nodes.size() + 1);
     const SceneState rest = stateAt(both, {}, 0), firstMoves = stateAt(both, both.animation.clips[0], 0.4),
                      secondMoves = stateAt(both, both.animation.clips[1], 0.4);
     const SceneState firstRest = stateAt(first, {}, 0), firstMoved = stateAt(first, first.animation.clips[0], 0.4),

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -76,6 +77,35 @@ TEST_CASE("C: a function that receives warnings cannot change the scene that is 
   CHECK(gno_scene_add_instance(wall.scene, &instance, nullptr) == GNO_OK);
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
   CHECK(gno_material_table_destroy(wall.options.materials) == GNO_OK);
+}
+
+TEST_CASE("C: a function that receives scans may read a scene that another thread adds to the simulator") {
+  Wall wall;
+  gno_simulator simulator = nullptr;
+  REQUIRE(wall.create(simulator) == GNO_OK);
+  gno_scene car = sceneWithWall();
+  struct Reading {
+    gno_scene scene;
+    gno_simulator simulator;
+    std::thread adding;
+    gno_status added = GNO_OK, read = GNO_OK;
+  } reading = {car, simulator, {}};
+  const auto receive = [](size_t, gno_scan, void* user) -> int32_t {
+    auto& to = *static_cast<Reading*>(user);
+    to.adding = std::thread(
+        [&to] { to.added = gno_simulator_add_scene(to.simulator, to.scene, nullptr, nullptr, nullptr, nullptr); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // the other thread waits for the simulator now
+    gno_scene_counts counts = gno_scene_counts_init();
+    to.read = gno_scene_get_counts(to.scene, &counts);
+    return 0;
+  };
+  const gno_shot shot = gno_shot_init();
+  CHECK(gno_simulator_scan_all(simulator, &shot, 1, receive, &reading) == GNO_OK);
+  reading.adding.join();
+  CHECK(reading.added == GNO_OK);
+  CHECK(reading.read == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_scene_destroy(car) == GNO_OK);
 }
 
 TEST_CASE("C: a scan that is lent to a function cannot be the result of another simulator") {

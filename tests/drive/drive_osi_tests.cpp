@@ -255,6 +255,23 @@ TEST_CASE("OSI: the vehicle of GroundTruth is the actor that goes with the ego, 
   checkVector(vectorOf(child(child(body, 5), 4)), {-0.4, 0, -0.6});
 }
 
+TEST_CASE("OSI: something around a vehicle that stands is the vehicle only if it is one") {
+  for (const std::string kind : {"person", "car"}) {
+    const DriveFolder folder;
+    Json json = osiDrive();
+    json["duration"] = 0.2;
+    json["ego"]["trajectory"] = {{"waypoints", Json::array({waypoint(0, 0, 0, 0)})}};
+    json["actors"] = {{{"name", "around"},
+                       {"model", "cube"},
+                       {"class", kind},
+                       {"trajectory", {{"waypoints", Json::array({waypoint(0, 0, 0, 0)})}}}}};
+    for (Json& sensor : json["sensors"]) sensor["ignores"] = {"around"};
+    REQUIRE(folder.run(json).finished);
+    const std::string trace = folder.get("out/osi/20231114T221320Z_gt_370_300_2_world.osi");
+    CHECK(whole(child(pbf_reader(messagesOf(trace)[0]), 3), 1) == (kind == "car" ? 1 : 4));
+  }
+}
+
 TEST_CASE("OSI: radial velocities are positive towards the sensor, if the output asks for them") {
   const DriveFolder folder;
   Json json = osiDrive();
@@ -276,6 +293,15 @@ TEST_CASE("OSI: radial velocities are positive towards the sensor, if the output
     car += object == 1 ? 1 : 0;
   }
   CHECK((ground > 100 && car > 0));
+  // Another output that asks for them changes no trace.
+  const DriveFolder plain;
+  json["outputs"] = {{{"format", "osi"}, {"sensors", {"top"}}},
+                     {{"format", "pcd"}, {"sensors", {"top"}}, {"fields", "x,y,z,radial_speed"}}};
+  plain.run(json);
+  const std::string trace = plain.get("out/osi/20231114T221320Z_sd_370_300_10_top.osi");
+  detections = child(child(pbf_reader(messagesOf(trace)[4]), 26), 3);
+  REQUIRE(detections.next(2));
+  CHECK_FALSE(has(detections.get_message(), 12));
   json["outputs"][0]["fields"] = "radial_speed,width";
   CHECK_THROWS_WITH(folder.read(json),
                     ContainsSubstring("outputs[0].fields: OSI's detections have no place for width; beside what they "

@@ -77,8 +77,10 @@ TEST_CASE("a drive that goes on when its vehicle has arrived is warned of") {
 TEST_CASE("entries of weather on another clock are warned of") {
   Json json = quietDrive();
   json["weather"] = {{{"time", 1700000000}}, {{"time", 1700000000.5}, {"rain", 5}}};
-  CHECK(warningsOf(json) == Warnings{"weather[1].time: is 1700000000.5 s, and times of weather count from the start of "
+  CHECK(warningsOf(json) == Warnings{"weather[0].time: is 1700000000 s, and times of weather count from the start of "
                                      "the drive, which lasts 1 s"});
+  json["weather"] = {{{"time", 0}}, {{"time", 60}, {"rain", 5}}};  // the drive has the beginning of the ramp
+  CHECK(warningsOf(json).empty());
   json["weather"] = {{{"time", 0}}, {{"time", 0.9}, {"rain", 5}}, {{"time", 2}, {"rain", 9}}};
   CHECK(warningsOf(json).empty());
   json["duration"] = 0.5;  // a part of the whole, in which the rain has not yet come

@@ -98,6 +98,21 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
   const AlphaImage image = {2, 2, {0, 255, 0, 255}};
   each(
       "addMaterial", [&] { added = simulator.addMaterial(glass, &image); }, [&] { simulator.removeMaterial(added); });
+  Scene part = sceneOf(named);
+  for (MeshPart& run : part.meshes[0].parts) run.material = 0;
+  part.materials = {glass, glass};
+  part.materials[1].alphaMode = AlphaMode::mask;
+  part.materials[1].alphaImage = 0;
+  part.alphaImages = {image};
+  part.instances[0].transform = translation(500, 0, 0);
+  AddedScene parts;
+  each(
+      "addScene", [&] { parts = simulator.addScene(part, translation(0, 1, 0)); },
+      [&] {
+        for (const uint32_t instance : parts.instances) simulator.removeInstance(instance);
+        for (const uint32_t mesh : parts.meshes) simulator.removeMesh(mesh);
+        for (const uint32_t material : parts.materials) simulator.removeMaterial(material);
+      });
   each(
       "addSensor",
       [&] {

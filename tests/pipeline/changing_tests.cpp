@@ -210,6 +210,8 @@ TEST_CASE("a scene that is added scans as the joined scene does, and a wrong pla
   nowhere.rows[7] = std::numeric_limits<double>::infinity();
   CHECK_THROWS_WITH(simulator.addScene(added, nowhere), "entry 0: the transform is not finite");
   CHECK(sameBytes(simulator.scan({}), before));
+  CHECK(simulator.addMaterial(glass()) == 1);  // the indices are free again
+  simulator.removeMaterial(1);
   const AddedScene indices = simulator.addScene(added, place);
   CHECK(indices.materials == std::vector<uint32_t>{1, 2, 3});
   CHECK(indices.meshes == std::vector<uint32_t>{1, 2, 3});

@@ -73,13 +73,13 @@ std::vector<Scan> walk(const std::string& file) {
   return scans;
 }
 
-/// A car drives in for one scan.
-Scan withCar(Simulator& simulator, const Mesh& car, const Transform& place) {
-  const size_t mesh = simulator.addMesh(car);
-  const size_t instance = simulator.addInstance(static_cast<uint32_t>(mesh), place);
+/// A car of several parts drives in for one scan.
+Scan withCar(Simulator& simulator, const Scene& car, const Transform& place) {
+  const AddedScene added = simulator.addScene(car, place);
   Scan scan = simulator.scan({});
-  simulator.removeInstance(instance);
-  simulator.removeMesh(mesh);
+  for (const uint32_t instance : added.instances) simulator.removeInstance(instance);
+  for (const uint32_t mesh : added.meshes) simulator.removeMesh(mesh);
+  for (const uint32_t material : added.materials) simulator.removeMaterial(material);
   return scan;
 }
 

@@ -351,7 +351,7 @@ TEST_CASE("the examples of docs/api.md are compiled, and do what they say") {
   CHECK(scans == 4);
   MeshBuilder car;
   car.quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0});
-  const Scan with = withCar(simulator, car.take(), {}), without = simulator.scan({});
+  const Scan with = withCar(simulator, sceneOf(car.take()), {}), without = simulator.scan({});
   CHECK(with.counters.triangles == without.counters.triangles + 2);
   CHECK(twoLidars(floorScene()).plan(1).has("intensity") == false);
   Simulator ahead(floorScene(), solidState());

@@ -62,7 +62,7 @@ void printComparison(const FileComparison& c, const Scan& reference, const std::
     std::printf("range error   max %.3g m, 99.99 %% %.3g m, RMS %.3g m\n", c.rangeErrorMax, c.rangeError9999,
                 c.rangeErrorRms);
   else
-    std::printf("range error   -, as no return has the same triangle in both\n");
+    std::printf("range error   -, as no return has the same triangle in both, ties aside\n");
   std::printf("point error   max %.3g m\n", c.pointErrorMax);
   if (!ignored.empty()) std::printf("not compared  %s\n", joined(ignored).c_str());
   std::printf("%s\n", c.same() ? "the same" : "NOT the same");

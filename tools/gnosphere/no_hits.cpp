@@ -4,11 +4,13 @@
 #include <algorithm>
 
 #include "console.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
-/// Returns how many beams hit if both faces of every triangle reflect; 0 if they do already.
+/// Returns how many beams hit if both faces of every triangle reflect; 0 if they do already, or if there is no memory
+/// for a second simulator.
 uint64_t hitsOnBothFaces(const Scene& scene, const SensorRequest& request, SimulatorOptions settings,
                          const Pose& pose) {
   const bool material = settings.faces == ReflectingFaces::material;
@@ -18,7 +20,11 @@ uint64_t hitsOnBothFaces(const Scene& scene, const SensorRequest& request, Simul
   settings.faces = ReflectingFaces::both;
   settings.warn = nullptr;
   settings.trace = nullptr;
-  return Simulator(scene, request, settings).scan(pose).counters.hits;
+  try {
+    return Simulator(scene, request, settings).scan(pose).counters.hits;
+  } catch (const Error&) {
+    return 0;
+  }
 }
 
 }  // namespace

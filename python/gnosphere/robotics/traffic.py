@@ -101,6 +101,7 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Cou
         for waypoints in _trajectories(group, left_out):
             for name in names:
                 tracks.setdefault(name, (name, "", []))[2].extend(waypoints)
+    starts: dict[str, Actor] = {}
     for private in root.iterfind("Storyboard/Init/Actions/Private"):
         place = private.find(".//TeleportAction/Position")
         if place is None:
@@ -108,25 +109,38 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Cou
         world, name = place.find("WorldPosition"), private.get("entityRef", "")
         if world is None:
             left_out["places of Init that are no WorldPosition"] += 1
-        elif name in tracks and not tracks[name][2]:
-            tracks[name][2].append(_placed(0.0, world, along=False))
+        else:
+            starts[name] = _placed(0.0, world, False, left_out)
     for name, kind, waypoints in tracks.values():
-        if waypoints:
-            yield name, kind, _in_order(waypoints, left_out)
+        ordered = _in_order(waypoints, left_out)
+        if name in starts:
+            ordered = _from_init(starts[name], ordered)
+        if ordered:
+            yield name, kind, ordered
 
 
 def _fill_in_parameters(root: ET.Element) -> None:
-    """Puts the values of parameters in place of their names, which begin with $."""
-    values = {
-        parameter.get("name", ""): parameter.get("value", "")
-        for parameter in root.iterfind("ParameterDeclarations/ParameterDeclaration")
-    }
+    """Puts the values of parameters in place of their names, which begin with $. Other names stay as they are."""
+    stated: dict[str, set[str]] = {}
+    for parameter in root.iter("ParameterDeclaration"):
+        stated.setdefault(parameter.get("name", ""), set()).add(parameter.get("value", ""))
+    values = {name: texts.pop() for name, texts in stated.items() if len(texts) == 1}
     for element in root.iter():
         for key, text in element.items():
-            if text.startswith("$"):
-                if text[1:] not in values:
-                    raise ValueError(f"<{element.tag} {key}='{text}'>: there is no parameter of this name")
-                element.set(key, values[text[1:]])
+            for _ in values:  # the value may be the name of another one
+                if not text.startswith("$") or text[1:] not in values:
+                    break
+                text = values[text[1:]]
+            element.set(key, text)
+
+
+def _number(element: ET.Element, key: str, usual: str = "0") -> float:
+    text = element.get(key, usual)
+    try:
+        return float(text)
+    except ValueError:
+        why = "is no number, and no parameter with one value" if text.startswith("$") else "is no number"
+        raise ValueError(f"<{element.tag} {key}='{text}'> {why}") from None
 
 
 def _kind_of(thing: ET.Element) -> str:
@@ -147,7 +161,7 @@ def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[list[Ac
         along = mode is not None and mode.get("followingMode") == "follow"
         offset, scale = 0.0, 1.0
         if timing is not None:
-            offset, scale = float(timing.get("offset", "0")), float(timing.get("scale", "1"))
+            offset, scale = _number(timing, "offset"), _number(timing, "scale", "1")
             if timing.get("domainAbsoluteRelative") == "relative":
                 left_out["the starts of trajectories with relative times, which are taken as 0"] += 1
         for trajectory in action.iter("Trajectory"):
@@ -160,18 +174,20 @@ def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[list[Ac
                 if place is None or vertex.get("time") is None:
                     left_out["vertices without a time or a WorldPosition"] += 1
                     continue
-                waypoints.append(_placed(scale * float(vertex.get("time", "0")) + offset, place, along))
+                waypoints.append(_placed(scale * _number(vertex, "time") + offset, place, along, left_out))
             if waypoints and action.find("TimeReference/None") is not None:
                 left_out["TimeReference None, so the times of vertices count all the same"] += 1
             yield waypoints
 
 
-def _placed(time: float, place: ET.Element, along: bool) -> Actor:
+def _placed(time: float, place: ET.Element, along: bool, left_out: Counter[str]) -> Actor:
     """A waypoint at a WorldPosition. If `along`, one without a heading looks along its way."""
-    x, y, z, turn, pitch, roll = (float(place.get(key, "0")) for key in "xyzhpr")
+    x, y, z, turn, pitch, roll = (_number(place, key) for key in "xyzhpr")
     waypoint = _waypoint(time, (x, y, z), math.degrees(turn))
     if along and place.get("h") is None:
         del waypoint["yaw_deg"]
+        if pitch or roll:
+            left_out["the pitch and the roll of vertices without a heading"] += 1
     elif pitch or roll:
         del waypoint["yaw_deg"]
         waypoint["orientation"] = [round(value, 9) for value in _turned(turn, pitch, roll)]
@@ -187,6 +203,16 @@ def _turned(yaw: float, pitch: float, roll: float) -> tuple[float, float, float,
         sy * cp * cr - cy * sp * sr,
         cy * cp * cr + sy * sp * sr,
     )
+
+
+def _from_init(start: Actor, waypoints: list[Actor]) -> list[Actor]:
+    """Waypoints that begin where Init puts the entity, which stands there until its trajectory begins."""
+    if not waypoints:
+        return [start]
+    first = waypoints[0]
+    if first["time"] <= 0.001 or math.dist(start["position"], first["position"]) <= 0.01:
+        return waypoints
+    return [start, {**start, "time": round(first["time"] - 0.001, 6)}, *waypoints]
 
 
 def _in_order(waypoints: list[Actor], left_out: Counter[str]) -> list[Actor]:

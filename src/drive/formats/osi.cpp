@@ -3,6 +3,7 @@
 // time of the first frame, the type, the versions of OSI and protobuf, the number of messages, a name. Each message is
 // a SensorData with the detections of one scan, behind its length in bytes as a little-endian u32. The trace
 // YYYYMMDDThhmmssZ_gt_370_300_COUNT_world.osi has a GroundTruth per frame.
+#include <algorithm>
 #include <cmath>
 
 #include "base/file.hpp"
@@ -163,7 +164,7 @@ class Osi : public Format {
     const Scan& scan = recorded.scan;
     const bool strong = scan.has(Field::intensity);
     const auto intensities = strong ? scan.column<float>(Field::intensity) : ColumnView<float>();
-    const bool doppler = scan.has(Field::radialSpeed);
+    const bool doppler = std::ranges::find(output_.fields, Field::radialSpeed) != output_.fields.end();
     const auto speeds = doppler ? scan.column<float>(Field::radialSpeed) : ColumnView<float>();
     const double percent = intensityFactor(drive_.sensors[recorded.planned.sensor], 100);
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {

@@ -47,7 +47,8 @@ struct NamedKind {
   Kind kind;
 };
 
-/// The names of classes that say what an object is, in plain words and as nuScenes and SemanticKITTI have them.
+/// The names of classes that say what an object is, in plain words and as nuScenes and SemanticKITTI have them. A
+/// class that begins with one of the names and a point, such as vehicle.emergency.police, is of its kind.
 constexpr NamedKind kKinds[] = {
     {"vehicle", {kVehicle}},
     {"other-vehicle", {kVehicle}},
@@ -61,23 +62,30 @@ constexpr NamedKind kKinds[] = {
     {"motorcycle", {kVehicle, 10}},
     {"motorbike", {kVehicle, 10}},
     {"vehicle.motorcycle", {kVehicle, 10}},
+    {"motorcyclist", {kVehicle, 10}},
+    {"bicyclist", {kVehicle, 11}},
     {"bicycle", {kVehicle, 11}},
     {"vehicle.bicycle", {kVehicle, 11}},
     {"bus", {kVehicle, 12}},
-    {"vehicle.bus.rigid", {kVehicle, 12}},
-    {"vehicle.bus.bendy", {kVehicle, 12}},
+    {"vehicle.bus", {kVehicle, 12}},
     {"tram", {kVehicle, 13}},
     {"train", {kVehicle, 14}},
+    {"on-rails", {kVehicle}},
     {"person", {kPedestrian}},
     {"pedestrian", {kPedestrian}},
-    {"human.pedestrian.adult", {kPedestrian}},
-    {"human.pedestrian.child", {kPedestrian}},
+    {"human.pedestrian", {kPedestrian}},
     {"animal", {kAnimal}},
 };
 
 Kind kindOf(const std::string& category) {
-  const auto found = std::ranges::find(kKinds, std::string_view(lower(category)), &NamedKind::name);
-  return found == std::end(kKinds) ? Kind() : found->kind;
+  std::string name = lower(category);
+  while (true) {
+    const auto found = std::ranges::find(kKinds, std::string_view(name), &NamedKind::name);
+    if (found != std::end(kKinds)) return found->kind;
+    const size_t point = name.rfind('.');
+    if (point == name.npos) return {};
+    name.resize(point);
+  }
 }
 
 /// An object as both kinds of base have it: without a size only its origin is known.
@@ -154,6 +162,9 @@ bool GroundTruthMessages::isBody(size_t actor) const {
   constexpr double kSame = 1e-3;  // m and rad
   const Trajectory &ego = drive_.ego, &way = drive_.actors[actor].trajectory;
   if (drive_.actors[actor].goneOutside) return false;
+  // An actor around a vehicle that stands may be anything, such as a bridge.
+  const bool moves = ego.movesWithin(ego.begin(), ego.end());
+  if (!moves && kindOf(drive_.classes[drive_.actors[actor].category].name).type != kVehicle) return false;
   const auto offsetAt = [&](double time) { return inverse(way.at(time)) * ego.at(time); };
   const Pose offset = offsetAt(drive_.start);
   const auto isSame = [&](const Trajectory::Stamp& stamp) {
