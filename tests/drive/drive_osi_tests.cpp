@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <protozero/pbf_reader.hpp>
+#include <tuple>
 
 #include "drive_support.hpp"
 
