@@ -215,9 +215,9 @@ GNO_API gno_status gno_scene_add_material(gno_scene scene, const gno_material* m
 GNO_API gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index);
 GNO_API gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index);
 /* Appends a copy of `other`, moved by `transform` (null: not moved): alpha images, materials, meshes, instances, skins
- * and clips get the indices that follow, in their order; nodes do, too, behind one more, which moves them, if both scenes
- * have nodes. `first_instance` (may be null) gets the index of the first of these instances. Each call copies both
- * scenes. */
+ * and clips get the indices that follow, in their order; nodes do, too, behind one more, which moves them, if both
+ * scenes have nodes. `first_instance` (may be null) gets the index of the first of these instances. Each call copies
+ * both scenes. */
 GNO_API gno_status gno_scene_join(gno_scene scene, gno_scene other, const gno_transform* transform,
                                   uint32_t* first_instance);
 GNO_API gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts);
