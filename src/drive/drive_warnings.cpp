@@ -2,8 +2,8 @@
 // Warnings of what a drive file says without a mistake, and probably does not mean: clocks that do not match, sensors
 // that make no scan, and weather and motion that do not reach a sensor.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
@@ -17,8 +17,7 @@ constexpr double kSlack = 1e-6;  // s: sums of Unix times and durations are as e
 /// Returns a time such as "1700000000.25 s".
 std::string secondsText(double time) {
   char text[64];
-  std::snprintf(text, sizeof(text), "%.3f", time);
-  std::string trimmed = text;
+  std::string trimmed(text, std::to_chars(text, text + sizeof(text), time, std::chars_format::fixed, 3).ptr);
   trimmed.erase(trimmed.find_last_not_of('0') + 1);
   if (trimmed.back() == '.') trimmed.pop_back();
   return trimmed + " s";
@@ -26,13 +25,6 @@ std::string secondsText(double time) {
 
 std::string spanText(const Trajectory& trajectory) {
   return "is from " + secondsText(trajectory.begin()) + " to " + secondsText(trajectory.end());
-}
-
-/// Returns "a, b and c".
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
-  return text;
 }
 
 /// Whether the points that this output writes have times of their own within a scan.

@@ -19,24 +19,6 @@ namespace {
 
 const float kHalf = std::sqrt(0.5f);
 
-using Points = std::vector<std::array<double, 3>>;
-
-/// The vertices of an instance in the world.
-Points vertices(const Scene& scene, const SceneState& state, size_t instance = 0) {
-  const uint32_t number = scene.instances.at(instance).mesh;
-  const Mesh& mesh = scene.meshes.at(number);
-  const Floats p = deformedPositions(mesh, state.deformations.at(number));
-  Points points;
-  for (size_t v = 0; v < mesh.vertexCount(); ++v)
-    points.push_back(at(state.transforms.at(instance), mesh.origin.x + p[3 * v], mesh.origin.y + p[3 * v + 1],
-                        mesh.origin.z + p[3 * v + 2]));
-  return points;
-}
-
-Points vertices(const Scene& scene, double time, ClipEnd end = ClipEnd::loop, size_t instance = 0) {
-  return vertices(scene, stateAt(scene, scene.animation.clips.at(0), time, end), instance);
-}
-
 void checkNear(const Points& got, const Points& expected, double within = 1e-6) {
   REQUIRE(got.size() == expected.size());
   for (size_t i = 0; i < got.size(); ++i)

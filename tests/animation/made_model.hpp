@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small animated glTF files, made by the tests.
+// Small animated glTF files, made by the tests, and where their vertices are.
 #pragma once
 
+#include <array>
+#include <vector>
+
+#include "gnosphere/animation.hpp"
 #include "scene/scene_text.hpp"
 
 namespace gnosphere::test {
@@ -50,6 +54,25 @@ inline GltfFileMaker skinnedFile() {
   file.node({{"name", "knee"}, {"translation", {1, 0, 0}}});
   file.json["animations"] = {{{"name", "clip"}, {"channels", Json::array()}, {"samplers", Json::array()}}};
   return file;
+}
+
+using Points = std::vector<std::array<double, 3>>;
+
+/// The vertices of an instance in the world.
+inline Points vertices(const Scene& scene, const SceneState& state, size_t instance = 0) {
+  const uint32_t number = scene.instances.at(instance).mesh;
+  const Mesh& mesh = scene.meshes.at(number);
+  const Floats p = deformedPositions(mesh, state.deformations.at(number));
+  Points points;
+  for (size_t v = 0; v < mesh.vertexCount(); ++v)
+    points.push_back(at(state.transforms.at(instance), mesh.origin.x + p[3 * v], mesh.origin.y + p[3 * v + 1],
+                        mesh.origin.z + p[3 * v + 2]));
+  return points;
+}
+
+/// The vertices at a time of the first clip.
+inline Points vertices(const Scene& scene, double time, ClipEnd end = ClipEnd::loop, size_t instance = 0) {
+  return vertices(scene, stateAt(scene, scene.animation.clips.at(0), time, end), instance);
 }
 
 }  // namespace gnosphere::test

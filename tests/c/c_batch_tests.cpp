@@ -40,17 +40,7 @@ gno_simulator makeSimulator() {
   const gno_scene scene = sceneWithWall();
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_from_json(toJson(ahead()).c_str(), &sensor) == GNO_OK);
-  gno_effects effects = nullptr;
-  REQUIRE(gno_effects_preset("clean", &effects) == GNO_OK);
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  request.effects = effects;
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  gno_simulator simulator = nullptr;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_effects_destroy(effects) == GNO_OK);
+  const gno_simulator simulator = simulatorOf(scene, sensor, "clean");
   CHECK(gno_scene_destroy(scene) == GNO_OK);
   return simulator;
 }

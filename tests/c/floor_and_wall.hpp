@@ -42,23 +42,10 @@ inline gno_scene makeScene() {
   return scene;
 }
 
-inline gno_simulator makeSimulator(gno_scene scene, const char* effects, std::vector<gno_field> fields) {
+inline gno_simulator makeSimulator(gno_scene scene, const char* effects, const std::vector<gno_field>& fields) {
   gno_sensor sensor = nullptr;
-  gno_effects request_effects = nullptr;
   REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  REQUIRE(gno_effects_preset(effects, &request_effects) == GNO_OK);
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  request.effects = request_effects;
-  request.fields = fields.data();
-  request.field_count = fields.size();
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  gno_simulator simulator = nullptr;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_effects_destroy(request_effects) == GNO_OK);
-  return simulator;
+  return simulatorOf(scene, sensor, effects, fields);
 }
 
 }  // namespace gnosphere::test

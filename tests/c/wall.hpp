@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of the C interface with a square.
+// Scenes of the C interface with a square, and simulators of scenes.
 #pragma once
 
 #include <gnosphere.h>
 
 #include <catch2/catch_test_macros.hpp>
+#include <vector>
 
 namespace gnosphere::test {
 
@@ -28,6 +29,25 @@ inline gno_scene sceneWithSquare(const float* corners) {
 
 inline gno_scene sceneWithWall() {
   return sceneWithSquare(kWall);
+}
+
+/// Makes a simulator on the reference for a sensor, whose handle is destroyed.
+inline gno_simulator simulatorOf(gno_scene scene, gno_sensor sensor, const char* effects,
+                                 const std::vector<gno_field>& fields = {}) {
+  gno_effects ofRequest = nullptr;
+  REQUIRE(gno_effects_preset(effects, &ofRequest) == GNO_OK);
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  request.effects = ofRequest;
+  request.fields = fields.data();
+  request.field_count = fields.size();
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  gno_simulator simulator = nullptr;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_effects_destroy(ofRequest) == GNO_OK);
+  return simulator;
 }
 
 }  // namespace gnosphere::test

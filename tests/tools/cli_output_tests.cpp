@@ -174,7 +174,7 @@ TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones"
   CHECK(json.at("same") == false);
   CHECK(json.at("not_compared").empty());
 
-  // A reference without ties and tolerances does not tell them.
+  // The reference has no fields for ties and tolerances, so the report has no numbers of them.
   const Result plain = place.run("compare c.ply a.pcd");
   CHECK_THAT(plain.out,
              ContainsSubstring("\nties                     -  not known, as the reference has no field tie\n") &&

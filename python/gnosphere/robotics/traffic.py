@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Optional, Union
 
 from .. import adapter
+from .resources import rotation
 
 Actor = dict[str, Any]
 Track = tuple[str, str, list[Actor]]
@@ -190,19 +191,8 @@ def _placed(time: float, place: ET.Element, along: bool, left_out: Counter[str])
             left_out["the pitch and the roll of vertices without a heading"] += 1
     elif pitch or roll:
         del waypoint["yaw_deg"]
-        waypoint["orientation"] = [round(value, 9) for value in _turned(turn, pitch, roll)]
+        waypoint["orientation"] = [round(float(value), 9) for value in adapter.quaternion(rotation(roll, pitch, turn))]
     return waypoint
-
-
-def _turned(yaw: float, pitch: float, roll: float) -> tuple[float, float, float, float]:
-    """The quaternion x, y, z, w of a turn by yaw about z, then pitch about the new y, then roll about the new x."""
-    (cy, sy), (cp, sp), (cr, sr) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in (yaw, pitch, roll))
-    return (
-        cy * cp * sr - sy * sp * cr,
-        cy * sp * cr + sy * cp * sr,
-        sy * cp * cr - cy * sp * sr,
-        cy * cp * cr + sy * sp * sr,
-    )
 
 
 def _from_init(start: Actor, waypoints: list[Actor]) -> list[Actor]:

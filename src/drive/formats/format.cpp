@@ -44,13 +44,17 @@ const FormatInfo& formatNamed(const std::string& name) {
   return *found;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
+  return text;
+}
+
 std::string formatNames(bool (*chosen)(const FormatInfo& format)) {
   std::vector<std::string> names;
   for (const FormatInfo& format : kFormats)
     if (chosen(format)) names.push_back(format.name);
-  std::string text = names.front();
-  for (size_t i = 1; i < names.size(); ++i) text += (i + 1 < names.size() ? ", " : " and ") + names[i];
-  return text;
+  return listed(names);
 }
 
 std::string Format::sensorFile(const PlannedScan& scan, const std::string& ending) const {

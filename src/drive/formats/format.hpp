@@ -31,7 +31,7 @@ class Format {
   /// The fields that scans of these sensors must hold.
   virtual std::vector<Field> fields() const = 0;
   virtual bool needsBoxes() const { return false; }
-  /// Whether it writes actors without points; it needs boxes, too.
+  /// Whether the format writes actors without points. Such a format needs boxes, too.
   virtual bool needsMissed() const { return false; }
   /// Appends the files of a frame.
   virtual void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const = 0;
@@ -83,6 +83,8 @@ struct FormatInfo {
 std::span<const FormatInfo> formats();
 /// Returns the format of this name, which the schema of drive files has.
 const FormatInfo& formatNamed(const std::string& name);
+/// Returns "a, b and c".
+std::string listed(const std::vector<std::string>& names);
 /// Returns "a, b and c": the names of the formats that `chosen` chooses.
 std::string formatNames(bool (*chosen)(const FormatInfo& format));
 
