@@ -178,7 +178,7 @@ struct StageTime {
 struct Timings {
   /// From the submission until the results can be read on the host, without the time in which the library had kernels
   /// compiled. Drivers of CPUs still compile when a kernel first runs. The time that the receiver of scanAll() takes
-  /// meanwhile does not count; with a slow receiver a scan by itself may take longer, but not less than gpuMs.
+  /// meanwhile does not count, except for the time in which the device works on the scan, by its timestamps.
   double wallMs = 0;
   double gpuMs = 0;
   std::vector<StageTime> stages;

@@ -251,6 +251,7 @@ class DeviceBackend final : public Backend {
   void scanParts(const std::vector<Part>& parts, const Destination& to) {
     waitForAll();
     setDeformed(scene_.deformed());
+    machine_->timeWork(parts.size() > 1 && !to.batch);
     if (!parts.empty()) submit(parts, 0);
     for (size_t i = 0; i < parts.size(); ++i) {
       if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);
@@ -325,7 +326,10 @@ class DeviceBackend final : public Backend {
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     const size_t ofSensor = sensorSlot(slot, part), views = part.views.size();
     Scan& result = to.scan;
-    if (part.first) start_ = slots_[slot].start;
+    if (part.first) {
+      start_ = slots_[slot].start;
+      workMs_ = 0;
+    }
     uint64_t retries = 0;
     Timings timings;
     if (sensor.beams() > 0) {
@@ -339,6 +343,7 @@ class DeviceBackend final : public Backend {
         sensor.checkAlive(ofSensor);
       }
       machine_->readTimings(slot, timings);
+      workMs_ += machine_->workMs(slot);
     }
     machine_->throwOnMessages();
     if (to.batch) {
@@ -348,7 +353,8 @@ class DeviceBackend final : public Backend {
       finishBatch(part, slot, ofSensor, to);
       return;
     }
-    const double waited = millisecondsSince(start_) / static_cast<double>(part.shots.size());
+    // The device may have worked while a receiver took its time.
+    const double waited = std::max(millisecondsSince(start_), workMs_) / static_cast<double>(part.shots.size());
     Clock::time_point start;  // of reading a shot's results
     for (size_t view = 0; view < views; ++view) {
       const size_t number = part.views[view].shot;
@@ -406,6 +412,7 @@ class DeviceBackend final : public Backend {
   std::vector<std::shared_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
   Clock::time_point start_;  // of the scan that is being finished
+  double workMs_ = 0;        // of the device on this scan
   Workers workers_;
   RecordedScans recorded_;
 };

@@ -60,6 +60,10 @@ class Machine {
   virtual void wait(size_t slot) = 0;
   /// Adds the stage times of the slot to `timings`; call wait() first.
   virtual void readTimings(size_t slot, Timings& timings) = 0;
+  /// Turns the measurement of workMs() on or off for the submissions that follow. On a CPU it takes 0.1 ms of each.
+  virtual void timeWork(bool /*on*/) {}
+  /// Returns how many milliseconds the device worked on the slot, or 0 if that was not measured; call wait() first.
+  virtual double workMs(size_t /*slot*/) { return 0; }
   /// Throws Error(device) with the messages of the validation layer, if it is on and there are any.
   virtual void throwOnMessages() {}
 

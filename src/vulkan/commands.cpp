@@ -160,6 +160,12 @@ void Commands::readTimings(Timings& timings) {
   }
 }
 
+double Commands::workMs() const {
+  if (stamps_.size() < 2) return 0;
+  const std::vector<uint64_t> ticks = readTicks();
+  return device_.capabilities().elapsedMs(ticks.front(), ticks.back());
+}
+
 void Commands::readTrace(const std::function<void(const std::string&)>& receive) {
   if (stamps_.empty()) return receive("the device '" + device_.capabilities().info.name + "' has no timestamps");
   const std::vector<uint64_t> ticks = readTicks();

@@ -25,7 +25,7 @@ class Commands {
   void begin(uint32_t stamps);
   CommandBuffer& buffer() { return commands_; }
   /// Both write a timestamp: start() where the first stage starts, finished() where a part of `stage` ends. Time before
-  /// a start is not counted.
+  /// a start is not counted. If stages are not timed, start() is also where the last one ends, for workMs().
   void start() { stamp(nullptr); }
   void finished(const char* stage) { stamp(stage); }
   /// Writes a timestamp for readTrace() where a step ends.
@@ -40,6 +40,9 @@ class Commands {
   /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
   /// has no timestamps.
   void readTimings(Timings& timings);
+  /// Returns the milliseconds between the first and the last timestamp of the last submission, after wait(); 0 if the
+  /// device has no timestamps.
+  double workMs() const;
   /// After wait(), hands over a line for each step that was traced: its text, and the time since the timestamp before.
   void readTrace(const std::function<void(const std::string&)>& receive);
 

@@ -150,6 +150,8 @@ class VulkanMachine final : public Machine {
     slots_[slot].commands.readTimings(timings);
     if (trace_) slots_[slot].commands.readTrace(trace_);
   }
+  void timeWork(bool on) override { timesWork_ = on; }
+  double workMs(size_t slot) override { return slots_[slot].commands.workMs(); }
   void throwOnMessages() override { device_.throwOnMessages(); }
 
   void submit(size_t index, std::span<const Step> steps, const BoundArrays& arrays) override {
@@ -158,11 +160,16 @@ class VulkanMachine final : public Machine {
     writeAddresses(arrays, slot.addresses.mapped());
     slot.addresses.flush();
     Commands& commands = slot.commands;
-    const auto stamps = timesStages_ ? std::count_if(steps.begin(), steps.end(), isStamp) : 0;
+    const auto stamps = std::ranges::count_if(steps, isStamp);
+    std::ptrdiff_t stamped = 0;
     commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : stamps));
     StepRecorder recorder(kernels_, commands.buffer(), slot.addresses.address(), arrays, steps);
     noteCompiling(recorder.record([&](const Step& step) {
-      if (isStamp(step) && !timesStages_) return;
+      if (isStamp(step) && !timesStages_) {
+        ++stamped;
+        if (timesWork_ && (stamped == 1 || stamped == stamps)) commands.start();
+        return;
+      }
       if (step.kind == Step::Kind::start) return commands.start();
       if (step.kind == Step::Kind::finish) return commands.finished(step.stage);
       if (step.kind == Step::Kind::cut) commands.cut();
@@ -219,6 +226,7 @@ class VulkanMachine final : public Machine {
   std::function<void(const std::string&)> warn_, trace_;
   Traits traits_;
   bool timesStages_, recordsOnly_;
+  bool timesWork_ = false;
   Clock::duration compiling_ = {};
   Transfer transfer_{device_, traits_.info.maxBufferBytes};
   Recordings recordings_{device_, traits_.info.maxBufferBytes};

@@ -258,6 +258,23 @@ TEST_CASE("the time that a receiver takes is no part of the times of scans") {
   CHECK(least < kTakes / 2);
 }
 
+TEST_CASE("the time that the device works on a scan counts although a receiver takes its time meanwhile") {
+  needVulkan();
+  TestOptions options = vulkanOptions();
+  options.tuning.maxBatchBytes = 1;  // every shot is a submission, and the next one is in flight
+  Simulator simulator(sceneOf(soup(3, 60000, 20, 5)), SensorRequest(gridSensor(1800, 64, -30, 30)), options);
+  std::vector<Shot> shots;
+  for (const double x : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}) shots.push_back({poseAt(x, 0, 0), 0});
+  double alone = 1e9, inFlight = 1e9;
+  for (const Shot& shot : shots) alone = std::min(alone, simulator.scan(shot.pose).timings.wallMs);
+  simulator.scanAll(shots, [&](size_t i, const Scan& scan) {
+    if (i > 0) inFlight = std::min(inFlight, scan.timings.wallMs);
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(20 * alone));
+  });
+  CAPTURE(alone, inFlight);
+  CHECK(inFlight > alone / 3);
+}
+
 TEST_CASE("the second set of results is allocated by the first scanAll") {
   needVulkan();
   const Sensor sensor = gridSensor(200, 16, -30, 30);
