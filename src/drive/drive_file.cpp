@@ -94,6 +94,8 @@ void DriveReader::sensors() {
     rigged.name = object["name"].get<std::string>();
     checkName(rigged.name, path);
     rigged.sensor = sensor(object["sensor"], path + ".sensor");
+    if (object.contains("near_hits"))
+      rigged.sensor.nearHits = object["near_hits"] == "hide" ? NearHits::hide : NearHits::seeThrough;
     rigged.effects = effects(memberOf(object, "effects"), path + ".effects");
     rigged.mount = pose(memberOf(object, "mount"), path + ".mount");
     const double period = scanPeriodOf(rigged.sensor);

@@ -88,6 +88,11 @@ std::optional<Animation> DriveReader::animation(const json& object, const std::s
   return animation;
 }
 
+/// Returns an angle of a difference without its rounding.
+std::string degreesText(double angle) {
+  return gnosphere::numberText(std::round(1e6 * angle) / 1e6);
+}
+
 /// Warns of yaws that are half a turn or more apart: orientations turn the shorter way.
 void DriveReader::warnOfTurns(const json& list, const std::string& path) {
   size_t first = 0, count = 0;
@@ -98,22 +103,21 @@ void DriveReader::warnOfTurns(const json& list, const std::string& path) {
   }
   if (count == 0) return;
   const double apart = list[first]["yaw_deg"].get<double>() - list[first - 1]["yaw_deg"].get<double>();
-  drive_.warnings.push_back(entryPath(path, first) + ".yaw_deg: is " + gnosphere::numberText(apart) +
+  drive_.warnings.push_back(entryPath(path, first) + ".yaw_deg: is " + degreesText(apart) +
                             " degrees from the one before, and a vehicle turns the shorter way, by " +
-                            gnosphere::numberText(std::remainder(apart, 360)) +
+                            degreesText(std::remainder(apart, 360)) +
                             " degrees; for the longer way give waypoints between them" +
                             (count > 1 ? " (so do " + std::to_string(count) + " waypoints)" : ""));
 }
 
 /// Warns of yaws in radians: all fit the way as such, and as degrees one of them is more than 60 degrees off.
-/// `along` has the waypoints as they look along the way.
-void DriveReader::warnOfRadians(const json& list, const std::vector<Trajectory::Stamp>& along,
-                                const std::string& path) {
+/// `along` has the yaw of each waypoint along the way.
+void DriveReader::warnOfRadians(const json& list, const std::vector<double>& along, const std::string& path) {
   constexpr double kFits = 0.2;  // rad
   size_t wrong = list.size();
   for (size_t i = 0; i < list.size(); ++i) {
     if (!list[i].contains("yaw_deg")) return;
-    const double yaw = list[i]["yaw_deg"].get<double>(), way = yawPitchRollOf(along[i].pose.orientation)[0];
+    const double yaw = list[i]["yaw_deg"].get<double>(), way = along[i];
     const auto offBy = [&](double angle) { return std::abs(std::remainder(way - angle, 2 * M_PI)); };
     if (std::abs(yaw) > 2 * M_PI || offBy(yaw) > kFits) return;
     if (wrong == list.size() && offBy(kDegree * yaw) > M_PI / 3) wrong = i;
@@ -128,16 +132,18 @@ std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const st
   std::vector<Trajectory::Stamp> stamps;
   for (const json& waypoint : list)
     stamps.push_back({waypoint["time"].get<double>(), {vectorOf(waypoint["position"]), {}}});
-  headAlong(stamps);
-  warnOfRadians(list, stamps, path);
+  warnOfRadians(list, yawsAlong(stamps), path);
+  std::vector<bool> turned;
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string at = entryPath(path, i);
     Quaternion& turn = stamps[i].pose.orientation;
-    if (list[i].contains("orientation")) turn = orientation(list[i]["orientation"], at + ".orientation");
-    if (!list[i].contains("yaw_deg")) continue;
-    if (list[i].contains("orientation")) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
-    turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+    const bool hasYaw = list[i].contains("yaw_deg"), hasOrientation = list[i].contains("orientation");
+    if (hasYaw && hasOrientation) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
+    if (hasOrientation) turn = orientation(list[i]["orientation"], at + ".orientation");
+    if (hasYaw) turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+    turned.push_back(hasYaw || hasOrientation);
   }
+  headAlong(stamps, turned);
   warnOfTurns(list, path);
   return stamps;
 }

@@ -54,7 +54,7 @@ class DriveReader {
   std::optional<Animation> animation(const nlohmann::json& object, const std::string& path, const Scene& scene);
   Trajectory trajectory(const nlohmann::json& object, const std::string& path);
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, const std::string& path);
-  void warnOfRadians(const nlohmann::json& list, const std::vector<Trajectory::Stamp>& along, const std::string& path);
+  void warnOfRadians(const nlohmann::json& list, const std::vector<double>& along, const std::string& path);
   void warnOfTurns(const nlohmann::json& list, const std::string& path);
   Sensor sensor(const nlohmann::json& value, const std::string& path);
   Effects effects(const nlohmann::json& value, const std::string& path);

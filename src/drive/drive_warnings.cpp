@@ -75,9 +75,11 @@ void DriveReader::warnOfClocks() {
                                 secondsText(drive_.duration));
 }
 
-/// Warns of a mounting so far away that its numbers may be in another unit.
+/// Warns of a mounting on a vehicle so far away that its numbers may be in another unit. Where nothing drives, the
+/// mountings are those of a site.
 void DriveReader::warnOfMount(const Pose& mount, const std::string& path) {
   constexpr double kFar = 50;  // m
+  if (drive_.ego.stamps().size() < 2) return;
   if (const double distance = lengthOf(mount.position); distance > kFar)
     warn(path + ".mount.position",
          "is " + gnosphere::numberText(std::round(distance)) + " m from the vehicle's origin; positions are in metres");

@@ -20,6 +20,50 @@ bool equal(const Pose& a, const Pose& b) {
   return p.x == r.x && p.y == r.y && p.z == r.z && q.x == s.x && q.y == s.y && q.z == s.z && q.w == s.w;
 }
 
+/// The way from one stamp to the next.
+struct Segment {
+  double duration = 0;  ///< seconds
+  bool moves = false;
+  double yaw = 0;  ///< of the way; where it does not move, that of the way before, or else of the first way
+};
+
+std::vector<Segment> segmentsOf(const std::vector<Trajectory::Stamp>& stamps) {
+  constexpr double kStill = 1e-6;  // metres
+  std::vector<Segment> segments;
+  for (size_t i = 1; i < stamps.size(); ++i) {
+    const Vec3 way = stamps[i].pose.position - stamps[i - 1].pose.position;
+    const bool moves = lengthOf(way.x, way.y) > kStill;
+    const double before = segments.empty() ? 0 : segments.back().yaw;
+    segments.push_back({stamps[i].time - stamps[i - 1].time, moves, moves ? std::atan2(way.y, way.x) : before});
+  }
+  const auto first = std::ranges::find(segments, true, &Segment::moves);
+  if (first != segments.end())
+    for (auto segment = segments.begin(); segment != first; ++segment) segment->yaw = first->yaw;
+  return segments;
+}
+
+/// The turn at a stamp from the segment before it to that after it: it takes time of segments that move alone.
+struct Bend {
+  double angle = 0;              ///< radians, counter-clockwise
+  double before = 0, after = 0;  ///< seconds of the turn before and after the stamp
+  double yaw = 0;                ///< at the stamp
+};
+
+Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
+  constexpr double kLongest = 0.5;  // seconds, before and after a stamp
+  if (segments.empty()) return {};
+  if (stamp == 0) return {0, 0, 0, segments.front().yaw};
+  const Segment& before = segments[stamp - 1];
+  if (stamp == segments.size()) return {0, 0, 0, before.yaw};
+  const Segment& after = segments[stamp];
+  const auto share = [&](const Segment& segment) {
+    return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongest) : 0.0;
+  };
+  Bend bend = {std::remainder(after.yaw - before.yaw, 2 * M_PI), share(before), share(after), before.yaw};
+  if (bend.before > 0) bend.yaw += bend.angle * bend.before / (bend.before + bend.after);
+  return bend;
+}
+
 }  // namespace
 
 Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
@@ -99,22 +143,35 @@ std::vector<double> Trajectory::timesWithin(double from, double to) const {
   return times;
 }
 
-void headAlong(std::vector<Trajectory::Stamp>& stamps) {
-  constexpr double kStill = 1e-6;  // metres
-  Quaternion heading;
-  size_t first = stamps.size();  // first stamp with a direction; those before it get the same
+std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps) {
+  const std::vector<Segment> segments = segmentsOf(stamps);
+  std::vector<double> yaws(stamps.size());
+  for (size_t i = 0; i < stamps.size(); ++i) yaws[i] = bendAt(segments, i).yaw;
+  return yaws;
+}
+
+void headAlong(std::vector<Trajectory::Stamp>& stamps, const std::vector<bool>& turned) {
+  const std::vector<Segment> segments = segmentsOf(stamps);
+  const auto isTurned = [&](size_t i) { return i < turned.size() && turned[i]; };
+  const bool ascends = std::ranges::all_of(segments, [](const Segment& segment) { return segment.duration >= 0; });
+  std::vector<Trajectory::Stamp> result;
   for (size_t i = 0; i < stamps.size(); ++i) {
-    const Vec3 &from = stamps[i == 0 ? 0 : i - 1].pose.position,
-               &to = stamps[std::min(i + 1, stamps.size() - 1)].pose.position;
-    const double x = to.x - from.x, y = to.y - from.y;
-    if (lengthOf(x, y) > kStill) {
-      heading = yawPitchRoll(std::atan2(y, x), 0, 0);
-      first = std::min(first, i);
-    }
-    stamps[i].pose.orientation = heading;
+    const Bend bend = bendAt(segments, i);
+    result.push_back(stamps[i]);
+    if (!isTurned(i)) result.back().pose.orientation = yawPitchRoll(bend.yaw, 0, 0);
+    if (i == segments.size() || !ascends || isTurned(i) || isTurned(i + 1)) continue;
+    const auto insert = [&](double time) {
+      const Vec3 &from = stamps[i].pose.position, &to = stamps[i + 1].pose.position;
+      if (time > result.back().time && time < stamps[i + 1].time) {
+        const double share = (time - stamps[i].time) / segments[i].duration;
+        result.push_back({time, {from + share * (to - from), yawPitchRoll(segments[i].yaw, 0, 0)}});
+      }
+    };
+    const Bend next = bendAt(segments, i + 1);
+    if (bend.angle != 0) insert(stamps[i].time + bend.after);
+    if (next.angle != 0) insert(stamps[i + 1].time - next.before);
   }
-  for (size_t i = 0; i < first && first < stamps.size(); ++i)
-    stamps[i].pose.orientation = stamps[first].pose.orientation;
+  stamps = std::move(result);
 }
 
 }  // namespace gnosphere::drive

@@ -56,8 +56,14 @@ class Trajectory {
   SensorMotion motion_;
 };
 
-/// Turns every pose so that x points along the way, level. Where the way does not move on, the last direction holds.
-void headAlong(std::vector<Trajectory::Stamp>& stamps);
+/// Returns the yaw in radians at every stamp of a vehicle that looks along its way, as headAlong() turns it.
+std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps);
+
+/// Turns every pose so that x points along the way, level, except for the poses that are `turned` already. Between two
+/// stamps a vehicle looks along its way, and around a stamp where the way bends it turns within half a second before
+/// and after it, or half of a shorter way: poses are inserted where such a turn begins and ends. A vehicle that stands
+/// keeps its direction. Next to a pose that was turned already, the vehicle turns all the way between the two stamps.
+void headAlong(std::vector<Trajectory::Stamp>& stamps, const std::vector<bool>& turned = {});
 
 /// Choices that a trajectory file leaves open.
 struct TrajectoryFileOptions {

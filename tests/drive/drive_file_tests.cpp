@@ -294,6 +294,40 @@ TEST_CASE("times of trajectories are moved, cut and turned along the way as aske
   CHECK_THAT(twice.warnings[0], ContainsSubstring("ego.trajectory: 1 poses have the time of the pose before"));
 }
 
+TEST_CASE("an actor looks along its way between waypoints, turns around them, and keeps its direction while standing") {
+  const DriveFolder folder;
+  const auto yawOf = [&](const Json& waypoints) {
+    Json json = smallDrive();
+    json["actors"][0]["trajectory"] = {{"waypoints", waypoints}};
+    const drive::Trajectory trajectory = folder.read(json).actors[0].trajectory;
+    return [trajectory](double time) {
+      return 180 / M_PI * drive::yawPitchRollOf(trajectory.at(time).orientation)[0];
+    };
+  };
+  const auto bend = yawOf({waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)});
+  for (const double time : {0.0, 1.0, 1.49}) CHECK_THAT(bend(time), WithinAbs(0, 1e-9));
+  CHECK_THAT(bend(1.75), WithinAbs(-22.5, 1e-9));
+  CHECK_THAT(bend(2), WithinAbs(-45, 1e-9));
+  for (const double time : {2.5, 3.0, 4.0}) CHECK_THAT(bend(time), WithinAbs(-90, 1e-9));
+
+  const auto stop = yawOf({waypoint(0, 0, 0, 0), waypoint(1, 10, 0, 0), waypoint(3, 10, 0, 0), waypoint(4, 10, 10, 0)});
+  for (const double time : {0.5, 1.0, 2.0, 3.0}) CHECK_THAT(stop(time), WithinAbs(0, 1e-9));
+  CHECK_THAT(stop(3.5), WithinAbs(90, 1e-9));
+
+  // A pose with an angle of its own: the actor turns all the way to it.
+  Json given = {waypoint(0, 0, 0, 0), waypoint(2, 10, 0, 0), waypoint(4, 20, 0, 0)};
+  given[2]["yaw_deg"] = 40;
+  CHECK_THAT(yawOf(given)(3), WithinAbs(20, 1e-9));
+
+  // Along a circle with ten waypoints a second the yaw is that of its tangent.
+  constexpr double kRadius = 10, kRate = 0.5;  // m, rad/s
+  Json circle = Json::array();
+  for (int i = 0; i <= 40; ++i)
+    circle.push_back(waypoint(0.1 * i, kRadius * std::sin(0.1 * kRate * i), -kRadius * std::cos(0.1 * kRate * i), 0));
+  const auto around = yawOf(circle);
+  for (double time = 0.2; time < 3.8; time += 0.013) CHECK_THAT(around(time), WithinAbs(180 / M_PI * kRate * time, 1e-3));
+}
+
 TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {
   const DriveFolder folder;
   Json json = smallDrive();

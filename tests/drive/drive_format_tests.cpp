@@ -494,6 +494,37 @@ TEST_CASE(
   CHECK(frames.front() == "000000");
 }
 
+TEST_CASE("OpenPCDet: points and boxes of a tilted sensor are in a frame with its yaw and the vehicle's z axis") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["duration"] = 1;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, -2, 0, 0)}}};
+  json["sensors"][0]["effects"] = "auto";
+  json["sensors"][0]["mount"]["yaw_pitch_roll_deg"] = {30, 20, 175};
+  json["outputs"] = {{{"format", "openpcdet"}}, {{"format", "boxes"}}};
+  REQUIRE(folder.run(json).finished);
+  const std::string npy = folder.get("out/openpcdet/points/000003.npy");
+  size_t onFloor = 0, points = 0;
+  for (size_t row = 10 + at<uint16_t>(npy, 8); row < npy.size(); row += 16, ++points)
+    onFloor += std::abs(at<float>(npy, row + 8) + 1.8) < 1e-4;
+  CHECK(points > 300);
+  CHECK(onFloor > points / 2);
+
+  std::istringstream labels(folder.get("out/openpcdet/labels/000003.txt")),
+      boxes(folder.get("out/boxes/top/000003.jsonl"));
+  std::string line;
+  REQUIRE(std::getline(boxes, line));
+  const Json world = Json::parse(line)["world_frame"]["position"];
+  double x = 0, y = 0, z = 0, length = 0, width = 0, height = 0, heading = 0;
+  REQUIRE(labels >> x >> y >> z >> length >> width >> height >> heading);
+  const double ahead = world[0].get<double>() + 2, left = world[1].get<double>(), yaw = M_PI / 6;
+  CHECK_THAT(x, WithinAbs(std::cos(yaw) * ahead + std::sin(yaw) * left, 1e-3));
+  CHECK_THAT(y, WithinAbs(-std::sin(yaw) * ahead + std::cos(yaw) * left, 1e-3));
+  CHECK_THAT(z, WithinAbs(0.75 - 1.8, 1e-3));
+  CHECK_THAT(heading, WithinAbs(-yaw, 1e-6));
+}
+
 // https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.
 TEST_CASE("MCAP: records that follow each other, an index that leads to the chunks, clouds as ROS 2 has them") {
   const DriveFolder& folder = made();

@@ -51,6 +51,21 @@ TEST_CASE("a sensor does not see the actors that it ignores, and other sensors d
   CHECK(objectsOf(folder, "top", "floor") == std::set<uint32_t>{0});
 }
 
+TEST_CASE("a surface nearer than the least range is seen through, or hides what is behind it if the drive says so") {
+  const DriveFolder folder;
+  Json json = driveWithBody();
+  json["sensors"][0]["sensor"]["range"]["min"] = 3;  // the corners of the body are 2.7 m away
+  folder.run(json, "through");
+  CHECK(objectsOf(folder, "top", "through") == std::set<uint32_t>{0, 1});
+  json["sensors"][0]["near_hits"] = "hide";
+  folder.run(json, "hidden");
+  CHECK(objectsOf(folder, "top", "hidden").empty());
+  json["sensors"][0]["sensor"]["near_hits"] = "hide";
+  json["sensors"][0]["near_hits"] = "see_through";
+  folder.run(json);
+  CHECK(folder.get("out/npy/top/000000.npy") == folder.get("through/npy/top/000000.npy"));
+}
+
 TEST_CASE("a run warns of sensors that start within the box of an actor, unless they ignore it") {
   const DriveFolder folder;
   Json json = driveWithBody();

@@ -100,6 +100,9 @@ TEST_CASE("a sensor that makes no scan, or is mounted far away, is warned of") {
   CHECK(warningsOf(json) ==
         Warnings{"sensors[0].mount.position: is 1500 m from the vehicle's origin; positions are in metres",
                  "imu.mount.position: is 51 m from the vehicle's origin; positions are in metres"});
+  json["duration"] = 1;
+  json["ego"]["trajectory"]["waypoints"].erase(1);  // heads and units of a site
+  CHECK(warningsOf(json).empty());
 }
 
 TEST_CASE("weather of the drive that the effects of a sensor turn off is warned of") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit, or within the sensor's range.
+// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit, or within the sensor's range; and poses.txt with
+// the start of each scan.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -34,6 +35,10 @@ class Boxes : public Format {
       for (const Box& box : boxes) lines += jsonText(lineOf(recorded, box)) + "\n";
       files.push_back({sensorFile(recorded.planned, "jsonl"), lines, ""});
     });
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
+    writePoses(frames, files);
   }
 
  private:

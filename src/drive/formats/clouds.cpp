@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.pcd or .npy, one file per scan.
-#include "base/decimal_point.hpp"
+// SENSOR/000000.pcd or .npy, one file per scan, and poses.txt.
 #include "drive/formats/format.hpp"
 #include "output/cloud_bytes.hpp"
 
@@ -24,22 +23,8 @@ class Clouds : public Format {
     });
   }
 
-  /// poses.txt: a line t x y z qx qy qz qw per scan, the pose of the sensor when it starts.
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
-    for (size_t sensor : output_.sensors) {
-      std::string text = "# t x y z qx qy qz qw\n";
-      for (const FrameSummary& frame : frames)
-        for (const ScanSummary& scan : frame.scans) {
-          if (scan.planned.sensor != sensor) continue;
-          const auto [p, q] = drive_.sensorPose(sensor, scan.planned.time);
-          const DecimalPoint point;
-          char line[256];
-          std::snprintf(line, sizeof(line), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", scan.planned.time, p.x,
-                        p.y, p.z, q.x, q.y, q.z, q.w);
-          text += line;
-        }
-      files.write(path(drive_.sensors[sensor].name + "/poses.txt"), text);
-    }
+    writePoses(frames, files);
   }
 };
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <iterator>
 #include <span>
 
+#include "base/decimal_point.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_bytes.hpp"
 
@@ -63,6 +65,22 @@ std::string Format::sensorFile(const PlannedScan& scan, const std::string& endin
 
 std::string Format::partPath(size_t sensor, uint64_t frame) const {
   return path("parts/" + drive_.sensors[sensor].name + numberText("-%06llu", frame));
+}
+
+void Format::writePoses(const std::vector<FrameSummary>& frames, FinalFiles& files) const {
+  for (size_t sensor : output_.sensors) {
+    std::string text = "# t x y z qx qy qz qw\n";
+    eachScan(frames, [&](const ScanSummary& scan) {
+      if (scan.planned.sensor != sensor) return;
+      const auto [p, q] = drive_.sensorPose(sensor, scan.planned.time);
+      const DecimalPoint point;
+      char line[256];
+      std::snprintf(line, sizeof(line), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", scan.planned.time, p.x, p.y,
+                    p.z, q.x, q.y, q.z, q.w);
+      text += line;
+    });
+    files.write(path(drive_.sensors[sensor].name + "/poses.txt"), text);
+  }
 }
 
 std::string numberText(const char* format, uint64_t number) {

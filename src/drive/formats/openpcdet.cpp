@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The custom data set of OpenPCDet, which other trainers of detectors read, too: points/000000.npy of x, y, z,
 // intensity, labels/000000.txt of boxes in the frame of the points, and the frames to train with and to validate with.
+// A box has a yaw alone, so points and boxes of a tilted sensor are in a frame at the sensor's origin whose z axis is
+// that of the vehicle.
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "base/decimal_point.hpp"
 #include "base/npy.hpp"
@@ -12,6 +16,27 @@
 
 namespace gnosphere::drive {
 namespace {
+
+/// Returns the rotation from a sensor's frame to the frame that has its yaw and the vehicle's z axis.
+Quaternion levelled(const Quaternion& mounting) {
+  const Quaternion yaw = yawPitchRoll(yawPitchRollOf(mounting)[0], 0, 0);
+  return inverse(Pose{{}, yaw}).orientation * mounting;
+}
+
+/// Whether a rotation is less than the rounding of its numbers.
+bool isIdentity(const Quaternion& q) {
+  return std::hypot(q.x, q.y, q.z) < 1e-9;
+}
+
+void turnRows(std::string& rows, const Quaternion& rotation) {
+  float row[4];
+  for (size_t at = 0; at < rows.size(); at += sizeof row) {
+    std::memcpy(row, &rows[at], sizeof row);
+    const Vec3 turned = Pose{{}, rotation} * Vec3{row[0], row[1], row[2]};
+    const float written[3] = {float(turned.x), float(turned.y), float(turned.z)};
+    std::memcpy(&rows[at], written, sizeof written);
+  }
+}
 
 class OpenPcdet : public Format {
  public:
@@ -23,11 +48,14 @@ class OpenPcdet : public Format {
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     eachScan(frame, [&](const RecordedScan& recorded) {
       const std::string number = numberText("%06llu", recorded.planned.number);
-      const std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
+      const RigSensor& sensor = drive_.sensors[recorded.planned.sensor];
+      const Quaternion toLevel = levelled(sensor.mount.orientation);
+      std::string rows = kittiRows(recorded.scan, sensor);
+      if (!isIdentity(toLevel)) turnRows(rows, toLevel);
       const std::string shape = "(" + std::to_string(rows.size() / (4 * sizeof(float))) + ", 4)";
       files.push_back({path("points/" + number + ".npy"), npyHeaderOf("'<f4'", shape) + rows, ""});
       std::string labels;
-      for (const Box& box : recorded.boxes) labels += lineOf(box);
+      for (const Box& box : recorded.boxes) labels += lineOf(box, Pose{{}, toLevel} * box.inSensor);
       files.push_back({path("labels/" + number + ".txt"), labels, ""});
     });
   }
@@ -48,8 +76,8 @@ class OpenPcdet : public Format {
 
  private:
   /// Words end at spaces, so names of classes have _ for them.
-  std::string lineOf(const Box& box) const {
-    const auto& [p, q] = box.inSensor;
+  std::string lineOf(const Box& box, const Pose& pose) const {
+    const auto& [p, q] = pose;
     std::string name = drive_.classes[drive_.actors[box.actor].category].name;
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return std::isspace(c); }, '_');
