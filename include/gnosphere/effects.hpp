@@ -43,8 +43,8 @@ struct Effects {
     double attenuation = 0.004;  ///< 1/m; only for the model `carla`
   } intensity;
 
-  /// A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` square to
-  /// the beam at `range`. Automatic: on if a range is given, or with fog, rain, snow or dust.
+  /// A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at `range`.
+  /// Automatic: on if a range is given, with weather, or if a sensor states a range at 10 % and a table reflectances.
   struct Detection {
     EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
+#include <string>
 
 #include "base/decimal_point.hpp"
 #include "base/lasting.hpp"
+#include "base/text.hpp"
 #include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "sensor/beams.hpp"
@@ -52,15 +55,30 @@ Answer countMaterials(const Question& q, Has has, const char* does, const char* 
   return {true, std::to_string(count) + " of " + plural(all, "material ", "materials ") + does};
 }
 
+/// Counts the seen materials whose reflectance the material table states at the wavelength.
+Answer countMeasured(const Question& q, const char* none) {
+  const bool far = q.effects.intensity.wavelength == 1550;
+  std::set<std::string> measured;
+  for (const MaterialTable::Row& row : q.materials.rows)
+    if ((far ? row.reflectance1550 : row.reflectance905) >= 0) measured.insert(lower(row.name));
+  return countMaterials(
+      q, [&](size_t i) { return measured.contains(lower(q.scene.materials[i].name)); }, "have a measured reflectance",
+      none, "");
+}
+
 Answer appliesDetection(const Question& q) {
   const auto& detection = q.effects.detection;
   const auto [reflectance, range, stated] = weakestTarget(detection, q.sensor);
-  const std::string target =
-      format("as strong as %.3g %% at %.6g m", 100 * reflectance, range) + (stated ? ", as the sensor states" : "");
-  if (detection.use == EffectUse::automatic && detection.range == 0)
-    return {false, "no range is given" + (stated ? "; if on, " + target : std::string())};
+  const std::string target = format("%.3g %% at %.6g m", 100 * reflectance, range);
+  const std::string threshold = "as strong as " + target + (stated ? ", as the sensor states" : "");
+  if (detection.use == EffectUse::automatic && detection.range == 0) {
+    if (!stated) return {false, "no range is given"};
+    const Answer measured = countMeasured(q, "no material that is seen has a measured reflectance");
+    if (measured.shows) return {true, threshold + ", and " + measured.why};
+    return {false, "the sensor states " + target + ", but " + measured.why + "; if on, colours stand for reflectances"};
+  }
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
-  return {true, target};
+  return {true, threshold};
 }
 
 Answer appliesDropOut(const Question& q) {

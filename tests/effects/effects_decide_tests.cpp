@@ -225,7 +225,17 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   asked.effects.detection.reflectance = 0.2;
   checkOut(asked, "detection", "no range is given");
   asked.sensor.rangeAt10Percent = 90;
-  checkOut(asked, "detection", "no range is given; if on, as strong as 10 % at 90 m, as the sensor states");
+  checkOut(asked, "detection",
+           "the sensor states 10 % at 90 m, but no material that is seen has a measured reflectance; if on, colours "
+           "stand for reflectances");
+  asked.table.rows = {{"MATERIAL 1", 0.3f}};
+  checkIn(asked, "detection",
+          "as strong as 10 % at 90 m, as the sensor states, and 1 of 2 materials have a measured reflectance");
+  asked.effects.intensity.wavelength = 1550;
+  CHECK_FALSE(asked.of("detection").in);
+  asked.table.rows = {{"material 2", 0.3f}};  // of no triangle
+  asked.effects.intensity.wavelength = 905;
+  CHECK_FALSE(asked.of("detection").in);
   asked.effects.detection.range = 50;
   checkIn(asked, "detection", "as strong as 20 % at 50 m");
   checkIn(asked, "intensity", "needed by detection, intensity-noise");

@@ -153,10 +153,18 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// Prints the names and reasons of the effects for which `member` is true, one per line.
-void printEffects(const char* label, bool Plan::Decision::*member, const Plan& plan) {
+/// Whether the summary tells that an effect is out: it was asked for, or the sensor states a range at 10 % that nothing
+/// uses.
+bool isMissing(const Plan::Decision& decision, const Sensor& sensor) {
+  const bool states = decision.effect == "detection" && sensor.rangeAt10Percent > 0;
+  return decision.leftOut || (states && !decision.in && decision.request == EffectUse::automatic);
+}
+
+/// Prints the names and reasons of the effects that `chosen` chooses, one per line.
+template <class Chosen>
+void printEffects(const char* label, const Plan& plan, const Chosen& chosen) {
   for (const Plan::Decision& decision : plan.effects) {
-    if (!(decision.*member)) continue;
+    if (!chosen(decision)) continue;
     say(label, formatted("%-15s ", decision.effect.c_str()) + decision.reason);
     label = "";
   }
@@ -189,8 +197,8 @@ void printSummary(const ScanReport& report) {
                  : formatted(" at %.10g, %.10g, %.10g", at.x, at.y, at.z) + (turn.empty() ? "" : ", ") + turn + ": ") +
           cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   const Plan plan = report.simulator.plan();
-  printEffects("effects", &Plan::Decision::in, plan);
-  printEffects("left out", &Plan::Decision::leftOut, plan);
+  printEffects("effects", plan, [](const Plan::Decision& decision) { return decision.in; });
+  printEffects("left out", plan, [&](const Plan::Decision& decision) { return isMissing(decision, report.sensor); });
   say("hits",
       grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" + shareOf(counters.hits, counters.beams) +
           ")" +
