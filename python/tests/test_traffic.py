@@ -64,10 +64,87 @@ def test_the_timing_of_open_scenario(tmp_path):
     assert times(timing.format("relative")) == ([5, 9], True)
 
 
+def fcd(path, *steps, step=0.5):
+    """Writes an FCD file, whose time steps have the given elements, and returns its name."""
+    elements = "".join(f'<timestep time="{i * step:.2f}">{things}</timestep>' for i, things in enumerate(steps))
+    path.write_text(f"<fcd-export>{elements}</fcd-export>")
+    return path
+
+
 def test_sumo_without_lengths(tmp_path):
     (tmp_path / "fcd.xml").write_text(FCD)
     with pytest.warns(UserWarning, match=r"the lengths of vehicles, which are half of it too far ahead \(2\)"):
         robotics.read_traffic(tmp_path / "fcd.xml", {"*": "car"})
+
+
+def test_a_vehicle_and_a_person_with_one_id_of_sumo_are_two_actors(tmp_path):
+    step = """<vehicle id="0" x="{}" y="0" angle="90" type="car"/><person id="0" x="3" y="{}" angle="0" type="ped"/>
+<person id="1" x="9" y="9" angle="0" type="ped"/>"""
+    file = fcd(tmp_path / "fcd.xml", step.format(10, 4), step.format(15, 5))
+    actors = robotics.read_traffic(file, {"car": "car", "ped": "person"}, lengths={"car": 4.0})
+    assert [(actor["name"], actor["model"]) for actor in actors] == [
+        ("0", "car"), ("person 0", "person"), ("1", "person"),
+    ]  # fmt: skip
+    assert [point["position"] for point in actors[0]["trajectory"]["waypoints"]] == [[8, 0, 0], [13, 0, 0]]
+    assert [point["position"] for point in actors[1]["trajectory"]["waypoints"]] == [[3, 4, 0], [3, 5, 0]]
+
+
+def test_persons_of_sumo_are_left_out_while_they_ride(tmp_path):
+    car = '<vehicle id="c" x="{0}" y="0" angle="90" type="car" speed="10"/>'
+    person = '<person id="p" x="{}" y="{}" angle="0" type="ped" speed="1" {}/>'
+    told_by_place = (person.format(10, 0, ""), person.format(15, 0, ""))
+    told_by_attribute = (person.format(9, 1, 'vehicle="c"'), person.format(14, 1, 'vehicle="c"'))
+    for riding in (told_by_place, told_by_attribute):
+        file = fcd(
+            tmp_path / "fcd.xml",
+            car.format(5) + person.format(10, 1, 'vehicle=""'),
+            car.format(10) + riding[0],
+            car.format(15) + riding[1],
+            car.format(20) + person.format(15, 1, ""),
+        )
+        with pytest.warns(UserWarning, match=r"leaves out persons while they ride \(1\), .* absent .* \(1\)$"):
+            actors = robotics.read_traffic(file, {"car": "car", "ped": "person"}, lengths={"car": 4.0})
+        assert [actor["name"] for actor in actors] == ["c", "p", "p part 2"]
+        before, after = (actor["trajectory"]["waypoints"] for actor in actors[1:])
+        assert [(point["time"], point["position"]) for point in before] == [(0.0, [10, 1, 0])]
+        assert [(point["time"], point["position"]) for point in after] == [(1.5, [15, 1, 0])]
+
+
+def test_containers_of_sumo_are_left_out_with_a_warning(tmp_path):
+    file = fcd(tmp_path / "fcd.xml", '<container id="b" x="1" y="2" angle="0"/>')
+    with pytest.warns(UserWarning, match=r"fcd.xml leaves out <container> \(1\)$"):
+        assert robotics.read_traffic(file, {"*": "box"}) == []
+
+
+def test_a_vehicle_of_sumo_is_gone_while_it_is_absent(tmp_path):
+    def step(x):
+        return f'<vehicle id="stays" x="{x}" y="9" angle="90" type="car"/>'
+
+    def both(x):
+        return step(x) + f'<vehicle id="tele" x="{10 * x}" y="0" angle="90" type="car"/>'
+
+    file = fcd(tmp_path / "fcd.xml", both(0), both(1), step(2), step(3), both(4), both(5), step(6), both(7))
+    absent = r"leaves out the ways of vehicles and persons while they are absent or teleport, .* \(2\)$"
+    with pytest.warns(UserWarning, match=absent):
+        actors = robotics.read_traffic(file, {"car": "car"}, lengths={"car": 0.0})
+    assert [(actor["name"], actor["outside"]) for actor in actors] == [
+        ("stays", "gone"), ("tele", "gone"), ("tele part 2", "gone"), ("tele part 3", "gone"),
+    ]  # fmt: skip
+    times = [[point["time"] for point in actor["trajectory"]["waypoints"]] for actor in actors]
+    assert times == [[i / 2 for i in range(8)], [0.0, 0.5], [2.0, 2.5], [3.5]]
+
+
+def test_a_vehicle_of_sumo_does_not_slide_where_it_teleports(tmp_path):
+    places = [(0, 10), (5, 10), (8, 6), (8, 0), (8, 0), (120, 9), (124.5, 9), (129, 12.2)]
+    file = fcd(tmp_path / "fcd.xml", *(f'<vehicle id="a" x="{x}" y="0" angle="90" speed="{v}"/>' for x, v in places))
+    with pytest.warns(UserWarning, match=r"while they are absent or teleport, who go on as further actors \(1\)$"):
+        actors = robotics.read_traffic(file, {"*": "car"}, lengths={"*": 0.0})
+    times = [[point["time"] for point in actor["trajectory"]["waypoints"]] for actor in actors]
+    assert times == [[0.0, 0.5, 1.0, 1.5, 2.0], [2.5, 3.0, 3.5]]
+    # Between the time steps of a long period a vehicle may start and stop again.
+    stops = (f'<vehicle id="a" x="{x}" y="0" angle="90" speed="0"/>' for x in (0, 90, 180))
+    (actor,) = robotics.read_traffic(fcd(tmp_path / "b.xml", *stops, step=10), {"*": "car"}, lengths={"*": 0.0})
+    assert len(actor["trajectory"]["waypoints"]) == 3
 
 
 def test_entities_of_open_scenario_stand_where_init_puts_them(tmp_path):

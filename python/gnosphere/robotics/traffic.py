@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import math
 import os
+import statistics
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 from .. import adapter
 from .resources import rotation
@@ -17,6 +18,7 @@ from .resources import rotation
 Actor = dict[str, Any]
 Track = tuple[str, str, list[Actor]]
 """Name, type, and waypoints."""
+Place = tuple[float, float, float]
 
 
 def read_traffic(
@@ -73,21 +75,92 @@ def _waypoint(time: float, position: tuple[float, float, float], yaw_deg: float)
     return {"time": time, "position": [round(value, 4) for value in position], "yaw_deg": round(yaw_deg, 3)}
 
 
+class _Sighting(NamedTuple):
+    """A vehicle or a person of SUMO at a time."""
+
+    time: float
+    place: Place
+    element: ET.Element
+
+
 def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
-    """SUMO's angles are clockwise from north, which is y."""
-    tracks: dict[str, Track] = {}
+    """Vehicles and persons of SUMO have name spaces of their own. One that is absent for some time steps, or
+    teleports, has several tracks."""
+    step = _regular_step(root)
+    parts = {key: _parts(sightings, step) for key, sightings in _sightings(root, left_out).items()}
+    absent = "the ways of vehicles and persons while they are absent or teleport, who go on as further actors"
+    for (tag, name), parts_of_one in parts.items():
+        left_out[absent] += len(parts_of_one) - 1
+        if tag == "person" and ("vehicle", name) in parts:
+            name = f"person {name}"
+        for number, part in enumerate(parts_of_one, 1):
+            kind = part[0].element.get("type", tag)
+            length = (adapter.of_longest_pattern(lengths, kind) or 0.0) if tag == "vehicle" else 0.0
+            yield name if number == 1 else f"{name} part {number}", kind, _way(part, length)
+
+
+def _regular_step(root: ET.Element) -> float:
+    """The usual time from one time step of the file to the next."""
+    times = [_number(step, "time") for step in root.iter("timestep")]
+    return statistics.median(after - before for before, after in zip(times, times[1:])) if len(times) > 1 else math.inf
+
+
+def _sightings(root: ET.Element, left_out: Counter[str]) -> dict[tuple[str, str], list[_Sighting]]:
+    """The vehicles and persons by tag and id, without persons while they ride."""
+    seen: dict[tuple[str, str], list[_Sighting]] = {}
+    unseen = set()
     for step in root.iter("timestep"):
-        for thing in step:
-            if thing.tag not in ("vehicle", "person"):
-                continue
-            name, kind = thing.get("id", ""), thing.get("type", thing.tag)
-            yaw = 90 - float(thing.get("angle", "90"))
-            back = (adapter.of_longest_pattern(lengths, kind) or 0.0) / 2 if thing.tag == "vehicle" else 0.0
-            x = float(thing.get("x", "nan")) - back * math.cos(math.radians(yaw))
-            y = float(thing.get("y", "nan")) - back * math.sin(math.radians(yaw))
-            point = _waypoint(float(step.get("time", "0")), (x, y, float(thing.get("z", "0"))), yaw)
-            tracks.setdefault(name, (name, kind, []))[2].append(point)
-    yield from tracks.values()
+        time = _number(step, "time")
+        fronts = {_place(vehicle) for vehicle in step.iter("vehicle")}
+        for element in step:
+            key = element.tag, element.get("id", "")
+            if element.tag not in ("vehicle", "person"):
+                unseen.add((f"<{element.tag}>", key))
+            elif element.tag == "person" and _rides(element, fronts):
+                unseen.add(("persons while they ride", key))
+            else:
+                seen.setdefault(key, []).append(_Sighting(time, _place(element), element))
+    left_out.update(what for what, _ in unseen)
+    return seen
+
+
+def _place(element: ET.Element) -> Place:
+    return _number(element, "x", "nan"), _number(element, "y", "nan"), _number(element, "z")
+
+
+def _rides(person: ET.Element, fronts: set[Place]) -> bool:
+    """SUMO places riders at the middle of their vehicle's front. The attribute `vehicle`, which it writes on demand, has
+    the vehicle's id, and is empty for others."""
+    vehicle = person.get("vehicle")
+    return _place(person) in fronts if vehicle is None else vehicle != ""
+
+
+def _parts(sightings: list[_Sighting], step: float) -> list[list[_Sighting]]:
+    """The sightings in parts in which no time step is missing, and nothing teleports."""
+    parts = [sightings[:1]]
+    for before, now in zip(sightings, sightings[1:]):
+        if now.time - before.time > 1.5 * step or _teleports(before, now):
+            parts.append([])
+        parts[-1].append(now)
+    return parts
+
+
+def _teleports(before: _Sighting, now: _Sighting) -> bool:
+    """Whether a vehicle or person is more than 10 m beyond the way that its speed allows, which may change by 10 m/s².
+    A teleport of SUMO may take no more than one time step."""
+    time = now.time - before.time
+    speed = max(_number(sighting.element, "speed", "inf") for sighting in (before, now))
+    return math.dist(before.place, now.place) > 10 + speed * time + 5 * time**2
+
+
+def _way(part: list[_Sighting], length: float) -> list[Actor]:
+    """SUMO's angles are clockwise from north, which is y."""
+    waypoints = []
+    for time, (x, y, z), element in part:
+        yaw = math.radians(90 - _number(element, "angle", "90"))
+        middle = x - length / 2 * math.cos(yaw), y - length / 2 * math.sin(yaw), z
+        waypoints.append(_waypoint(time, middle, math.degrees(yaw)))
+    return waypoints
 
 
 def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
