@@ -2,6 +2,7 @@
 """Traffic of SUMO and OpenSCENARIO becomes actors that a drive takes."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -145,6 +146,30 @@ def test_a_vehicle_of_sumo_does_not_slide_where_it_teleports(tmp_path):
     stops = (f'<vehicle id="a" x="{x}" y="0" angle="90" speed="0"/>' for x in (0, 90, 180))
     (actor,) = robotics.read_traffic(fcd(tmp_path / "b.xml", *stops, step=10), {"*": "car"}, lengths={"*": 0.0})
     assert len(actor["trajectory"]["waypoints"]) == 3
+
+
+def test_yaws_of_sumo_do_not_jump_at_north_or_west(tmp_path):
+    angles = [350, 358, 4, 356, 280, 271, 260, 180, 90, 0]
+    file = fcd(tmp_path / "fcd.xml", *(f'<vehicle id="a" x="{i}" y="0" angle="{a}"/>' for i, a in enumerate(angles)))
+    (actor,) = robotics.read_traffic(file, {"*": "car"}, lengths={"*": 4.0})
+    yaws = [point["yaw_deg"] for point in actor["trajectory"]["waypoints"]]
+    assert yaws == [100, 92, 86, 94, 170, 179, 190, 270, 360, 450]
+
+
+def test_the_slope_of_sumo_is_a_pitch(tmp_path):
+    step = '<vehicle id="a" x="{0}" y="0" z="7" angle="0" type="car" slope="30"/>'
+    step += '<person id="p" x="{0}" y="5" z="7" angle="0" type="ped" slope="30"/>'
+    file = fcd(tmp_path / "fcd.xml", step.format(0), step.format(1))
+    car, person = robotics.read_traffic(file, {"*": "car"}, lengths={"car": 4.0})
+    waypoint = car["trajectory"]["waypoints"][0]
+    # Uphill to the north: the middle is 2 m back along the slope, and the front looks up.
+    np.testing.assert_allclose(waypoint["position"], [0, -2 * math.cos(math.pi / 6), 6], atol=1e-4)
+    x, y, z, w = waypoint["orientation"]
+    forward = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]
+    np.testing.assert_allclose(forward, [0, math.cos(math.pi / 6), 0.5], atol=1e-8)
+    assert "yaw_deg" not in waypoint
+    # Persons walk upright.
+    assert person["trajectory"]["waypoints"][0] == {"time": 0.0, "position": [0, 5, 7], "yaw_deg": 90}
 
 
 def test_entities_of_open_scenario_stand_where_init_puts_them(tmp_path):

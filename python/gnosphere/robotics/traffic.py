@@ -8,7 +8,7 @@ import os
 import statistics
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
@@ -71,8 +71,13 @@ def read_traffic(
     return actors
 
 
-def _waypoint(time: float, position: tuple[float, float, float], yaw_deg: float) -> Actor:
-    return {"time": time, "position": [round(value, 4) for value in position], "yaw_deg": round(yaw_deg, 3)}
+def _waypoint(time: float, position: Iterable[float], yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Actor:
+    """A waypoint whose angles are in radians: turns about the fixed axes x (roll), y (pitch) and z."""
+    waypoint: Actor = {"time": time, "position": [round(value, 4) for value in position]}
+    if pitch or roll:
+        turn = adapter.quaternion(rotation(roll, pitch, yaw))
+        return {**waypoint, "orientation": [round(float(value), 9) for value in turn]}
+    return {**waypoint, "yaw_deg": round(math.degrees(yaw), 3)}
 
 
 class _Sighting(NamedTuple):
@@ -95,8 +100,9 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]
             name = f"person {name}"
         for number, part in enumerate(parts_of_one, 1):
             kind = part[0].element.get("type", tag)
-            length = (adapter.of_longest_pattern(lengths, kind) or 0.0) if tag == "vehicle" else 0.0
-            yield name if number == 1 else f"{name} part {number}", kind, _way(part, length)
+            length = adapter.of_longest_pattern(lengths, kind) or 0.0
+            waypoints = _way_of_vehicle(part, length) if tag == "vehicle" else _way_of_person(part)
+            yield name if number == 1 else f"{name} part {number}", kind, waypoints
 
 
 def _regular_step(root: ET.Element) -> float:
@@ -153,14 +159,28 @@ def _teleports(before: _Sighting, now: _Sighting) -> bool:
     return math.dist(before.place, now.place) > 10 + speed * time + 5 * time**2
 
 
-def _way(part: list[_Sighting], length: float) -> list[Actor]:
-    """SUMO's angles are clockwise from north, which is y."""
+def _yaws(part: list[_Sighting]) -> Iterator[float]:
+    """SUMO's angles are clockwise from north, which is y. Yaws that follow each other are at most half a turn apart."""
+    yaw = 0.0
+    for sighting in part:
+        yaw += math.remainder(90 - _number(sighting.element, "angle", "90") - yaw, 360)
+        yield math.radians(yaw)
+
+
+def _way_of_vehicle(part: list[_Sighting], length: float) -> list[Actor]:
+    """SUMO's slopes are positive uphill, and a pitch is positive downhill."""
     waypoints = []
-    for time, (x, y, z), element in part:
-        yaw = math.radians(90 - _number(element, "angle", "90"))
-        middle = x - length / 2 * math.cos(yaw), y - length / 2 * math.sin(yaw), z
-        waypoints.append(_waypoint(time, middle, math.degrees(yaw)))
+    for (time, (x, y, z), element), yaw in zip(part, _yaws(part)):
+        slope = math.radians(_number(element, "slope"))
+        back, down = length / 2 * math.cos(slope), length / 2 * math.sin(slope)
+        middle = x - back * math.cos(yaw), y - back * math.sin(yaw), z - down
+        waypoints.append(_waypoint(time, middle, yaw, -slope))
     return waypoints
+
+
+def _way_of_person(part: list[_Sighting]) -> list[Actor]:
+    """Persons walk upright. Their slope is that of the road, in its direction."""
+    return [_waypoint(sighting.time, sighting.place, yaw) for sighting, yaw in zip(part, _yaws(part))]
 
 
 def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
@@ -256,15 +276,13 @@ def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[list[Ac
 
 def _placed(time: float, place: ET.Element, along: bool, left_out: Counter[str]) -> Actor:
     """A waypoint at a WorldPosition. If `along`, one without a heading looks along its way."""
-    x, y, z, turn, pitch, roll = (_number(place, key) for key in "xyzhpr")
-    waypoint = _waypoint(time, (x, y, z), math.degrees(turn))
-    if along and place.get("h") is None:
-        del waypoint["yaw_deg"]
-        if pitch or roll:
-            left_out["the pitch and the roll of vertices without a heading"] += 1
-    elif pitch or roll:
-        del waypoint["yaw_deg"]
-        waypoint["orientation"] = [round(float(value), 9) for value in adapter.quaternion(rotation(roll, pitch, turn))]
+    x, y, z, yaw, pitch, roll = (_number(place, key) for key in "xyzhpr")
+    if not along or place.get("h") is not None:
+        return _waypoint(time, (x, y, z), yaw, pitch, roll)
+    if pitch or roll:
+        left_out["the pitch and the roll of vertices without a heading"] += 1
+    waypoint = _waypoint(time, (x, y, z), yaw)
+    del waypoint["yaw_deg"]
     return waypoint
 
 
