@@ -74,8 +74,18 @@ def fcd(path, *steps, step=0.5):
 
 def test_sumo_without_lengths(tmp_path):
     (tmp_path / "fcd.xml").write_text(FCD)
-    with pytest.warns(UserWarning, match=r"the lengths of vehicles, which are half of it too far ahead \(2\)"):
+    ahead = "the lengths of vehicles of the type '{}', which are half of it too far ahead (1)"
+    with pytest.warns(UserWarning) as told:
         robotics.read_traffic(tmp_path / "fcd.xml", {"*": "car"})
+    assert ahead.format("passenger") in str(told[0].message) and ahead.format("rail") in str(told[0].message)
+    # Patterns of lengths that fit some types do not silence the warning of the others, nor do types that are left out
+    # have one.
+    with pytest.warns(UserWarning) as told:
+        robotics.read_traffic(tmp_path / "fcd.xml", {"*": "car"}, lengths={"pass*": 4.0})
+    assert str(told[0].message).endswith("fcd.xml leaves out " + ahead.format("rail"))
+    with pytest.warns(UserWarning) as told:
+        robotics.read_traffic(tmp_path / "fcd.xml", {"pass*": "car", "*PED*": "person"}, lengths={"pass*": 4.0})
+    assert str(told[0].message).endswith("fcd.xml leaves out the type 'rail' (1)")
 
 
 def test_a_vehicle_and_a_person_with_one_id_of_sumo_are_two_actors(tmp_path):

@@ -35,7 +35,7 @@ def read_traffic(
         pattern that fits counts, of equally long ones the last; the class is the model if none does, and who fits no
         pattern of models is left out, with a warning.
     lengths: metres, by the same patterns. SUMO places a vehicle by the middle of its front, so it is shifted back by
-        half of its length.
+        half of its length. A warning names the types of vehicles that no pattern fits.
     """
     path = Path(file)
     try:
@@ -45,12 +45,12 @@ def read_traffic(
     readers = {"fcd-export": _sumo, "OpenSCENARIO": _open_scenario}
     if root.tag not in readers:
         raise ValueError(f"{path} is XML of <{root.tag}>; SUMO's <fcd-export> and <OpenSCENARIO> are read")
+    lengths = lengths or {}
     left_out = Counter[str]()
-    if lengths is None and (vehicles := {thing.get("id") for thing in root.iterfind("timestep/vehicle")}):
-        left_out["the lengths of vehicles, which are half of it too far ahead"] = len(vehicles)
+    types_of_vehicles = {thing.get("type", thing.tag) for thing in root.iterfind("timestep/vehicle")}
     actors = []
     try:
-        tracks = list(readers[root.tag](root, lengths or {}, left_out))
+        tracks = list(readers[root.tag](root, lengths, left_out))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
     for name, kind, waypoints in tracks:
@@ -58,6 +58,8 @@ def read_traffic(
         if model is None:
             left_out[f"the type '{kind}'"] += 1
             continue
+        if kind in types_of_vehicles and adapter.of_longest_pattern(lengths, kind) is None:
+            left_out[f"the lengths of vehicles of the type '{kind}', which are half of it too far ahead"] += 1
         actors.append(
             {
                 "name": name,
