@@ -182,6 +182,29 @@ def test_the_slope_of_sumo_is_a_pitch(tmp_path):
     assert person["trajectory"]["waypoints"][0] == {"time": 0.0, "position": [0, 5, 7], "yaw_deg": 90}
 
 
+def test_longitudes_and_latitudes_of_sumo_are_refused(tmp_path):
+    def drive(per_metre, place, attributes):
+        x = [place + 5 * i * per_metre for i in range(4)]
+        things = (f'<vehicle id="a" x="{value:.6f}" y="48.139700" angle="90" {attributes}/>' for value in x)
+        return robotics.read_traffic(fcd(tmp_path / "fcd.xml", *things), {"*": "car"}, lengths={"*": 4.0})
+
+    degrees = 1 / 111195 / math.cos(math.radians(48))
+    for attributes in ('speed="10"', ""):
+        with pytest.raises(ValueError, match=r"fcd.xml: x and y .* degrees, .* without --fcd-output.geo"):
+            drive(degrees, 11.5661, attributes)
+        assert len(drive(1, 11.5661, attributes)) == 1  # metres
+        assert len(drive(0, 11.5661, attributes)) == 1  # nothing moves
+
+
+def test_numbers_that_sumo_does_not_state_are_named(tmp_path):
+    file = fcd(tmp_path / "fcd.xml", '<vehicle id="a" y="0" angle="90"/>')
+    with pytest.raises(ValueError, match=r"fcd.xml: <vehicle> has no x; SUMO writes it if"):
+        robotics.read_traffic(file, {"*": "car"})
+    file = fcd(tmp_path / "fcd.xml", '<vehicle id="a" x="east" y="0" angle="90"/>')
+    with pytest.raises(ValueError, match=r"fcd.xml: <vehicle x='east'> is no number$"):
+        robotics.read_traffic(file, {"*": "car"})
+
+
 def test_entities_of_open_scenario_stand_where_init_puts_them(tmp_path):
     init = """<Init><Actions><Private entityRef="{}"><PrivateAction><TeleportAction><Position>{}</Position>
 </TeleportAction></PrivateAction></Private></Actions></Init>"""

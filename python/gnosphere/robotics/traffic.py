@@ -9,6 +9,7 @@ import statistics
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
@@ -95,6 +96,7 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]
     teleports, has several tracks."""
     step = _regular_step(root)
     parts = {key: _parts(sightings, step) for key, sightings in _sightings(root, left_out).items()}
+    _refuse_degrees(parts.values())
     absent = "the ways of vehicles and persons while they are absent or teleport, who go on as further actors"
     for (tag, name), parts_of_one in parts.items():
         left_out[absent] += len(parts_of_one) - 1
@@ -109,7 +111,7 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]
 
 def _regular_step(root: ET.Element) -> float:
     """The usual time from one time step of the file to the next."""
-    times = [_number(step, "time") for step in root.iter("timestep")]
+    times = [_number(step, "time", None) for step in root.iter("timestep")]
     return statistics.median(after - before for before, after in zip(times, times[1:])) if len(times) > 1 else math.inf
 
 
@@ -118,7 +120,7 @@ def _sightings(root: ET.Element, left_out: Counter[str]) -> dict[tuple[str, str]
     seen: dict[tuple[str, str], list[_Sighting]] = {}
     unseen = set()
     for step in root.iter("timestep"):
-        time = _number(step, "time")
+        time = _number(step, "time", None)
         fronts = {_place(vehicle) for vehicle in step.iter("vehicle")}
         for element in step:
             key = element.tag, element.get("id", "")
@@ -133,7 +135,7 @@ def _sightings(root: ET.Element, left_out: Counter[str]) -> dict[tuple[str, str]
 
 
 def _place(element: ET.Element) -> Place:
-    return _number(element, "x", "nan"), _number(element, "y", "nan"), _number(element, "z")
+    return _number(element, "x", None), _number(element, "y", None), _number(element, "z")
 
 
 def _rides(person: ET.Element, fronts: set[Place]) -> bool:
@@ -159,6 +161,22 @@ def _teleports(before: _Sighting, now: _Sighting) -> bool:
     time = now.time - before.time
     speed = max(_number(sighting.element, "speed", "inf") for sighting in (before, now))
     return math.dist(before.place, now.place) > 10 + speed * time + 5 * time**2
+
+
+def _refuse_degrees(tracks: Iterable[list[list[_Sighting]]]) -> None:
+    """Refuses longitudes and latitudes, which change by a tiny part of the metres that vehicles and persons go. A speed
+    that is not stated counts as 1 m/s, unless nothing moves."""
+    changed = gone = 0.0
+    for part in chain.from_iterable(tracks):
+        for before, now in zip(part, part[1:]):
+            if change := math.dist(before.place[:2], now.place[:2]):
+                changed += change
+                gone += (now.time - before.time) * _number(now.element, "speed", "1")
+    if changed < 0.01 * gone:
+        raise ValueError(
+            f"x and y change by {changed:.3g} on ways of {gone:.0f} m, so they are degrees, not metres; "
+            "write the FCD without --fcd-output.geo"
+        )
 
 
 def _yaws(part: list[_Sighting]) -> Iterator[float]:
@@ -230,8 +248,10 @@ def _fill_in_parameters(root: ET.Element) -> None:
             element.set(key, text)
 
 
-def _number(element: ET.Element, key: str, usual: str = "0") -> float:
+def _number(element: ET.Element, key: str, usual: Optional[str] = "0") -> float:
     text = element.get(key, usual)
+    if text is None:
+        raise ValueError(f"<{element.tag}> has no {key}; SUMO writes it if --fcd-output.attributes names it")
     try:
         return float(text)
     except ValueError:
