@@ -47,7 +47,7 @@ void checkTimes(const SensorMotion& motion, const Sensor& sensor, uint64_t frame
   if (motion.stamps.size() < 2 || !firesInTurn(sensor)) return;
   const ScanTimes times = scanTimesOf(sensor, !sensor.isGrid(), frame);
   const double first = motion.stamps.front().time, last = motion.stamps.back().time;
-  if (first < times.last && last > times.earliest) return;
+  if (first <= times.last && last >= times.earliest) return;
   throw Error(ErrorCode::invalidArgument, which + "the motion is from " + numberText(first) + " to " +
                                               numberText(last) + " s, and the beams fire from " +
                                               numberText(times.earliest) + " to " + numberText(times.last) +

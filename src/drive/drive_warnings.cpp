@@ -7,6 +7,7 @@
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
@@ -30,6 +31,19 @@ std::string spanText(const Trajectory& trajectory) {
 /// Whether the points that this output writes have times of their own within a scan.
 bool hasPointTimes(const Output& output) {
   return formatNamed(output.format).pointTimes || std::ranges::find(output.fields, Field::time) != output.fields.end();
+}
+
+/// How far the points of an actor are from the point that it turns about.
+double reachOf(const Actor& actor, const Bounds& bounds) {
+  if (bounds.empty()) return 0;
+  const auto farthest = [](double low, double high, double size, bool fits) {
+    const double far = std::max(std::abs(low), std::abs(high));
+    return fits && high > low ? far * size / (high - low) : far;
+  };
+  const Vec3 size = actor.size.value_or(Vec3{});
+  return lengthOf({farthest(bounds.min.x, bounds.max.x, size.x, actor.size.has_value()),
+                   farthest(bounds.min.y, bounds.max.y, size.y, actor.size.has_value()),
+                   farthest(bounds.min.z, bounds.max.z, size.z, actor.size.has_value())});
 }
 
 }  // namespace
@@ -127,8 +141,58 @@ void DriveReader::warnOfMotion(size_t index, const std::string& path) {
                                 " go on to " + secondsText(scan) + "; \"use\": \"auto\" lets them move");
 }
 
+/// Warns of speeds of actors that a sensor whose beams fire at once does not measure.
+void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
+  const RigSensor& sensor = drive_.sensors[index];
+  const auto asksFor = [&](const Output& output) {
+    const bool speeds = std::ranges::find(output.fields, Field::radialSpeed) != output.fields.end() ||
+                        std::ranges::find(output.fields, Field::velocity) != output.fields.end();
+    return speeds && std::ranges::find(output.sensors, index) != output.sensors.end();
+  };
+  const auto moves = [&](const Actor& actor) {
+    return actor.trajectory.movesWithin(drive_.start, drive_.start + drive_.duration);
+  };
+  if (firesInTurn(sensor.sensor) || std::ranges::none_of(drive_.outputs, asksFor) ||
+      std::ranges::none_of(drive_.actors, moves))
+    return;
+  warn(path + ".sensor",
+       "all beams of " + inQuotes(sensor.name) +
+           " fire at once, so nothing moves within its scans, and radial_speed and velocity have no speeds of actors; "
+           "a rotation_period of 0.001 s lets them move");
+}
+
+/// Warns of actors that turn so far within a scan that the straight ways of their points leave the arcs.
+void DriveReader::warnOfSpins(const RigSensor& sensor, const std::vector<Bounds>& models, const std::string& path) {
+  constexpr double kOff = 0.05;  // m
+  const double scan = durationOf(sensor.sensor, 0);
+  double most = 0, turn = 0;
+  const Actor* worst = nullptr;
+  for (const Actor& actor : drive_.actors) {
+    const std::vector<Trajectory::Stamp>& stamps = actor.trajectory.stamps();
+    const double reach = reachOf(actor, models[actor.model]);
+    for (size_t i = 1; i < stamps.size(); ++i) {
+      if (stamps[i].time < drive_.start || stamps[i - 1].time > drive_.start + drive_.duration) continue;
+      const double angle = angleBetween(stamps[i - 1].pose.orientation, stamps[i].pose.orientation),
+                   within = std::min(angle * scan / (stamps[i].time - stamps[i - 1].time), 2 * M_PI),
+                   off = reach * (1 - std::cos(within / 2));
+      if (off <= most) continue;
+      most = off;
+      turn = within;
+      worst = &actor;
+    }
+  }
+  if (most > kOff)
+    warn(path, "within a scan of " + inQuotes(sensor.name) + " the actor " + inQuotes(worst->name) +
+                   " turns by up to " + gnosphere::numberText(std::round(10 * turn / kDegree) / 10) +
+                   " degrees, and its points go straight " +
+                   "from where they are at the start to where they are at the end of the scan, so they are up to " +
+                   gnosphere::numberText(std::round(100 * most) / 100) + " m off their arcs");
+}
+
 /// Warns of sensors of which a drive has less than its file seems to ask for.
 void DriveReader::warnOfSensors() {
+  std::vector<Bounds> models;
+  for (const Scene& model : drive_.models) models.push_back(worldBounds(model));
   for (size_t s = 0; s < drive_.sensors.size(); ++s) {
     const RigSensor& sensor = drive_.sensors[s];
     const std::string path = entryPath("sensors", s);
@@ -138,6 +202,8 @@ void DriveReader::warnOfSensors() {
     warnOfMount(sensor.mount, path);
     warnOfWeather(sensor, path);
     warnOfMotion(s, path);
+    warnOfSpeeds(s, path);
+    warnOfSpins(sensor, models, path);
   }
   if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");
 }

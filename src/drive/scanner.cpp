@@ -7,7 +7,6 @@
 #include "drive/pose_math.hpp"
 #include "drive/ros.hpp"
 #include "gnosphere/options.hpp"
-#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -49,7 +48,7 @@ Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::
   simulator_.emplace(world.scene(), requests, options);
   for (size_t s = 0; s < requests.size(); ++s) {
     const Plan plan = simulator_->plan(s);
-    motions_.push_back({plan.has("sensor-motion"), plan.has("object-motion")});
+    motions_.push_back({plan.has("sensor-motion"), plan.has("object-motion"), plan.has("radial-speed")});
   }
   for (size_t i = 0; i < placed_.size(); ++i) placed_[i] = world.scene().instances[i].transform;
 }
@@ -103,7 +102,12 @@ void Scanner::scan(RecordedScan& recorded) {
   shot.sensor = sensor;
   shot.frame = number;
   shot.weather = weatherFor(sensor, time);
-  if (recorded.sensorMoves && drive_.ego.movesWithin(time, time + recorded.duration)) shot.motion = motionOf(recorded);
+  if (recorded.sensorMoves || motions_[sensor].speeds) {
+    TimeSpan span = poseTimesOf(rigged.sensor, number);
+    // A sensor that fires all beams at once measures its speed, too.
+    if (!(span.from < span.to)) span = {drive_.ego.around(time).from - time, drive_.ego.around(time).to - time};
+    if (drive_.ego.movesWithin(time + span.from, time + span.to)) shot.motion = motionOf(recorded, span);
+  }
   placeWorld(recorded, shot);
   simulator_->scanInto(shot, recorded.scan);
   recorded.scan.sensor = rigged.sensor.name;
@@ -115,11 +119,11 @@ void Scanner::scan(RecordedScan& recorded) {
   }
 }
 
-SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
+SensorMotion Scanner::motionOf(const RecordedScan& recorded, const TimeSpan& span) const {
   constexpr double kSagitta = 1e-4, kMostPieces = 1000;  // m
-  const double begin = recorded.planned.time, end = begin + recorded.duration;
-  std::vector<double> times = drive_.ego.timesWithin(begin, end);
-  times.insert(times.end(), {begin, end});
+  const double begin = recorded.planned.time, from = begin + span.from, to = begin + span.to;
+  std::vector<double> times = drive_.ego.timesWithin(from, to);
+  times.insert(times.end(), {from, begin, begin + recorded.duration, to});
   std::sort(times.begin(), times.end());
   const Vec3& arm = drive_.sensors[recorded.planned.sensor].mount.position;
   const double length = lengthOf(arm);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drive/record.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 
@@ -21,18 +22,18 @@ class Scanner {
   const DeviceInfo& device() const { return simulator_->device(); }
 
  private:
-  /// Whether the plan of a sensor simulates its motion, and that of actors, within a scan.
+  /// Whether the plan of a sensor simulates its motion, and that of actors, within a scan, and measures radial speeds.
   struct Motions {
-    bool ofSensor = false, ofActors = false;
+    bool ofSensor = false, ofActors = false, speeds = false;
   };
   SensorRequest requestOf(size_t sensor, std::set<Field> fields) const;
   /// Returns the drive's weather without what the effects of a sensor turn off. Kinds that the drive does not state,
   /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
-  /// The sensor's poses during a scan: at its ends, at the stamps of the ego's trajectory, and between them where a
+  /// The sensor's poses in a span of times around a scan: at its ends, at the stamps of the ego's trajectory, and between them where a
   /// sensor beside the middle of the vehicle, which turns, goes along an arc: often enough that chords are 0.1 mm off.
-  SensorMotion motionOf(const RecordedScan& recorded) const;
+  SensorMotion motionOf(const RecordedScan& recorded, const TimeSpan& span) const;
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);
 

@@ -195,6 +195,15 @@ double durationOf(const Sensor& sensor, uint64_t frame) {
   return sensor.rotationPeriod > 0 ? sensor.rotationPeriod : scanTimesOf(sensor, true, frame).last;
 }
 
+TimeSpan poseTimesOf(const Sensor& sensor, uint64_t frame) {
+  const ScanTimes times = scanTimesOf(sensor, true, frame);
+  const double duration = durationOf(sensor, frame);
+  if (times.earliest >= 0 && times.last <= duration) return {0, duration};
+  // Poses are known once a column, and interpolated between.
+  const double step = sensor.isGrid() && sensor.columns > 0 ? duration / sensor.columns : 0;
+  return {std::min(0.0, times.earliest - step), std::max(duration, times.last + step)};
+}
+
 double lastTimeOf(const Sensor& sensor) {
   double last = 0;
   for (const BeamList& list : sensor.patterns)

@@ -74,7 +74,13 @@ Vec3 middleOfLasers(const Sensor& sensor);
 /// Seconds from the start of a scan until its last beam has fired; 0 if all beams fire at once. The motion of an
 /// instance during a scan takes as long.
 double durationOf(const Sensor& sensor, uint64_t frame);
-
+/// Seconds after the start of a scan.
+struct TimeSpan {
+  double from = 0, to = 0;
+};
+/// Returns the times between which a scan needs the poses of its sensor: from its start to its end, and those of beams
+/// that fire before or after it.
+TimeSpan poseTimesOf(const Sensor& sensor, uint64_t frame);
 /// Seconds from the start of a scan to the firing of the last beam of a list; 0 for a grid.
 double lastTimeOf(const Sensor& sensor);
 /// Seconds from the start of a scan to that of the next; 0 if the sensor states none.

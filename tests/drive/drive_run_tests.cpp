@@ -347,6 +347,48 @@ TEST_CASE("a sensor beside the middle of a vehicle that turns goes along an arc 
   CHECK_THAT(most, WithinAbs(6, 0.0011));
 }
 
+TEST_CASE("beams that fire before the start and after the end of a scan leave from where the sensor is then") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["actors"] = Json::array();
+  json["weather"] = Json::array();
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0), waypoint(1, 0, 0, 10)}}};  // upwards
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"]["time_offset"] = {-0.09, 0.09, -0.05, 0.05, -0.01, 0.01, 0, 0};
+  json["sensors"][0]["effects"] = "auto";
+  folder.run(json);
+  size_t before = 0, after = 0;
+  for (int scan = 1; scan < 8; ++scan) {  // the sensor stands before 0 s and after 1 s
+    for (const Row& row : rowsOf(folder.get("out/npy/top/00000" + std::to_string(scan) + ".npy"))) {
+      before += row.time < 0;
+      after += row.time > 0.1;
+      CHECK_THAT(-row.z, WithinAbs(1.8 + 10 * (0.1 * scan + row.time), 2e-4));
+    }
+  }
+  CHECK(before > 100);
+  CHECK(after > 100);
+}
+
+TEST_CASE("a sensor that fires all beams at once measures the speed of its vehicle") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"].erase("rotation_period");
+  json["sensors"][0]["effects"] = "auto";
+  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z,range,radial_speed,class,instance"}}};
+  const drive::Drive drive = folder.read(json);
+  REQUIRE(drive.warnings.size() == 1);
+  CHECK_THAT(drive.warnings[0], StartsWith("sensors[0].sensor: all beams of 'top' fire at once") &&
+                                    ContainsSubstring("have no speeds of actors"));
+  folder.run(json);
+  for (const char* scan : {"out/npy/top/000000.npy", "out/npy/top/000004.npy", "out/npy/top/000009.npy"}) {
+    const std::vector<Row> rows = rowsOf(folder.get(scan));
+    CHECK(rows.size() > 300);
+    for (const Row& row : rows) CHECK_THAT(row.time, WithinAbs(-4 * row.x / row.range, 1e-4));  // it drives along x
+  }
+}
+
 TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
   for (const bool deskew : {false, true}) {
     INFO("deskew " << deskew);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests of `gnosphere scan --trajectory` as a program.
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -43,6 +45,29 @@ TEST_CASE("a trajectory gives the same files as its poses one by one") {
     CHECK(frame.at("pose") == alone.at("pose"));
     CHECK(frame.at("counters") == alone.at("counters"));
     CHECK(frame.at("wall_ms") > 0);
+  }
+}
+
+TEST_CASE("a sensor that fires all beams at once measures its speed between the poses of a trajectory") {
+  const Workplace place;
+  place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.5 1 0 1.8 0 0 0 1\n1 4 0 1.8 0 0 0 1\n");
+  const Result result = place.run(
+      "scan floor.obj --sensor VLP-16 --trajectory t.tum -o a.csv --fields x,y,z,radial_speed --effect "
+      "detection=off --device reference");
+  REQUIRE(result.status == 0);
+  const double speeds[] = {2, 6, 6};  // m/s along x, after each pose and before the last one
+  for (int i = 0; i < 3; ++i) {
+    std::istringstream lines(place.get("a-00000" + std::to_string(i) + ".csv"));
+    std::string line;
+    std::getline(lines, line);
+    size_t points = 0;
+    for (double x = 0, y = 0, z = 0, speed = 0; std::getline(lines, line);) {
+      REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &x, &y, &z, &speed) == 4);
+      if (std::isnan(x)) continue;  // a beam without a return
+      ++points;
+      CHECK_THAT(speed, Catch::Matchers::WithinAbs(-speeds[i] * x / std::hypot(x, y, z), 1e-3));
+    }
+    CHECK(points > 100);
   }
 }
 

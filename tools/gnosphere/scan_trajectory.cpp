@@ -18,21 +18,25 @@ std::string numbered(const std::string& file, size_t number) {
 
 namespace {
 
-/// Returns the poses around a scan of `duration` seconds that starts at number `first`, with times relative to its
-/// start.
-SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size_t first, double duration) {
-  SensorMotion motion;
-  const double start = trajectory[first].time;
-  for (size_t i = first; i < trajectory.size(); ++i) {
-    const double time = trajectory[i].time - start;
-    if (i > first && !(trajectory[i].time > trajectory[i - 1].time))
+constexpr double kShortest = 1e-9;  // seconds
+
+/// Returns the poses around a scan that starts at number `start`, with times relative to its start: those within
+/// `span`, and the nearest ones before and after it.
+SensorMotion motionAround(const std::vector<SensorMotion::Stamp>& trajectory, size_t start, const TimeSpan& span) {
+  const double zero = trajectory[start].time;
+  const auto timeOf = [&](size_t i) { return trajectory[i].time - zero; };
+  const auto checkAscent = [&](size_t i) {
+    if (!(trajectory[i].time > trajectory[i - 1].time))
       throw Error(ErrorCode::format,
                   formatted("the trajectory's time %.10g does not come after %.10g; the sensor moves while "
                             "it turns, which needs ascending times, or --effect sensor-motion=off",
                             trajectory[i].time, trajectory[i - 1].time));
-    motion.stamps.push_back({time, trajectory[i].pose});
-    if (time >= duration) break;
-  }
+  };
+  size_t first = start, last = start;
+  for (; first > 0 && timeOf(first) > span.from; --first) checkAscent(first);
+  for (; last + 1 < trajectory.size() && timeOf(last) < span.to; ++last) checkAscent(last + 1);
+  SensorMotion motion;
+  for (size_t i = first; i <= last; ++i) motion.stamps.push_back({timeOf(i), trajectory[i].pose});
   return motion;
 }
 
@@ -42,12 +46,15 @@ std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& s
                                            const std::vector<SensorMotion::Stamp>& trajectory,
                                            const std::function<void(size_t, const Scan&)>& write) {
   std::vector<Shot> shots;
-  const bool moves = firesInTurn(sensor) && simulator.plan().has("sensor-motion");
+  const Plan plan = simulator.plan();
+  const bool inTurn = firesInTurn(sensor) && plan.has("sensor-motion"), speeds = plan.has("radial-speed");
   for (size_t i = 0; i < trajectory.size(); ++i) {
     Shot& shot = shots.emplace_back();
     shot.pose = trajectory[i].pose;
     shot.frame = i;
-    if (moves) shot.motion = motionFrom(trajectory, i, durationOf(sensor, i));
+    // A sensor that fires all beams at once measures its speed between the poses before and after it.
+    if (inTurn || speeds)
+      shot.motion = motionAround(trajectory, i, inTurn ? poseTimesOf(sensor, i) : TimeSpan{-kShortest, kShortest});
   }
   std::vector<TrajectoryScan> scans;
   Progress progress("scan", trajectory.size());
