@@ -31,8 +31,9 @@ class Scanner {
   /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
-  /// The sensor's poses in a span of times around a scan: at its ends, at the stamps of the ego's trajectory, and between them where a
-  /// sensor beside the middle of the vehicle, which turns, goes along an arc: often enough that chords are 0.1 mm off.
+  /// The sensor's poses in a span of times around a scan: at its ends, at the stamps of the ego's trajectory, and
+  /// between them where a sensor beside the middle of the vehicle, which turns, goes along an arc: often enough that
+  /// chords are 0.1 mm off.
   SensorMotion motionOf(const RecordedScan& recorded, const TimeSpan& span) const;
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);
