@@ -270,8 +270,9 @@ std::vector<EffectInfo> makeTable() {
                                                              "Only for the model `carla`.")}),
       effect<&E::detection>(
           "detection", gpu::kDetection, appliesDetection, always,
-          "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
-          "square to the beam at `range`. Automatic: on if a range is given, or with fog, rain, snow or dust.",
+          "A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at "
+          "`range`. Automatic: on if a range is given, with weather, or if a sensor states a range at 10 % and a table "
+          "reflectances.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
            number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,

@@ -5,12 +5,12 @@
 // that of the vehicle.
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 
 #include "base/decimal_point.hpp"
 #include "base/npy.hpp"
+#include "base/vector.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
 
@@ -25,7 +25,7 @@ Quaternion levelled(const Quaternion& mounting) {
 
 /// Whether a rotation is less than the rounding of its numbers.
 bool isIdentity(const Quaternion& q) {
-  return std::hypot(q.x, q.y, q.z) < 1e-9;
+  return lengthOf({q.x, q.y, q.z}) < 1e-9;
 }
 
 void turnRows(std::string& rows, const Quaternion& rotation) {
