@@ -90,10 +90,14 @@ void add(Hasher& hasher, const Scene& scene) {
   }
 }
 
+/// Another number whenever the same drive makes other frames than before.
+constexpr std::string_view kFrames = "frames 2";
+
 }  // namespace
 
 std::string fingerprintOf(const Drive& drive, std::string_view driveFile) {
   Hasher hasher;
+  hasher.add(kFrames);
   hasher.add(driveFile);
   hasher.add(drive.name);
   for (const Scene& scene : drive.scenes) add(hasher, scene);

@@ -128,22 +128,21 @@ void DriveReader::warnOfRadians(const json& list, const std::vector<double>& alo
            ", and the way leads elsewhere; the yaws are in degrees, and along the way these would be radians");
 }
 
-std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path) {
+/// Returns the stamps of waypoints, and appends to `turned` whether each states an angle.
+std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path,
+                                                      std::vector<bool>& turned) {
   std::vector<Trajectory::Stamp> stamps;
-  for (const json& waypoint : list)
-    stamps.push_back({waypoint["time"].get<double>(), {vectorOf(waypoint["position"]), {}}});
-  warnOfRadians(list, yawsAlong(stamps), path);
-  std::vector<bool> turned;
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string at = entryPath(path, i);
-    Quaternion& turn = stamps[i].pose.orientation;
     const bool hasYaw = list[i].contains("yaw_deg"), hasOrientation = list[i].contains("orientation");
     if (hasYaw && hasOrientation) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
+    Quaternion turn;
     if (hasOrientation) turn = orientation(list[i]["orientation"], at + ".orientation");
     if (hasYaw) turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+    stamps.push_back({list[i]["time"].get<double>(), {vectorOf(list[i]["position"]), turn}});
     turned.push_back(hasYaw || hasOrientation);
   }
-  headAlong(stamps, turned);
+  warnOfRadians(list, yawsAlong(stamps), path);
   warnOfTurns(list, path);
   return stamps;
 }
@@ -162,9 +161,10 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
     return {};
   }
   std::vector<Trajectory::Stamp> stamps;
+  std::vector<bool> turned;  // by stamp, whether it has an orientation of its own
   if (object.contains("waypoints")) {
     if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
-    stamps = waypoints(object["waypoints"], path + ".waypoints");
+    stamps = waypoints(object["waypoints"], path + ".waypoints", turned);
   } else {
     TrajectoryFileOptions options;
     if (object.contains("times")) options.times = file(object["times"]);
@@ -180,13 +180,23 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
       drive_.warnings.push_back(path + ": " + std::to_string(count - stamps.size()) +
                                 " poses have the time of the pose before them and are left out");
   }
+  const bool looksAlong = object.value("heading", false) ||
+                          (object.contains("file") && (format == "carla" || format == "carla-route"));
+  turned.resize(stamps.size(), true);
+  if (looksAlong) turned.assign(stamps.size(), false);
   const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
-  std::erase_if(stamps, [&](const auto& stamp) { return stamp.time < from || stamp.time > to; });
+  size_t kept = 0;
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    if (stamps[i].time < from || stamps[i].time > to) continue;
+    stamps[kept] = stamps[i];
+    turned[kept++] = turned[i];
+  }
+  stamps.resize(kept);
+  turned.resize(kept);
   if (stamps.empty()) {
     refuse(path, "has no pose from 'from' to 'to'");
     return {};
   }
-  if (object.value("heading", false)) headAlong(stamps);
   const double shift = object.contains("begin") ? object["begin"].get<double>() - stamps.front().time : 0;
   const Vec3 moved = object.contains("shift") ? vectorOf(object["shift"]) : Vec3{};
   for (auto& stamp : stamps) {
@@ -194,7 +204,10 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
     stamp.pose.position = stamp.pose.position + moved;
   }
   Trajectory result;
-  attempt(path, [&] { result = Trajectory(std::move(stamps)); });
+  const bool allTurned = std::ranges::find(turned, false) == turned.end();
+  attempt(path, [&] {
+    result = allTurned ? Trajectory(std::move(stamps)) : Trajectory::alongWay(std::move(stamps), std::move(turned));
+  });
   return result;
 }
 

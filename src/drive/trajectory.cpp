@@ -20,13 +20,6 @@ bool equal(const Pose& a, const Pose& b) {
   return p.x == r.x && p.y == r.y && p.z == r.z && q.x == s.x && q.y == s.y && q.z == s.z && q.w == s.w;
 }
 
-/// The way from one stamp to the next.
-struct Segment {
-  double duration = 0;  ///< seconds
-  bool moves = false;
-  double yaw = 0;  ///< of the way; where it does not move, that of the way before, or else of the first way
-};
-
 std::vector<Segment> segmentsOf(const std::vector<Trajectory::Stamp>& stamps) {
   constexpr double kStill = 1e-6;  // metres
   std::vector<Segment> segments;
@@ -34,7 +27,7 @@ std::vector<Segment> segmentsOf(const std::vector<Trajectory::Stamp>& stamps) {
     const Vec3 way = stamps[i].pose.position - stamps[i - 1].pose.position;
     const bool moves = lengthOf(way.x, way.y) > kStill;
     const double before = segments.empty() ? 0 : segments.back().yaw;
-    segments.push_back({stamps[i].time - stamps[i - 1].time, moves, moves ? std::atan2(way.y, way.x) : before});
+    segments.push_back({stamps[i].time - stamps[i - 1].time, moves ? std::atan2(way.y, way.x) : before, moves});
   }
   const auto first = std::ranges::find(segments, true, &Segment::moves);
   if (first != segments.end())
@@ -42,25 +35,30 @@ std::vector<Segment> segmentsOf(const std::vector<Trajectory::Stamp>& stamps) {
   return segments;
 }
 
-/// The turn at a stamp from the segment before it to that after it: it takes time of segments that move alone.
+/// The turn at a stamp from the segment before it to that after it. A vehicle turns only while it moves.
 struct Bend {
   double angle = 0;              ///< radians, counter-clockwise
-  double before = 0, after = 0;  ///< seconds of the turn before and after the stamp
+  double before = 0, after = 0;  ///< seconds of the turn before and after the stamp; 0 if there is no turn
   double yaw = 0;                ///< at the stamp
+
+  double speed() const { return angle / (before + after); }
 };
 
 Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
-  constexpr double kLongest = 0.5;  // seconds, before and after a stamp
+  constexpr double kLongest = 0.5;    // seconds, before and after a stamp
+  constexpr double kStraight = 1e-6;  // radians
   if (segments.empty()) return {};
   if (stamp == 0) return {0, 0, 0, segments.front().yaw};
   const Segment& before = segments[stamp - 1];
   if (stamp == segments.size()) return {0, 0, 0, before.yaw};
   const Segment& after = segments[stamp];
+  const double angle = std::remainder(after.yaw - before.yaw, 2 * M_PI);
+  if (std::abs(angle) < kStraight) return {0, 0, 0, before.yaw};
   const auto share = [&](const Segment& segment) {
     return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongest) : 0.0;
   };
-  Bend bend = {std::remainder(after.yaw - before.yaw, 2 * M_PI), share(before), share(after), before.yaw};
-  if (bend.before > 0) bend.yaw += bend.angle * bend.before / (bend.before + bend.after);
+  Bend bend = {angle, share(before), share(after), before.yaw};
+  if (bend.before > 0) bend.yaw += bend.speed() * bend.before;
   return bend;
 }
 
@@ -76,8 +74,35 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
   }
 }
 
+Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned) {
+  Trajectory result(std::move(stamps));
+  std::vector<Stamp>& kept = result.motion_.stamps;
+  turned.resize(kept.size());
+  result.segments_ = segmentsOf(kept);
+  result.turned_ = std::move(turned);
+  for (size_t i = 0; i < kept.size(); ++i)
+    if (!result.turned_[i]) kept[i].pose.orientation = yawPitchRoll(bendAt(result.segments_, i).yaw, 0, 0);
+  return result;
+}
+
+bool Trajectory::looksAlong(size_t i) const {
+  return i < segments_.size() && !turned_[i] && !turned_[i + 1];
+}
+
 Pose Trajectory::at(double time) const {
-  return poseAt(motion_, {}, time);
+  Pose pose = poseAt(motion_, {}, time);
+  if (segments_.empty() || !(time > begin()) || !(time < end())) return pose;
+  const std::vector<Stamp>& stamps = motion_.stamps;
+  const auto next = std::ranges::upper_bound(stamps, time, {}, &Stamp::time);
+  const auto i = static_cast<size_t>(next - stamps.begin()) - 1;
+  if (!looksAlong(i)) return pose;
+  const Bend from = bendAt(segments_, i), to = bendAt(segments_, i + 1);
+  const double since = time - stamps[i].time, until = stamps[i + 1].time - time;
+  double yaw = segments_[i].yaw;
+  if (since < from.after) yaw -= from.speed() * (from.after - since);
+  if (until < to.before) yaw += to.speed() * (to.before - until);
+  pose.orientation = yawPitchRoll(yaw, 0, 0);
+  return pose;
 }
 
 Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
@@ -136,10 +161,22 @@ bool Trajectory::movesWithin(double from, double to) const {
 }
 
 std::vector<double> Trajectory::timesWithin(double from, double to) const {
-  const auto later = [](double time, const Stamp& stamp) { return time < stamp.time; };
+  const std::vector<Stamp>& stamps = motion_.stamps;
   std::vector<double> times;
-  auto stamp = std::upper_bound(motion_.stamps.begin(), motion_.stamps.end(), from, later);
-  for (; stamp != motion_.stamps.end() && stamp->time < to; ++stamp) times.push_back(stamp->time);
+  const auto add = [&](double time) {
+    if (time > from && time < to && (times.empty() || time > times.back())) times.push_back(time);
+  };
+  // The last stamp that is not later than `from` may have a turn that ends later.
+  auto stamp = std::ranges::upper_bound(stamps, from, {}, &Stamp::time);
+  if (stamp != stamps.begin()) --stamp;
+  for (; stamp != stamps.end(); ++stamp) {
+    const auto i = static_cast<size_t>(stamp - stamps.begin());
+    const Bend bend = segments_.empty() ? Bend() : bendAt(segments_, i);
+    if (bend.before > 0 && looksAlong(i - 1)) add(stamp->time - bend.before);
+    add(stamp->time);
+    if (bend.after > 0 && looksAlong(i)) add(stamp->time + bend.after);
+    if (stamp->time >= to) break;
+  }
   return times;
 }
 
@@ -148,30 +185,6 @@ std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps) {
   std::vector<double> yaws(stamps.size());
   for (size_t i = 0; i < stamps.size(); ++i) yaws[i] = bendAt(segments, i).yaw;
   return yaws;
-}
-
-void headAlong(std::vector<Trajectory::Stamp>& stamps, const std::vector<bool>& turned) {
-  const std::vector<Segment> segments = segmentsOf(stamps);
-  const auto isTurned = [&](size_t i) { return i < turned.size() && turned[i]; };
-  const bool ascends = std::ranges::all_of(segments, [](const Segment& segment) { return segment.duration >= 0; });
-  std::vector<Trajectory::Stamp> result;
-  for (size_t i = 0; i < stamps.size(); ++i) {
-    const Bend bend = bendAt(segments, i);
-    result.push_back(stamps[i]);
-    if (!isTurned(i)) result.back().pose.orientation = yawPitchRoll(bend.yaw, 0, 0);
-    if (i == segments.size() || !ascends || isTurned(i) || isTurned(i + 1)) continue;
-    const auto insert = [&](double time) {
-      const Vec3 &from = stamps[i].pose.position, &to = stamps[i + 1].pose.position;
-      if (time > result.back().time && time < stamps[i + 1].time) {
-        const double share = (time - stamps[i].time) / segments[i].duration;
-        result.push_back({time, {from + share * (to - from), yawPitchRoll(segments[i].yaw, 0, 0)}});
-      }
-    };
-    const Bend next = bendAt(segments, i + 1);
-    if (bend.angle != 0) insert(stamps[i].time + bend.after);
-    if (next.angle != 0) insert(stamps[i + 1].time - next.before);
-  }
-  stamps = std::move(result);
 }
 
 }  // namespace gnosphere::drive

@@ -12,6 +12,13 @@ namespace gnosphere::drive {
 
 inline constexpr double kGravity = 9.80665;  ///< m/s^2, standard gravity
 
+/// A straight way from one stamp of a trajectory to the next.
+struct Segment {
+  double duration = 0;  ///< seconds
+  double yaw = 0;       ///< of the way; where it does not move on, that of the way before, or else of the first way
+  bool moves = false;
+};
+
 /// A list of poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the
 /// first and after the last stamp the pose is constant.
 class Trajectory {
@@ -22,6 +29,12 @@ class Trajectory {
   Trajectory() : Trajectory(std::vector<Stamp>{{}}) {}
   /// Throws Error(format) unless there are stamps, and their times ascend.
   explicit Trajectory(std::vector<Stamp> stamps);
+  /// Returns the trajectory of a vehicle that looks along its way, level, except at the stamps that are `turned`, which
+  /// keep their orientation. Between two stamps it looks along the straight line. Around a stamp at which the way bends
+  /// it turns at constant speed, from half a second before the stamp to half a second after it, or from the middle of a
+  /// shorter way. While it stands it keeps its direction. Next to a turned stamp it turns by slerp all the way between
+  /// the two stamps.
+  static Trajectory alongWay(std::vector<Stamp> stamps, std::vector<bool> turned = {});
 
   Pose at(double time) const;
   double begin() const { return motion_.stamps.front().time; }
@@ -48,22 +61,21 @@ class Trajectory {
   bool covers(double time) const { return time >= begin() && time <= end(); }
   /// Whether the pose changes between two times.
   bool movesWithin(double from, double to) const;
-  /// Times of the stamps between two times, both excluded.
+  /// Times of the stamps between two times, both excluded, and of those at which turns begin and end.
   std::vector<double> timesWithin(double from, double to) const;
   const std::vector<Stamp>& stamps() const { return motion_.stamps; }
 
  private:
+  /// Whether the vehicle looks along its way between stamp i and the next one.
+  bool looksAlong(size_t i) const;
+
   SensorMotion motion_;
+  std::vector<Segment> segments_;  // none unless the vehicle looks along its way
+  std::vector<bool> turned_;       // by stamp
 };
 
-/// Returns the yaw in radians at every stamp of a vehicle that looks along its way, as headAlong() turns it.
+/// Returns the yaw in radians at every stamp of a vehicle that looks along its way, see Trajectory::alongWay().
 std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps);
-
-/// Turns every pose so that x points along the way, level, except for the poses that are `turned` already. Between two
-/// stamps a vehicle looks along its way, and around a stamp where the way bends it turns within half a second before
-/// and after it, or half of a shorter way: poses are inserted where such a turn begins and ends. A vehicle that stands
-/// keeps its direction. Next to a pose that was turned already, the vehicle turns all the way between the two stamps.
-void headAlong(std::vector<Trajectory::Stamp>& stamps, const std::vector<bool>& turned = {});
 
 /// Choices that a trajectory file leaves open.
 struct TrajectoryFileOptions {

@@ -133,6 +133,11 @@ Vec3 fromCarla(const Vec3& v) {
   return {v.x, -v.y, v.z};
 }
 
+void lookAlong(Stamps& stamps) {
+  const std::vector<double> yaws = yawsAlong(stamps);
+  for (size_t i = 0; i < stamps.size(); ++i) stamps[i].pose.orientation = yawPitchRoll(yaws[i], 0, 0);
+}
+
 /// Lines x,y,z,t as ScenarioRunner logs a vehicle.
 Stamps readCarla(const std::filesystem::path& file) {
   Stamps stamps;
@@ -141,7 +146,7 @@ Stamps readCarla(const std::filesystem::path& file) {
     if (v.size() != 4) line.refuse("is not x,y,z,t, four finite numbers with commas between");
     stamps.push_back({v[3], {fromCarla({v[0], v[1], v[2]}), {}}});
   });
-  headAlong(stamps);
+  lookAlong(stamps);
   return stamps;
 }
 
@@ -172,7 +177,7 @@ Stamps readCarlaRoute(const std::filesystem::path& file, const TrajectoryFileOpt
   };
   for (const auto& place : route.child("waypoints").children("position")) add(place);
   for (const auto& place : route.children("waypoint")) add(place);
-  headAlong(stamps);
+  lookAlong(stamps);
   return stamps;
 }
 

@@ -106,9 +106,9 @@ std::vector<Pose> steered(std::vector<Pose> poses) {
     }
   }
   std::vector<drive::Trajectory::Stamp> stamps;
-  for (const Pose& pose : poses) stamps.push_back({0, pose});
-  drive::headAlong(stamps);
-  for (size_t i = 0; i < poses.size(); ++i) poses[i] = stamps[i].pose;
+  for (const Pose& pose : poses) stamps.push_back({kDriveInterval * static_cast<double>(stamps.size()), pose});
+  const std::vector<double> yaws = drive::yawsAlong(stamps);
+  for (size_t i = 0; i < poses.size(); ++i) poses[i].orientation = drive::yawPitchRoll(yaws[i], 0, 0);
   return poses;
 }
 
