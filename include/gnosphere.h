@@ -225,7 +225,7 @@ GNO_API gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_
 GNO_API gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* material);
 GNO_API gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh);
 GNO_API gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* instance);
-/* The box around all finite vertices of all instances, in the world frame; min > max if there are none. */
+/* The box around all finite vertices that triangles use, in the world frame; min > max if there are none. */
 GNO_API gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]);
 /* An error that names the material, image, mesh, part or instance whose indices or sizes are inconsistent. */
 GNO_API gno_status gno_scene_validate(gno_scene scene);

@@ -212,7 +212,7 @@ struct Bounds {
   bool empty() const { return !(min.x <= max.x); }
 };
 
-/// Returns the box around all finite vertices of all instances.
+/// Returns the box around all finite vertices that triangles use, of all instances.
 GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 
 /// Throws Error(invalidArgument) that names the material, image, mesh, part, instance, node, skin or clip whose indices

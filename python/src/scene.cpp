@@ -157,7 +157,7 @@ void bindScene(nb::module_& m) {
       .def_ro("max", &Bounds::max, "The greatest x, y and z, in metres.")
       .def("empty", &Bounds::empty, "Whether there is no vertex in it.");
   m.def("world_bounds", &worldBounds, "scene"_a, WithoutGil(),
-        "Returns the box around all finite vertices of all instances.");
+        "Returns the box around all finite vertices that triangles use, of all instances.");
   m.def(
       "validate", [](const Scene& scene) { validate(scene); }, "scene"_a,
       "Raises Error(invalid_argument) that names the material, image, mesh, part, instance, node, skin or clip whose "

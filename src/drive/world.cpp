@@ -8,6 +8,7 @@
 #include "base/vector.hpp"
 #include "drive/pose_math.hpp"
 #include "scene/join.hpp"
+#include "scene/used_vertices.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -33,11 +34,14 @@ std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
   return numbers;
 }
 
-/// The vertices of a model after `size`, in a state or at rest, in the order of its instances.
+/// The vertices that triangles of a model use, after `size`, in a state or at rest, in the order of its instances.
 std::vector<Vec3> verticesAt(const Scene& model, const Transform& size, const SceneState* state) {
   std::vector<std::vector<float>> shapes;
-  for (size_t i = 0; i < model.meshes.size(); ++i)
+  std::vector<std::vector<bool>> used;
+  for (size_t i = 0; i < model.meshes.size(); ++i) {
     shapes.push_back(deformedPositions(model.meshes[i], state ? state->deformations[i] : model.meshes[i].deformation));
+    used.push_back(usedVertices(model.meshes[i]));
+  }
   std::vector<Vec3> vertices;
   for (size_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
@@ -45,7 +49,8 @@ std::vector<Vec3> verticesAt(const Scene& model, const Transform& size, const Sc
     const Vec3& origin = model.meshes[instance.mesh].origin;
     const std::vector<float>& shape = shapes[instance.mesh];
     for (size_t v = 0; v + 2 < shape.size(); v += 3)
-      vertices.push_back(placed * Vec3{origin.x + shape[v], origin.y + shape[v + 1], origin.z + shape[v + 2]});
+      if (used[instance.mesh][v / 3])
+        vertices.push_back(placed * Vec3{origin.x + shape[v], origin.y + shape[v + 1], origin.z + shape[v + 2]});
   }
   return vertices;
 }

@@ -7,6 +7,7 @@
 #include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
+#include "scene/used_vertices.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -60,16 +61,27 @@ size_t Scene::placedTriangleCount() const {
   return count;
 }
 
+std::vector<bool> usedVertices(const Mesh& mesh) {
+  std::vector<bool> used(mesh.vertexCount());
+  for (const uint32_t index : mesh.indices)
+    if (index < used.size()) used[index] = true;
+  return used;
+}
+
 Bounds worldBounds(const Scene& scene) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  std::vector<std::vector<bool>> used(scene.meshes.size());  // by mesh; empty until an instance needs it
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const Mesh& mesh = meshOf(scene, i);
     const std::vector<float> deformed =
         mesh.deformation.empty() ? std::vector<float>() : deformedPositions(mesh, mesh.deformation);
     const std::vector<float>& positions = mesh.deformation.empty() ? mesh.positions : deformed;
+    std::vector<bool>& isUsed = used[instance.mesh];
+    if (isUsed.empty()) isUsed = usedVertices(mesh);
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
+      if (!isUsed[v]) continue;
       const Vec3 p = instance.transform * Vec3{mesh.origin.x + positions[3 * v], mesh.origin.y + positions[3 * v + 1],
                                                mesh.origin.z + positions[3 * v + 2]};
       if (!isFinite(p)) continue;

@@ -170,6 +170,22 @@ TEST_CASE("an origin that is not finite and an instance of no mesh are errors th
   CHECK_THAT(problemOf([&] { worldBounds(scene); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
 }
 
+TEST_CASE("vertices that no triangle uses are not within the bounds") {
+  const Folder folder;
+  put(folder / "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 1000000\n0 0 1\n50 0 2\n0 50 3\n-7 -7 -7\n3 1 2 3\n");
+  Scene scene = loadScene(folder / "a.ply");
+  const Bounds bounds = worldBounds(scene);
+  CHECK(bounds.min.x == 0);
+  CHECK(bounds.max.x == 50);
+  CHECK(bounds.min.z == 1);
+  CHECK(bounds.max.z == 3);
+  scene.meshes[0].indices.clear();
+  CHECK(worldBounds(scene).empty());
+}
+
 TEST_CASE("missing files, folders and unknown endings are errors that name them") {
   const Folder folder;
   const auto failure = [&](const std::string& name, ErrorCode code) {

@@ -236,6 +236,19 @@ TEST_CASE("a scene away from the origin is scanned from its middle by default") 
             "v 100 200 0\nv 140 200 0\nv 140 260 10\nv 100 260 10\nf 1 2 3\nf 1 3 4\n"
             "v 100 200 40\nv 140 200 40\nv 140 260 40\nf 5 6 7\n");
   CHECK_THAT(place.run("scan hill.obj" + kQuick).out, ContainsSubstring("at 120, 230, 6.8"));
+  place.put("high.obj", "v -10 -10 1700000\nv 30 -10 1700000\nv -10 30 1700000\nf 1 2 3\n");
+  CHECK_THAT(place.run("scan high.obj" + kQuick).out, ContainsSubstring("at 10, 10, 1700001.8"));
+  place.put("low.obj", "v -10 -10 -1.7\nv 30 -10 -1.7\nv -10 30 -1.7\nf 1 2 3\n");  // below a car's sensor
+  CHECK_THAT(place.run("scan low.obj" + kQuick).out, ContainsSubstring("at 0, 0, 1.8"));
+}
+
+TEST_CASE("the extent of a scene far from the origin has centimetres") {
+  const Workplace place;
+  place.put("far.obj", "v 691000.126 5324000.5 0.0125\nv 691010.1 5324000 -0.5\nv 691000 5344000 30.25\nf 1 2 3\n");
+  const Result result = place.run("scan far.obj --pose 691000,5324000.25,5000" + kQuick);
+  const std::string extent = "x 691000..691010.1, y 5324000..5344000, z -0.5..30.25 m";
+  CHECK_THAT(result.out, ContainsSubstring(extent));
+  CHECK_THAT(result.err, ContainsSubstring(extent) && ContainsSubstring("at 691000, 5324000.25, 5000 sees"));
 }
 
 TEST_CASE("scan --stats - prints only JSON, with the documented names") {

@@ -58,7 +58,7 @@ void warnOfNoPoints(const drive::Drive& drive) {
   }
   const Vec3 at = drive.sensorPose(0, drive.start).position;
   complain("warning: no scan has a point; the scenes " + (extents.empty() ? "have no triangle" : "span " + extents) +
-           ", and sensor '" + drive.sensors[0].name + "' starts at " + formatted("%g, %g, %g", at.x, at.y, at.z));
+           ", and sensor '" + drive.sensors[0].name + "' starts at " + placeText(at));
 }
 
 void describe(const drive::Drive& drive) {

@@ -44,12 +44,11 @@ void warnOfNoHits(const std::string& nobody, const ScanningOptions& options, con
              grouped(sensor.beamCount()) + " beams hit");
     return;
   }
-  const Vec3& at = pose.position;
   const bool many = !trajectory.empty();
   complain(start + options.scene + " spans " + extentText(worldBounds(scene)) + ", and the sensor " +
-           (many ? "first " : "") +
-           formatted("at %g, %g, %g sees as far as %g m; ", at.x, at.y, at.z, sensor.rangeMax) +
-           (many ? "another --trajectory" : "--pose") + " moves it, --scale changes the unit of the scene");
+           (many ? "first " : "") + "at " + placeText(pose.position) + " sees as far as " +
+           coordinateText(sensor.rangeMax) + " m; " + (many ? "another --trajectory" : "--pose") +
+           " moves it, --scale changes the unit of the scene");
 }
 
 }  // namespace gnosphere::cli

@@ -191,11 +191,11 @@ void printSummary(const ScanReport& report) {
   const uint32_t channels = report.sensor.height(), columns = report.sensor.width();
   const std::string cloud =
       channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
-  say("sensor",
-      report.sensor.name + report.head +
-          (moves ? " at " + counted(report.trajectory.size(), "pose", "poses") + ": "
-                 : formatted(" at %.10g, %.10g, %.10g", at.x, at.y, at.z) + (turn.empty() ? "" : ", ") + turn + ": ") +
-          cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
+  say("sensor", report.sensor.name + report.head +
+                    (moves ? " at " + counted(report.trajectory.size(), "pose", "poses") + ": "
+                           : " at " + placeText(at) + (turn.empty() ? "" : ", ") + turn + ": ") +
+                    cloud + ", " + coordinateText(report.sensor.rangeMin) + ".." +
+                    coordinateText(report.sensor.rangeMax) + " m");
   const Plan plan = report.simulator.plan();
   printEffects("effects", plan, [](const Plan::Decision& decision) { return decision.in; });
   printEffects("left out", plan, [&](const Plan::Decision& decision) { return isMissing(decision, report.sensor); });

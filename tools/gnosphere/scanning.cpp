@@ -193,6 +193,14 @@ Scene loadScene(const ScanningOptions& options) {
 
 namespace {
 
+constexpr double kHeight = 1.8;  // metres, of a sensor on the roof of a car
+
+/// Whether a scene is around the world's origin, or at most the height of a sensor above or below it.
+bool isAtOrigin(const Bounds& bounds) {
+  const Vec3 &low = bounds.min, &high = bounds.max;
+  return low.x <= 0 && high.x >= 0 && low.y <= 0 && high.y >= 0 && low.z <= kHeight && high.z >= -kHeight;
+}
+
 /// The height at which a vertical line meets the plane of a triangle, if it does within the triangle.
 std::optional<double> heightAt(const Vec3& a, const Vec3& b, const Vec3& c, double x, double y) {
   const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
@@ -223,12 +231,11 @@ double groundAt(const Scene& scene, double x, double y, const Bounds& bounds) {
 Pose poseOf(const ScanningOptions& options, const Scene& scene) {
   if (!options.pose.empty()) return parsePose(options.pose);
   Pose pose;
-  pose.position = {0, 0, 1.8};
+  pose.position = {0, 0, kHeight};
   const Bounds bounds = worldBounds(scene);
-  const bool aroundOrigin = bounds.min.x <= 0 && bounds.max.x >= 0 && bounds.min.y <= 0 && bounds.max.y >= 0;
-  if (bounds.empty() || aroundOrigin) return pose;
+  if (bounds.empty() || isAtOrigin(bounds)) return pose;
   const double x = (bounds.min.x + bounds.max.x) / 2, y = (bounds.min.y + bounds.max.y) / 2;
-  pose.position = {x, y, groundAt(scene, x, y, bounds) + 1.8};
+  pose.position = {x, y, groundAt(scene, x, y, bounds) + kHeight};
   return pose;
 }
 
@@ -238,9 +245,25 @@ void chooseFrames(const std::string& text, uint64_t& first, uint64_t& end) {
                 "--frames: '" + text + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
 }
 
+std::string coordinateText(double metres) {
+  // Six digits have centimetres up to here.
+  if (!(std::abs(metres) >= 1e4 && std::abs(metres) < 1e9)) return formatted("%g", metres);
+  std::string text = formatted("%.2f", metres);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+std::string placeText(const Vec3& place) {
+  return formatted("%.10g, %.10g, %.10g", place.x, place.y, place.z);
+}
+
 std::string extentText(const Bounds& bounds) {
-  const Vec3 &low = bounds.min, &high = bounds.max;
-  return formatted("x %g..%g, y %g..%g, z %g..%g m", low.x, high.x, low.y, high.y, low.z, high.z);
+  const auto from = [](const char* axis, double low, double high) {
+    return axis + coordinateText(low) + ".." + coordinateText(high);
+  };
+  return from("x ", bounds.min.x, bounds.max.x) + from(", y ", bounds.min.y, bounds.max.y) +
+         from(", z ", bounds.min.z, bounds.max.z) + " m";
 }
 
 std::vector<Pose> posesAround(const Pose& around, size_t count) {

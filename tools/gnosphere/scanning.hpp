@@ -89,6 +89,10 @@ Pose poseOf(const ScanningOptions& options, const Scene& scene);
 /// Takes the frames from `first` on and before `end` from the A:B of --frames, which may be empty.
 void chooseFrames(const std::string& text, uint64_t& first, uint64_t& end);
 
+/// Returns metres for people: centimetres or six digits, whichever says more, without an exponent up to 1e9 m.
+std::string coordinateText(double metres);
+/// Returns text such as "0, 0, 1.8", with ten digits of each coordinate.
+std::string placeText(const Vec3& place);
 /// Returns text such as "x -1..1, y 0..2, z 0..5 m".
 std::string extentText(const Bounds& bounds);
 
