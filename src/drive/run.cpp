@@ -93,6 +93,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
       if (missed) scan.missed = finder.findMissed(scan);
       ++report.scans;
       report.points += scan.points;
+      report.counters += scan.scan.counters;
     }
     std::vector<OutputFile> files;
     for (const auto& format : formats) format->encode(record, files);

@@ -10,6 +10,7 @@
 
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -57,9 +58,18 @@ TEST_CASE("a drive without any point is told, and so is a file that has been cha
   place.put("far.json", json.dump());
   const Result far = place.run("drive far.json --device reference -o far");
   CHECK(far.status == 0);
-  CHECK(far.err ==
-        "gnosphere: warning: no scan has a point; the scenes span x -20..20, y -20..20, z 0..0 m, and sensor 'top' "
-        "starts at 5000, 0, 1.8\n");
+  CHECK(
+      far.err ==
+      "gnosphere: warning: no scan has a point; the scenes span x -20..20, y -20..20, z 0..0 m, 2 actors start within "
+      "x 1..3, y -3..3, z 0.75..0.9 m, and sensor 'top' starts at 5000, 0, 1.8\n");
+  json = Json::parse(place.get("drive.json"));
+  json["weather"] = Json::array();
+  for (Json& sensor : json["sensors"]) sensor["effects"] = {{"drop-out", {{"general_rate", 1}}}};
+  place.put("lost.json", json.dump());
+  CHECK_THAT(place.run("drive lost.json --device reference -o lost").err,
+             StartsWith("gnosphere: warning: no scan has a point; ") && ContainsSubstring(" beams dropped out, ") &&
+                 ContainsSubstring(" met nothing in their ranges; they are "
+                                   "lost at random, with the probabilities drop-out.general_rate"));
   REQUIRE(place.make("-o out_c --frames :1").err.empty());
   REQUIRE(place.make("-o out_c").status == 0);
   place.put("out_c/classes.json", "{}");

@@ -291,6 +291,53 @@ TEST_CASE("a scan that meets nothing tells where scene and sensor are") {
   CHECK(place.run("scan floor.obj --set ignored_instances=[] --effect fog.visibility=20" + kQuick).err == "");
 }
 
+TEST_CASE("a scan whose beams are all lost tells why, and what helps") {
+  const Workplace place;
+  const auto warning = [&](const std::string& arguments) {
+    INFO(arguments);
+    const Result result = place.run("scan floor.obj --device reference " + arguments);
+    CHECK(result.status == 0);
+    CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+    return result.err;
+  };
+  const std::string lost = "gnosphere: warning: no beam returns anything; ";
+  const std::string weak = warning("--sensor VLP-16 --effect detection.range=0.1");
+  CHECK_THAT(weak, StartsWith(lost) && ContainsSubstring(" of 28,800 beams ") && ContainsSubstring(" too weak") &&
+                       ContainsSubstring(" met nothing") && !ContainsSubstring("hits anything"));
+  const std::string dropped = warning("--sensor VLP-16 --effect drop-out.general_rate=1");
+  CHECK_THAT(dropped, StartsWith(lost) && ContainsSubstring(" dropped out") && ContainsSubstring(" met nothing"));
+
+  // All beams look at the floor, or half of them.
+  auto head = nlohmann::json::parse(R"({"name": "down", "columns": 30, "elevation_deg": [-60, -45],
+      "range": {"min": 0.5, "max": 100}})");
+  const auto with = [&](const char* key, const nlohmann::json& value, const std::string& arguments) {
+    auto other = head;
+    other[key] = value;
+    place.put("head.json", other.dump());
+    return warning("--sensor head.json " + arguments);
+  };
+  CHECK(with("max_returns", 1, "--effect detection.range=0.1") ==
+        lost +
+            "60 of 60 beams too weak; their surfaces are too dark or too far for the threshold of detection, which "
+            "a larger detection.range lowers and detection=off leaves out in clear air\n");
+  CHECK(with("max_returns", 1, "--effect drop-out.general_rate=1") ==
+        lost +
+            "60 of 60 beams dropped out; they are lost at random, with the probabilities drop-out.general_rate and "
+            "drop-out.zero_intensity_rate\n");
+  CHECK(with("elevation_deg", {45, -45, -60}, "--effect detection.range=0.1")
+            .starts_with(lost + "60 of 90 beams too weak, 30 met nothing; their surfaces are too dark"));
+  head["range"]["min"] = 5;
+  const std::string nearer =
+      "60 of 60 beams met a surface nearer than the least range; surfaces nearer than 5 m give no return";
+  CHECK(with("near_hits", "hide", "--effects clean") ==
+        lost + nearer +
+            " and hide what is behind them, because near_hits of the sensor is hide; --pose moves the sensor\n");
+  CHECK(with("near_hits", "see_through", "") == lost + nearer + "; --pose moves the sensor\n");
+  place.put("t.tum", "0 0 0 1.8 0 0 0 1\n1 2 0 1.8 0 0 0 1\n");
+  CHECK_THAT(with("near_hits", "hide", "--trajectory t.tum"),
+             StartsWith("gnosphere: warning: no beam of any scan returns anything; of the first scan " + nearer));
+}
+
 TEST_CASE("a scan of faces that look away tells of --faces") {
   const Workplace place;
   place.put("one.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0,

@@ -100,7 +100,8 @@ int runAccuracy(const Options& options) {
     const SubRayReport report = measureSubRays(scene, request, poses, measure);
     measure.progress = nullptr;  // erases the progress line
     if (std::ranges::all_of(report.rows, [](const SubRayRow& row) { return row.beams == 0; }))
-      warnOfNoHits(kNobody, options, options.trajectory, scene, request, measure.simulator, poses[0]);
+      warnOfNoHits(kNobody, options, options.trajectory, scene, request, measure.simulator, poses[0],
+                   Simulator(scene, request, measure.simulator).scan(poses[0]).counters);
     return tell(options, SubRaysStory{options.scene, scene, sensor, poses, report});
   }
   AccuracyOptions measure;
@@ -112,8 +113,12 @@ int runAccuracy(const Options& options) {
   measure.progress = stepProgress();
   const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
   measure.progress = nullptr;  // erases the progress line
-  if (report.settings[0].error.hits == 0)
-    warnOfNoHits(kNobody, options, options.trajectory, scene, {sensor, Effects::none()}, measure.simulator, poses[0]);
+  if (report.settings[0].error.hits == 0) {
+    Counters counters;
+    counters.beams = counters.misses = sensor.beamCount();
+    warnOfNoHits(kNobody, options, options.trajectory, scene, {sensor, Effects::none()}, measure.simulator, poses[0],
+                 counters);
+  }
   return tell(options, AccuracyStory{options.scene, scene, sensor, poses, report});
 }
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/drive.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include "base/path.hpp"
+#include "base/vector.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "drive/live.hpp"
 #include "drive/run.hpp"
 #include "drive/schedule.hpp"
+#include "no_hits.hpp"
 #include "option_table.hpp"
 #include "scanning.hpp"
 
@@ -48,17 +51,46 @@ std::string outputText(const drive::Drive& drive, const drive::Output& output) {
   return output.format + " in " + output.folder + "/, " + (output.sensors.size() == 1 ? "sensor " : "sensors ") + names;
 }
 
-/// Warns of a run in which no scan has a point: the vehicle may be far from the scenes, or a scene may have another
-/// unit.
-void warnOfNoPoints(const drive::Drive& drive) {
+/// Returns text such as "2 actors start within x 0..1, y 0..0, z 0..0 m"; empty for a drive without actors.
+std::string actorsText(const drive::Drive& drive) {
+  if (drive.actors.empty()) return "";
+  Bounds around;
+  around.min = around.max = drive.actors[0].trajectory.at(drive.start).position;
+  for (const drive::Actor& actor : drive.actors) {
+    const Vec3 place = actor.trajectory.at(drive.start).position;
+    around.min = lowest(around.min, place);
+    around.max = highest(around.max, place);
+  }
+  return counted(drive.actors.size(), "actor starts", "actors start") + " within " + extentText(around);
+}
+
+/// Returns where scenes, actors and the first sensor of a drive are: the vehicle may be far from the scenes, or a scene
+/// may have another unit.
+std::string placesText(const drive::Drive& drive) {
   std::string extents;
   for (const Scene& scene : drive.scenes) {
     const Bounds bounds = worldBounds(scene);
     if (!bounds.empty()) extents += (extents.empty() ? "" : " and ") + extentText(bounds);
   }
-  const Vec3 at = drive.sensorPose(0, drive.start).position;
-  complain("warning: no scan has a point; the scenes " + (extents.empty() ? "have no triangle" : "span " + extents) +
-           ", and sensor '" + drive.sensors[0].name + "' starts at " + placeText(at));
+  const std::string actors = actorsText(drive);
+  return "the scenes " + (extents.empty() ? "have no triangle" : "span " + extents) +
+         (actors.empty() ? "" : ", " + actors) + ", and sensor '" + drive.sensors[0].name + "' starts at " +
+         placeText(drive.sensorPose(0, drive.start).position);
+}
+
+/// Warns of a run in which no scan has a point.
+void warnOfNoPoints(const drive::Drive& drive, const Counters& counters) {
+  std::string places = placesText(drive);
+  const auto hiding = std::ranges::find(drive.sensors, NearHits::hide,
+                                        [](const drive::RigSensor& sensor) { return sensor.sensor.nearHits; });
+  if (hiding != drive.sensors.end())
+    places += "; surfaces nearer than the least range of sensor '" + hiding->name + "', " +
+              coordinateText(hiding->sensor.rangeMin) + " m, hide what is behind them, because its near_hits is hide";
+  std::vector<Loss> losses = lossesByEffects(counters);
+  const uint64_t unmet = beamsWithoutSurface(counters);
+  const bool byEffects = !losses.empty();
+  if (unmet > 0) losses.push_back({unmet, "met nothing in their ranges", places});
+  complain("warning: no scan has a point; " + (byEffects ? lossText(losses, counters.beams) : places));
 }
 
 void describe(const drive::Drive& drive) {
@@ -131,7 +163,7 @@ int runDrive(const DriveCall& call) {
     options.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
     report = drive::run(drive, options);
   }
-  if (report.scans > 0 && report.points == 0) warnOfNoPoints(drive);
+  if (report.scans > 0 && report.points == 0) warnOfNoPoints(drive, report.counters);
   summarise(report, (nowMs() - begin) / 1000);
   return 0;
 }

@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why no beam hits anything.
+// Why no beam returns anything.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
 
-/// Warns that `nobody`, such as "no beam", hits anything: the scene may have no triangle, their faces may look away,
-/// the sensor may be far from the scene, or the scene may have another unit than metres. A scan from the pose finds out
-/// whether beams would hit if both faces of every triangle reflected. `trajectory` is the file of the poses, or empty.
+/// Beams that have no return for one and the same reason.
+struct Loss {
+  uint64_t beams = 0;
+  std::string why;     ///< such as "too weak"
+  std::string remedy;  ///< what makes them return something
+};
+
+/// Returns the beams that effects lose, by their causes; empty if effects lose none.
+std::vector<Loss> lossesByEffects(const Counters& counters);
+/// Returns how many beams meet nothing, or hidden surfaces alone: those that have no return and that no effect loses.
+uint64_t beamsWithoutSurface(const Counters& counters);
+/// Returns text such as "20 of 30 beams too weak, 10 met nothing; REMEDY", with the remedy of the most frequent loss.
+std::string lossText(std::vector<Loss> losses, uint64_t beams);
+
+/// Warns that `nobody`, such as "no beam", returns anything. Effects may have lost the beams, which the counters of the
+/// scan tell. Otherwise the scene may have no triangle, its faces may look away, its surfaces may be nearer than the
+/// least range, the sensor may be far from the scene, or the scene may have another unit than metres. Scans from the
+/// pose find out about faces and near surfaces. `trajectory` is the file of the poses, or empty; with one the counters
+/// are those of the scan from its first pose.
 void warnOfNoHits(const std::string& nobody, const ScanningOptions& options, const std::string& trajectory,
-                  const Scene& scene, const SensorRequest& request, const SimulatorOptions& settings, const Pose& pose);
+                  const Scene& scene, const SensorRequest& request, const SimulatorOptions& settings, const Pose& pose,
+                  const Counters& counters);
 
 }  // namespace gnosphere::cli

@@ -94,13 +94,6 @@ std::vector<Field> scannedFields(const ScanOptions& options, const CloudOptions&
   return fields;
 }
 
-/// Whether every beam that fires meets no surface.
-bool seesNothing(const Counters& counters) {
-  const auto count = [&](Cause cause) { return counters.causes[static_cast<size_t>(cause)]; };
-  const uint64_t none = count(Cause::noSurface);
-  return counters.hits == 0 && (none == 0 || none + count(Cause::dead) == counters.beams);
-}
-
 /// Warns of poses that follow each other in less than half a turn of the head: every pose has a scan of its own.
 void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
                       const std::vector<SensorMotion::Stamp>& trajectory) {
@@ -318,9 +311,9 @@ int runScan(const ScanOptions& options) {
   }
   result.totalMs = nowMs() - start;
   warnAbout(options, result.scan.counters);
-  if (seesNothing(result.scan.counters) || scene.placedTriangleCount() == 0)
+  if (result.scan.counters.hits == 0 || scene.placedTriangleCount() == 0)
     warnOfNoHits(trajectory.empty() ? "no beam" : "no beam of any scan", options, options.trajectory, scene, request,
-                 settings, result.scan.pose);
+                 settings, result.scan.pose, trajectory.empty() ? result.scan.counters : result.trajectory[0].counters);
   tell(options, result);
   return 0;
 }
