@@ -68,6 +68,7 @@ class DriveReader {
   void takeBoxed(const nlohmann::json& object, const std::string& path, Scene& scene);
   void addStanding();
   void warnOfClasses(const std::set<std::string>& unknown, const std::string& path);
+  void warnOfSteps(const nlohmann::json& object, const std::string& path, const Scene& scene);
   void models();
   void materialTable();
   void actors();

@@ -2,6 +2,7 @@
 // Reads the scenes and models of a drive, and the classes of what is in them, from its file.
 #include "base/os.hpp"
 #include "drive/drive_reader.hpp"
+#include "scene/coarse_positions.hpp"
 
 namespace gnosphere::drive {
 
@@ -64,11 +65,21 @@ void DriveReader::warnOfClasses(const std::set<std::string>& unknown, const std:
     drive_.warnings.push_back(path + ".file: states the class " + stated + ", which classes does not name");
 }
 
+/// Warns of a file whose positions have steps, and once only of one that several scenes and models name.
+void DriveReader::warnOfSteps(const json& object, const std::string& path, const Scene& scene) {
+  const std::string name = object.value("file", "");
+  const std::string steps = scene.meshes.empty() ? "" : coarsePositions(file(name), scene);
+  const auto isTold = [&](const std::string& warning) { return warning.ends_with(inQuotes(name) + ": " + steps); };
+  if (!steps.empty() && std::ranges::none_of(drive_.warnings, isTold))
+    drive_.warnings.push_back(path + ".file: " + inQuotes(name) + ": " + steps);
+}
+
 void DriveReader::scenes() {
   for (size_t i = 0; i < root_["scenes"].size(); ++i) {
     const std::string path = entryPath("scenes", i);
-    Scene scene = this->scene(root_["scenes"][i], path);
     const json& object = root_["scenes"][i];
+    Scene scene = this->scene(object, path);
+    warnOfSteps(object, path, scene);
     const uint16_t usual = object.contains("class") ? classNamed(object["class"], path + ".class") : uint16_t{0};
     std::set<std::string> unknown;
     classify(object, path, "instances", usual, scene.instances, unknown);
@@ -120,6 +131,7 @@ void DriveReader::models() {
     modelNames_.push_back(name);
     const std::string path = memberPath("models", name);
     Scene model = scene(object, path);
+    warnOfSteps(object, path, model);
     std::set<std::string> unknown;
     classify(object, path, "materials", 0, model.materials, unknown);
     warnOfClasses(unknown, path);

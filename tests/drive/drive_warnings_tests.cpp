@@ -6,6 +6,7 @@
 
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -58,6 +59,21 @@ TEST_CASE("yaws in radians are warned of") {
   CHECK(driven(1.6, 5, 0).empty());  // a little to the left
   CHECK(driven(0, -5, 0).empty());   // backwards
   CHECK(driven(90, 0, 5).empty());
+}
+
+TEST_CASE("a file whose positions have steps of single precision is warned of once") {
+  const DriveFolder folder;
+  put(folder / "utm.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n5300000.5 0 0\n5300020 0 0\n"
+      "5300000 20.5 0\n3 0 1 2\n");
+  Json json = quietDrive();
+  json["scenes"].push_back({{"file", "utm.ply"}, {"class", "ground"}, {"pose", {{"position", {-5300000, 0, 0}}}}});
+  json["scenes"].push_back(json["scenes"][1]);
+  const Warnings warnings = folder.read(json).warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], StartsWith("scenes[1].file: 'utm.ply': its positions are in single precision, which has "
+                                     "steps of 0.5 m at 5300020 m; "));
 }
 
 TEST_CASE("a drive that goes on when its vehicle has arrived is warned of") {

@@ -251,6 +251,38 @@ TEST_CASE("the extent of a scene far from the origin has centimetres") {
   CHECK_THAT(result.err, ContainsSubstring(extent) && ContainsSubstring("at 691000, 5324000.25, 5000 sees"));
 }
 
+TEST_CASE("a file whose positions have steps of single precision is warned of") {
+  const Workplace place;
+  const auto ply = [&](const std::string& name, const char* type, const std::string& corners) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 4\n";
+    for (const char axis : {'x', 'y', 'z'}) text += std::string("property ") + type + " " + axis + "\n";
+    place.put(name,
+              text + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + corners + "3 0 1 2\n");
+  };
+  const std::string far = "5300000.5 0 0\n5300020 0 0\n5300000 20.5 0\n";
+  const std::string warning =
+      "gnosphere: warning: float.ply: its positions are in single precision, which has steps of 0.5 m at 5300020 m; "
+      "give them in an OBJ file, in a PLY file of doubles, or in glTF near the origin of a node whose translation "
+      "places them\n";
+  ply("float.ply", "float", far + "0 0 0\n");
+  CHECK(place.run("info float.ply").err == warning);
+  CHECK(place.run("info float.ply --json").err == warning);
+  CHECK(place.run("scan float.ply" + kQuick).err == warning);
+  CHECK_THAT(place.run("info float.ply --scale 0.01").err, ContainsSubstring("0.005 m at 53000 m;"));
+  CHECK(place.run("info float.ply --scale 0.001").err == "");
+  ply("double.ply", "double", far + "0 0 0\n");
+  CHECK(place.run("info double.ply").err == "");
+  place.put("far.obj", "v 5300000.5 0 0\nv 5300020 0 0\nv 5300000 20.5 0\nf 1 2 3\n");
+  CHECK(place.run("info far.obj").err == "");
+  place.put("decimal.obj", "v 5300000.1 0 0\nv 5300020 0 0\nv 5300000 20.5 0\nf 1 2 3\n");
+  CHECK(place.run("info decimal.obj").err == "");
+  ply("stray.ply", "float", "0 0 0\n20 0 0\n0 20 0\n5300000.5 0 0\n");  // no triangle uses the last vertex
+  CHECK(place.run("info stray.ply").err == "");
+  // An origin of its own would not help this large terrain.
+  ply("wide.ply", "float", "-30000 0 0\n30000 0 0\n0 30000 0\n0 0 0\n");
+  CHECK(place.run("info wide.ply").err == "");
+}
+
 TEST_CASE("scan --stats - prints only JSON, with the documented names") {
   const auto stats = Workplace().runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
   CHECK(stats.at("device").at("type") == "reference");

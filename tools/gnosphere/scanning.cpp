@@ -20,6 +20,7 @@
 #include "effects/parameter_text.hpp"
 #include "option_table.hpp"
 #include "pose_text.hpp"
+#include "scene/coarse_positions.hpp"
 
 namespace gnosphere::cli {
 
@@ -174,7 +175,10 @@ SimulatorOptions simulatorOptions(const ScanningOptions& options, SimulatorOptio
 }
 
 Scene loadSceneAtRest(const ScanningOptions& options) {
-  return gnosphere::loadScene(pathOf(options.scene), {kUpAxes.at(options.up), options.scale});
+  Scene scene = gnosphere::loadScene(pathOf(options.scene), {kUpAxes.at(options.up), options.scale});
+  if (const std::string steps = coarsePositions(pathOf(options.scene), scene); !steps.empty())
+    complain("warning: " + options.scene + ": " + steps);
+  return scene;
 }
 
 Scene loadScene(const ScanningOptions& options) {

@@ -79,7 +79,7 @@ void applyToRequest(const ScanningOptions& options, SensorRequest& request);
 /// Reads the scene, puts it into the state that --animation has at --time if an animation is given, and prints a
 /// warning for everything that the scene leaves out of its file.
 Scene loadScene(const ScanningOptions& options);
-/// The scene as its file has it.
+/// The scene as its file has it. Prints a warning if the file's positions have steps, see coarsePositions().
 Scene loadSceneAtRest(const ScanningOptions& options);
 
 /// Returns the pose that --pose states. The default is 1.8 m (as on a car's roof) above the ground at the world's

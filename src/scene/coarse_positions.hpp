@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files whose positions are far from their origin in single precision, as georeferenced ones may be.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// Returns a sentence about the steps of the positions that a file states, as "its positions are in single precision,
+/// which has steps of 0.5 m ...". Empty if the steps are at most a millimetre, if the file states doubles, or if a
+/// mesh is so large that its steps would be as coarse around an origin of its own.
+std::string coarsePositions(const std::filesystem::path& file, const Scene& scene);
+
+}  // namespace gnosphere
