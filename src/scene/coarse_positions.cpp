@@ -36,37 +36,36 @@ double stretchOf(const Transform& transform) {
   return most;
 }
 
-/// The farthest coordinate of the mesh from its origin. Coordinates beyond the limit belong to no surface.
-float farthestOf(const Mesh& mesh) {
-  float farthest = 0;
-  for (const float coordinate : mesh.positions)
-    if (std::abs(coordinate) <= static_cast<float>(limits::kCoordinate.most))
-      farthest = std::max(farthest, std::abs(coordinate));
-  return farthest;
-}
+/// The farthest coordinate of the surface of a mesh from the mesh's origin, and half of the longest side of the box
+/// around the surface. Coordinates beyond the limit belong to no surface.
+struct Reach {
+  float farthest = 0, halfSide = 0;
+};
 
-/// Returns the mesh with the vertices that its triangles use, and without any triangles.
-Mesh surfaceOf(const Mesh& mesh) {
+Reach reachOf(const Mesh& mesh) {
+  constexpr auto kMost = static_cast<float>(limits::kCoordinate.most);
   const std::vector<bool> used = usedVertices(mesh);
-  Mesh surface;
-  for (size_t i = 0; i < mesh.positions.size(); ++i)
-    if (used[i / 3]) surface.positions.push_back(mesh.positions[i]);
-  return surface;
-}
-
-/// Half of the longest side of the box around the vertices.
-float halfSideOf(const Mesh& mesh) {
-  float half = 0;
+  Reach reach;
   for (size_t axis = 0; axis < 3; ++axis) {
-    float low = std::numeric_limits<float>::infinity(), high = -low;
+    float low = kMost, high = -kMost;
     for (size_t i = axis; i < mesh.positions.size(); i += 3) {
-      if (!(std::abs(mesh.positions[i]) <= static_cast<float>(limits::kCoordinate.most))) continue;
+      if (!used[i / 3] || !(std::abs(mesh.positions[i]) <= kMost)) continue;
       low = std::min(low, mesh.positions[i]);
       high = std::max(high, mesh.positions[i]);
     }
-    half = std::max(half, (high - low) / 2);
+    if (low > high) continue;
+    reach.farthest = std::max({reach.farthest, -low, high});
+    reach.halfSide = std::max(reach.halfSide, (high - low) / 2);
   }
-  return half;
+  return reach;
+}
+
+/// The farthest coordinate of the first corner of the mesh from its origin. Of a mesh that is far from its origin, it
+/// is at least half of the farthest one of all.
+float firstReachOf(const Mesh& mesh) {
+  if (mesh.indices.empty()) return 0;
+  const float* corner = &mesh.positions[3 * size_t{mesh.indices[0]}];
+  return std::max({std::abs(corner[0]), std::abs(corner[1]), std::abs(corner[2])});
 }
 
 }  // namespace
@@ -77,13 +76,11 @@ std::string coarsePositions(const std::filesystem::path& file, const Scene& scen
     stretches[instance.mesh] = std::max(stretches[instance.mesh], stretchOf(instance.transform));
   double far = 0, step = 0;
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    // The test of all vertices is quick, and seldom leaves a mesh for the second one.
-    if (stretches[i] * farthestOf(scene.meshes[i]) < kFar) continue;
-    const Mesh surface = surfaceOf(scene.meshes[i]);
-    const float farthest = farthestOf(surface);
-    if (stretches[i] * farthest < std::max(kFar, far) || farthest < 4 * halfSideOf(surface)) continue;
-    far = stretches[i] * farthest;
-    step = stretches[i] * (std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest);
+    if (stretches[i] * firstReachOf(scene.meshes[i]) < kFar / 2) continue;
+    const Reach reach = reachOf(scene.meshes[i]);
+    if (stretches[i] * reach.farthest < std::max(kFar, far) || reach.farthest < 4 * reach.halfSide) continue;
+    far = stretches[i] * reach.farthest;
+    step = stretches[i] * (std::nextafter(reach.farthest, std::numeric_limits<float>::infinity()) - reach.farthest);
   }
   if (step == 0 || !isInSingle(file)) return "";
   std::ostringstream text;
