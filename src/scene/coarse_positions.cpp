@@ -10,6 +10,7 @@
 
 #include "base/limits.hpp"
 #include "base/text.hpp"
+#include "base/vector.hpp"
 #include "scene/used_vertices.hpp"
 
 namespace gnosphere {
@@ -32,7 +33,7 @@ bool isInSingle(const std::filesystem::path& file) {
 double stretchOf(const Transform& transform) {
   const auto& m = transform.rows;
   double most = 0;
-  for (size_t c = 0; c < 3; ++c) most = std::max(most, std::hypot(m[c], m[4 + c], m[8 + c]));
+  for (size_t c = 0; c < 3; ++c) most = std::max(most, lengthOf({m[c], m[4 + c], m[8 + c]}));
   return most;
 }
 

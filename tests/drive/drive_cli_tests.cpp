@@ -70,6 +70,12 @@ TEST_CASE("a drive without any point is told, and so is a file that has been cha
              StartsWith("gnosphere: warning: no scan has a point; ") && ContainsSubstring(" beams dropped out, ") &&
                  ContainsSubstring(" met nothing in their ranges; they are "
                                    "lost at random, with the probabilities drop-out.general_rate"));
+  json = Json::parse(place.get("far.json"));
+  json["sensors"][1]["sensor"]["near_hits"] = "hide";
+  place.put("hidden.json", json.dump());
+  CHECK_THAT(place.run("drive hidden.json --device reference -o hidden").err,
+             ContainsSubstring("starts at 5000, 0, 1.8; surfaces nearer than the least range of sensor 'side', 0.1 m, "
+                               "hide what is behind them, because its near_hits is hide\n"));
   REQUIRE(place.make("-o out_c --frames :1").err.empty());
   REQUIRE(place.make("-o out_c").status == 0);
   place.put("out_c/classes.json", "{}");

@@ -35,7 +35,9 @@ const std::map<std::string, Names> kRooms = {
     // These two stand on the public headers.
     {"c", {}},
     {"rgl", {"base"}},
-    {"drive", {"base", "sensor/beams.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp", "scene/join.hpp"}},
+    {"drive",
+     {"base", "sensor/beams.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp", "scene/coarse_positions.hpp",
+      "scene/join.hpp", "scene/used_vertices.hpp"}},
 };
 
 /// Files of src outside rooms. Loose files are above all rooms and may include any of them.

@@ -4,6 +4,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "gnosphere/output.hpp"
 #include "gnosphere/sensor.hpp"
@@ -358,6 +359,10 @@ TEST_CASE("a scan whose beams are all lost tells why, and what helps") {
             "drop-out.zero_intensity_rate\n");
   CHECK(with("elevation_deg", {45, -45, -60}, "--effect detection.range=0.1")
             .starts_with(lost + "60 of 90 beams too weak, 30 met nothing; their surfaces are too dark"));
+  std::vector<uint32_t> beams(60);
+  std::iota(beams.begin(), beams.end(), 0);
+  CHECK(with("masked_beams", beams, "--effect drop-out.general_rate=0.5") ==
+        lost + "60 of 60 beams dead; drop-out.dead_beams, or masked_beams of the sensor, names them\n");
   head["range"]["min"] = 5;
   const std::string nearer =
       "60 of 60 beams met a surface nearer than the least range; surfaces nearer than 5 m give no return";
