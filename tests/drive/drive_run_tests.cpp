@@ -22,6 +22,22 @@ using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
+TEST_CASE("a vertex that no triangle of a model uses does not change the size of its actor") {
+  const DriveFolder folder;
+  put(folder / "stray.obj",
+      std::string("v 100 -50 30\n") + "v -0.5 -0.5 -0.5\nv 0.5 -0.5 -0.5\nv 0 0.5 0.5\nf 2 3 4\n");
+  put(folder / "plain.obj", "v -0.5 -0.5 -0.5\nv 0.5 -0.5 -0.5\nv 0 0.5 0.5\nf 1 2 3\n");
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "boxes"}}, {{"format", "npy"}}};
+  std::map<std::string, std::string> boxes;
+  for (const std::string model : {"stray", "plain"}) {
+    json["models"]["cube"]["file"] = model + ".obj";
+    folder.run(json, model);
+    boxes[model] = folder.get(model + "/boxes/top/000005.jsonl") + folder.get(model + "/npy/top/000005.npy");
+  }
+  CHECK(boxes["stray"] == boxes["plain"]);
+}
+
 TEST_CASE("points have the classes and objects of what they lie on, and objects keep their numbers") {
   const DriveFolder folder;
   Json json = smallDrive();

@@ -86,11 +86,9 @@ void warnOfNoPoints(const drive::Drive& drive, const Counters& counters) {
   if (hiding != drive.sensors.end())
     places += "; surfaces nearer than the least range of sensor '" + hiding->name + "', " +
               coordinateText(hiding->sensor.rangeMin) + " m, hide what is behind them, because its near_hits is hide";
-  std::vector<Loss> losses = lossesByEffects(counters);
-  const uint64_t unmet = beamsWithoutSurface(counters);
-  const bool byEffects = !losses.empty();
-  if (unmet > 0) losses.push_back({unmet, "met nothing in their ranges", places});
-  complain("warning: no scan has a point; " + (byEffects ? lossText(losses, counters.beams) : places));
+  const std::vector<Loss> losses = lossesByEffects(counters);
+  const Loss unmet = {beamsWithoutSurface(counters), "met nothing in their ranges", places};
+  complain("warning: no scan has a point; " + (losses.empty() ? places : lossText(losses, unmet, counters.beams)));
 }
 
 void describe(const drive::Drive& drive) {

@@ -16,12 +16,15 @@ struct Loss {
   std::string remedy;  ///< what makes them return something
 };
 
-/// Returns the beams that effects lose, by their causes; empty if effects lose none.
+/// Returns the beams that effects lose, by their causes; empty if effects lose none. Dead beams are among them only if
+/// all beams are dead.
 std::vector<Loss> lossesByEffects(const Counters& counters);
-/// Returns how many beams meet nothing, or hidden surfaces alone: those that have no return and that no effect loses.
+/// Returns how many beams meet nothing, or nothing but surfaces nearer than the least range: beams without a return
+/// that fire and that no effect loses.
 uint64_t beamsWithoutSurface(const Counters& counters);
-/// Returns text such as "20 of 30 beams too weak, 10 met nothing; REMEDY", with the remedy of the most frequent loss.
-std::string lossText(std::vector<Loss> losses, uint64_t beams);
+/// Returns text such as "20 of 90 beams too weak, 70 met nothing; REMEDY", with the remedy of the most frequent loss,
+/// and with that of the beams that meet nothing if these are more. There must be a loss.
+std::string lossText(std::vector<Loss> losses, const Loss& unmet, uint64_t beams);
 
 /// Warns that `nobody`, such as "no beam", returns anything. Effects may have lost the beams, which the counters of the
 /// scan tell. Otherwise the scene may have no triangle, its faces may look away, its surfaces may be nearer than the
