@@ -145,6 +145,30 @@ def test_a_vehicle_of_sumo_is_gone_while_it_is_absent(tmp_path):
     assert times == [[i / 2 for i in range(8)], [0.0, 0.5], [2.0, 2.5], [3.5]]
 
 
+def test_a_vehicle_of_sumo_that_is_seen_less_often_than_others_is_one_actor(tmp_path):
+    steps = [f'<vehicle id="often" x="{i}" y="9" angle="90"/>' for i in range(13)]
+    for i in range(0, 13, 4):
+        steps[i] += f'<vehicle id="seldom" x="{i}" y="0" angle="90"/>'
+    actors = robotics.read_traffic(fcd(tmp_path / "fcd.xml", *steps), {"*": "car"}, lengths={"*": 0.0})
+    assert [(actor["name"], len(actor["trajectory"]["waypoints"])) for actor in actors] == [
+        ("often", 13),
+        ("seldom", 4),
+    ]
+
+
+def test_time_steps_of_sumo_ascend(tmp_path):
+    file = tmp_path / "fcd.xml"
+    file.write_text('<fcd-export><timestep time="1"/><timestep time="1"/></fcd-export>')
+    with pytest.raises(ValueError, match=r"fcd.xml: <timestep time='1'> does not come after the one before, 1$"):
+        robotics.read_traffic(file, {"*": "car"})
+    file.write_text("<fcd-export><timestep/></fcd-export>")
+    with pytest.raises(ValueError, match="fcd.xml: a <timestep> has no time$"):
+        robotics.read_traffic(file, {"*": "car"})
+    file = fcd(tmp_path / "fcd.xml", '<vehicle id="a" x="nan" y="0" angle="90"/>')
+    with pytest.raises(ValueError, match="fcd.xml: <vehicle x='nan'> is not finite$"):
+        robotics.read_traffic(file, {"*": "car"})
+
+
 def test_a_vehicle_of_sumo_does_not_slide_where_it_teleports(tmp_path):
     places = [(0, 10), (5, 10), (8, 6), (8, 0), (8, 0), (120, 9), (124.5, 9), (129, 12.2)]
     file = fcd(tmp_path / "fcd.xml", *(f'<vehicle id="a" x="{x}" y="0" angle="90" speed="{v}"/>' for x, v in places))

@@ -81,7 +81,6 @@ class DriveReader {
   void warnOfWeather(const RigSensor& sensor, const std::string& path);
   void warnOfMotion(size_t sensor, const std::string& path);
   void warnOfSpeeds(size_t sensor, const std::string& path);
-  void warnOfSpins(const RigSensor& sensor, const std::vector<Bounds>& models, const std::string& path);
   void imu();
   void frames();
   void times();

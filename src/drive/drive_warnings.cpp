@@ -7,7 +7,6 @@
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
-#include "drive/pose_math.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
@@ -33,17 +32,15 @@ bool hasPointTimes(const Output& output) {
   return formatNamed(output.format).pointTimes || std::ranges::find(output.fields, Field::time) != output.fields.end();
 }
 
-/// How far the points of an actor are from the point that it turns about.
-double reachOf(const Actor& actor, const Bounds& bounds) {
-  if (bounds.empty()) return 0;
-  const auto farthest = [](double low, double high, double size, bool fits) {
-    const double far = std::max(std::abs(low), std::abs(high));
-    return fits && high > low ? far * size / (high - low) : far;
-  };
-  const Vec3 size = actor.size.value_or(Vec3{});
-  return lengthOf({farthest(bounds.min.x, bounds.max.x, size.x, actor.size.has_value()),
-                   farthest(bounds.min.y, bounds.max.y, size.y, actor.size.has_value()),
-                   farthest(bounds.min.z, bounds.max.z, size.z, actor.size.has_value())});
+/// Whether an actor that the sensor does not ignore moves during the drive.
+bool actorsMove(const Drive& drive, const RigSensor& sensor) {
+  for (size_t a = 0; a < drive.actors.size(); ++a) {
+    const Actor& actor = drive.actors[a];
+    const bool moves = (actor.animation && actor.animation->speed != 0) ||
+                       actor.trajectory.movesWithin(drive.start, drive.start + drive.duration);
+    if (moves && std::ranges::find(sensor.ignores, a) == sensor.ignores.end()) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -89,12 +86,12 @@ void DriveReader::warnOfClocks() {
                                 secondsText(drive_.duration));
 }
 
-/// Warns of a mounting on a vehicle so far away that its numbers may be in another unit. Where nothing drives, the
-/// mountings are those of a site.
+/// Warns of a mounting on a vehicle so far away that its numbers may be in another unit. A site, where nothing
+/// drives, may be larger.
 void DriveReader::warnOfMount(const Pose& mount, const std::string& path) {
-  constexpr double kFar = 50;  // m
-  if (drive_.ego.stamps().size() < 2) return;
-  if (const double distance = lengthOf(mount.position); distance > kFar)
+  const bool drives = drive_.ego.movesWithin(drive_.ego.begin(), drive_.ego.end());
+  const double far = drives ? 50 : 1000;  // m
+  if (const double distance = lengthOf(mount.position); distance > far)
     warn(path + ".mount.position",
          "is " + gnosphere::numberText(std::round(distance)) + " m from the vehicle's origin; positions are in metres");
 }
@@ -125,16 +122,10 @@ void DriveReader::warnOfMotion(size_t index, const std::string& path) {
   };
   const auto output = std::ranges::find_if(drive_.outputs, writes);
   if (!(scan > 0) || output == drive_.outputs.end()) return;
-  bool actorsMove = false;
-  for (size_t a = 0; a < drive_.actors.size(); ++a) {
-    const Actor& actor = drive_.actors[a];
-    const bool moves = (actor.animation && actor.animation->speed != 0) || actor.trajectory.movesWithin(first, last);
-    actorsMove |= moves && std::ranges::find(sensor.ignores, a) == sensor.ignores.end();
-  }
   std::vector<std::string> off;
   if (sensor.effects.sensorMotion.use == EffectUse::off && drive_.ego.movesWithin(first, last))
     off.push_back("sensor-motion");
-  if (sensor.effects.objectMotion.use == EffectUse::off && actorsMove) off.push_back("object-motion");
+  if (sensor.effects.objectMotion.use == EffectUse::off && actorsMove(drive_, sensor)) off.push_back("object-motion");
   if (!off.empty())
     warn(path + ".effects", "turn " + listed(off) + " off, so a scan of " + inQuotes(sensor.name) +
                                 " shows its start alone, although the times of its points in " + output->format +
@@ -149,11 +140,7 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
                         std::ranges::find(output.fields, Field::velocity) != output.fields.end();
     return speeds && std::ranges::find(output.sensors, index) != output.sensors.end();
   };
-  const auto moves = [&](const Actor& actor) {
-    return actor.trajectory.movesWithin(drive_.start, drive_.start + drive_.duration);
-  };
-  if (firesInTurn(sensor.sensor) || std::ranges::none_of(drive_.outputs, asksFor) ||
-      std::ranges::none_of(drive_.actors, moves))
+  if (firesInTurn(sensor.sensor) || std::ranges::none_of(drive_.outputs, asksFor) || !actorsMove(drive_, sensor))
     return;
   warn(path + ".sensor",
        "all beams of " + inQuotes(sensor.name) +
@@ -161,38 +148,8 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
            "a rotation_period of 0.001 s lets them move");
 }
 
-/// Warns of actors that turn so far within a scan that the straight ways of their points leave the arcs.
-void DriveReader::warnOfSpins(const RigSensor& sensor, const std::vector<Bounds>& models, const std::string& path) {
-  constexpr double kOff = 0.05;  // m
-  const double scan = durationOf(sensor.sensor, 0);
-  double most = 0, turn = 0;
-  const Actor* worst = nullptr;
-  for (const Actor& actor : drive_.actors) {
-    const std::vector<Trajectory::Stamp>& stamps = actor.trajectory.stamps();
-    const double reach = reachOf(actor, models[actor.model]);
-    for (size_t i = 1; i < stamps.size(); ++i) {
-      if (stamps[i].time < drive_.start || stamps[i - 1].time > drive_.start + drive_.duration) continue;
-      const double angle = angleBetween(stamps[i - 1].pose.orientation, stamps[i].pose.orientation),
-                   within = std::min(angle * scan / (stamps[i].time - stamps[i - 1].time), 2 * M_PI),
-                   off = reach * (1 - std::cos(within / 2));
-      if (off <= most) continue;
-      most = off;
-      turn = within;
-      worst = &actor;
-    }
-  }
-  if (most > kOff)
-    warn(path, "within a scan of " + inQuotes(sensor.name) + " the actor " + inQuotes(worst->name) +
-                   " turns by up to " + gnosphere::numberText(std::round(10 * turn / kDegree) / 10) +
-                   " degrees, and its points go straight " +
-                   "from where they are at the start to where they are at the end of the scan, so they are up to " +
-                   gnosphere::numberText(std::round(100 * most) / 100) + " m off their arcs");
-}
-
 /// Warns of sensors of which a drive has less than its file seems to ask for.
 void DriveReader::warnOfSensors() {
-  std::vector<Bounds> models;
-  for (const Scene& model : drive_.models) models.push_back(worldBounds(model));
   for (size_t s = 0; s < drive_.sensors.size(); ++s) {
     const RigSensor& sensor = drive_.sensors[s];
     const std::string path = entryPath("sensors", s);
@@ -203,7 +160,6 @@ void DriveReader::warnOfSensors() {
     warnOfWeather(sensor, path);
     warnOfMotion(s, path);
     warnOfSpeeds(s, path);
-    warnOfSpins(sensor, models, path);
   }
   if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");
 }

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.hpp"
+#include "base/units.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/ros.hpp"
 #include "gnosphere/options.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -40,7 +43,11 @@ MaterialTable materialsOf(const Scene& scene, const MaterialTable& table) {
 
 Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields,
                  SimulatorOptions options)
-    : drive_(drive), world_(world), placed_(world.scene().instances.size()) {
+    : drive_(drive),
+      world_(world),
+      placed_(world.scene().instances.size()),
+      warned_(drive.sensors.size()),
+      warn_(options.warn) {
   for (const std::string& assignment : drive.simulator) assign(options, assignment);
   options.materials = materialsOf(world.scene(), drive.materials);
   std::vector<SensorRequest> requests;
@@ -102,12 +109,7 @@ void Scanner::scan(RecordedScan& recorded) {
   shot.sensor = sensor;
   shot.frame = number;
   shot.weather = weatherFor(sensor, time);
-  if (recorded.sensorMoves || motions_[sensor].speeds) {
-    TimeSpan span = poseTimesOf(rigged.sensor, number);
-    // A sensor that fires all beams at once measures its speed, too.
-    if (!(span.from < span.to)) span = {drive_.ego.around(time).from - time, drive_.ego.around(time).to - time};
-    if (drive_.ego.movesWithin(time + span.from, time + span.to)) shot.motion = motionOf(recorded, span);
-  }
+  if (recorded.sensorMoves || motions_[sensor].speeds) shot.motion = motionOf(recorded);
   placeWorld(recorded, shot);
   simulator_->scanInto(shot, recorded.scan);
   recorded.scan.sensor = rigged.sensor.name;
@@ -119,11 +121,20 @@ void Scanner::scan(RecordedScan& recorded) {
   }
 }
 
-SensorMotion Scanner::motionOf(const RecordedScan& recorded, const TimeSpan& span) const {
+SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
   constexpr double kSagitta = 1e-4, kMostPieces = 1000;  // m
-  const double begin = recorded.planned.time, from = begin + span.from, to = begin + span.to;
-  std::vector<double> times = drive_.ego.timesWithin(from, to);
-  times.insert(times.end(), {from, begin, begin + recorded.duration, to});
+  const auto& [sensor, number, begin] = recorded.planned;
+  const TimeSpan span = poseTimesOf(drive_.sensors[sensor].sensor, number);
+  const bool atOnce = !(span.from < span.to);
+  const Trajectory::Span around = drive_.ego.around(begin);
+  const double from = atOnce ? around.from : begin + span.from, to = atOnce ? around.to : begin + span.to;
+  if (!drive_.ego.movesWithin(from, to)) return {};
+  std::vector<double> times = {from, to};
+  if (!atOnce) {
+    const std::vector<double> within = drive_.ego.timesWithin(from, to);
+    times.insert(times.end(), within.begin(), within.end());
+    times.insert(times.end(), {begin, begin + recorded.duration});
+  }
   std::sort(times.begin(), times.end());
   const Vec3& arm = drive_.sensors[recorded.planned.sensor].mount.position;
   const double length = lengthOf(arm);
@@ -141,6 +152,33 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded, const TimeSpan& spa
     add(times[i]);
   }
   return motion;
+}
+
+void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
+  constexpr double kOff = 0.05, kFar = 0.02;  // m, rad
+  const auto& [sensor, number, begin] = recorded.planned;
+  const RigSensor& rigged = drive_.sensors[sensor];
+  const Actor& turning = drive_.actors[actor];
+  if (!warn_ || warned_[sensor] || std::ranges::find(rigged.ignores, actor) != rigged.ignores.end()) return;
+  const auto poseAfter = [&](double share) { return turning.trajectory.at(begin + share * recorded.duration); };
+  const Pose first = poseAfter(0), middle = poseAfter(0.5), last = poseAfter(1);
+  const double angle =
+      angleBetween(first.orientation, middle.orientation) + angleBetween(middle.orientation, last.orientation);
+  if (angle < kFar) return;
+  const Bounds bounds = world_.placementOf(actor, begin, begin, begin).bounds;
+  double off = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 point = {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                        corner & 4 ? bounds.max.z : bounds.min.z};
+    off = std::max(off, lengthOf(middle * point - 0.5 * (first * point + last * point)));
+  }
+  if (off < kOff) return;
+  warned_[sensor] = true;
+  warn_("within scan " + std::to_string(number) + " of '" + rigged.name + "' the actor '" + turning.name +
+        "' turns by " + gnosphere::numberText(std::round(angle / kDegree)) +
+        " degrees, and its points, which go straight from where they are at " +
+        "the start to where they are at the end of a scan, are up to " +
+        gnosphere::numberText(std::round(100 * off) / 100) + " m off their ways");
 }
 
 void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
@@ -163,8 +201,9 @@ void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
   if (recorded.actorsMove) world_.placeScenes(end, motion);
   for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
     world_.place(actor, world_.poseOf(actor, begin), begin, start);
-    if (recorded.actorsMove && world_.movesWithin(actor, begin, end))
-      world_.place(actor, drive_.actors[actor].trajectory.at(end), end, motion);
+    if (!recorded.actorsMove || !world_.movesWithin(actor, begin, end)) continue;
+    world_.place(actor, drive_.actors[actor].trajectory.at(end), end, motion);
+    warnOfTurn(recorded, actor);
   }
 }
 

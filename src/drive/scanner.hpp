@@ -2,12 +2,13 @@
 // Scans the frames of a drive.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "drive/record.hpp"
-#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 
@@ -31,10 +32,14 @@ class Scanner {
   /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
-  /// The sensor's poses in a span of times around a scan: at its ends, at the stamps of the ego's trajectory, and
-  /// between them where a sensor beside the middle of the vehicle, which turns, goes along an arc: often enough that
-  /// chords are 0.1 mm off.
-  SensorMotion motionOf(const RecordedScan& recorded, const TimeSpan& span) const;
+  /// The sensor's poses during a scan, and at the times of beams that fire before and after it; none if it stands. They
+  /// are those at the start and the end, at the stamps of the ego's trajectory, and between them where a sensor beside
+  /// the middle of the vehicle, which turns, goes along an arc: often enough that chords are 0.1 mm off. For the speed
+  /// of a sensor that fires all beams at once they are those shortly before and after the scan.
+  SensorMotion motionOf(const RecordedScan& recorded) const;
+  /// Warns once per sensor of an actor that turns so far within a scan that its points, which go straight, leave their
+  /// arcs.
+  void warnOfTurn(const RecordedScan& recorded, size_t actor);
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);
 
@@ -43,6 +48,8 @@ class Scanner {
   std::vector<Transform> placed_;  // by instance, as the simulator has them
   std::optional<Simulator> simulator_;
   std::vector<Motions> motions_;  // by sensor
+  std::vector<bool> warned_;      // by sensor, of an actor that turns
+  std::function<void(const std::string&)> warn_;
 };
 
 }  // namespace gnosphere::drive

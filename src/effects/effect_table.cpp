@@ -55,15 +55,19 @@ Answer countMaterials(const Question& q, Has has, const char* does, const char* 
   return {true, std::to_string(count) + " of " + plural(all, "material ", "materials ") + does};
 }
 
-/// Counts the seen materials whose reflectance the material table states at the wavelength.
-Answer countMeasured(const Question& q, const char* none) {
+/// Tells how many of the seen materials have no reflectance in the material table at the wavelength; `shows` if none.
+Answer countGuessed(const Question& q) {
   const bool far = q.effects.intensity.wavelength == 1550;
   std::set<std::string> measured;
   for (const MaterialTable::Row& row : q.materials.rows)
     if ((far ? row.reflectance1550 : row.reflectance905) >= 0) measured.insert(lower(row.name));
-  return countMaterials(
-      q, [&](size_t i) { return measured.contains(lower(q.scene.materials[i].name)); }, "have a measured reflectance",
-      none, "");
+  const std::vector<bool> seen = seenMaterials(q);
+  size_t all = 0, guessed = 0;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    all += seen[i];
+    guessed += seen[i] && !measured.contains(lower(q.scene.materials[i].name));
+  }
+  return {all > 0 && guessed == 0, std::to_string(guessed) + " of " + plural(all, "material", "materials")};
 }
 
 Answer appliesDetection(const Question& q) {
@@ -73,9 +77,10 @@ Answer appliesDetection(const Question& q) {
   const std::string threshold = "as strong as " + target + (stated ? ", as the sensor states" : "");
   if (detection.use == EffectUse::automatic && detection.range == 0) {
     if (!stated) return {false, "no range is given"};
-    const Answer measured = countMeasured(q, "no material that is seen has a measured reflectance");
-    if (measured.shows) return {true, threshold + ", and " + measured.why};
-    return {false, "the sensor states " + target + ", but " + measured.why + "; if on, colours stand for reflectances"};
+    const Answer guessed = countGuessed(q);
+    if (guessed.shows) return {true, threshold + ", and the reflectances of all materials are measured"};
+    return {false, "the sensor states " + target + ", but the reflectances of " + guessed.why +
+                       " are not measured; if on, colours stand for them"};
   }
   if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
   return {true, threshold};

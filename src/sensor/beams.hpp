@@ -74,7 +74,8 @@ Vec3 middleOfLasers(const Sensor& sensor);
 /// Seconds from the start of a scan until its last beam has fired; 0 if all beams fire at once. The motion of an
 /// instance during a scan takes as long.
 double durationOf(const Sensor& sensor, uint64_t frame);
-/// Seconds after the start of a scan.
+
+/// A part of the time of a scan, in seconds after its start.
 struct TimeSpan {
   double from = 0, to = 0;
 };

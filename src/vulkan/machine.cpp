@@ -151,7 +151,7 @@ class VulkanMachine final : public Machine {
     if (trace_) slots_[slot].commands.readTrace(trace_);
   }
   void timeWork(bool on) override { timesWork_ = on; }
-  double workMs(size_t slot) override { return slots_[slot].commands.workMs(); }
+  double workMs(size_t slot) override { return timesWork_ ? slots_[slot].commands.workMs() : 0; }
   void throwOnMessages() override { device_.throwOnMessages(); }
 
   void submit(size_t index, std::span<const Step> steps, const BoundArrays& arrays) override {

@@ -300,9 +300,7 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
     Json json = smallDrive();
     json["actors"][0]["trajectory"] = {{"waypoints", waypoints}};
     const drive::Trajectory trajectory = folder.read(json).actors[0].trajectory;
-    return [trajectory](double time) {
-      return 180 / M_PI * drive::yawPitchRollOf(trajectory.at(time).orientation)[0];
-    };
+    return [trajectory](double time) { return 180 / M_PI * drive::yawPitchRollOf(trajectory.at(time).orientation)[0]; };
   };
   const auto bend = yawOf({waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)});
   for (const double time : {0.0, 1.0, 1.49}) CHECK_THAT(bend(time), WithinAbs(0, 1e-9));
@@ -319,13 +317,31 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   given[2]["yaw_deg"] = 40;
   CHECK_THAT(yawOf(given)(3), WithinAbs(20, 1e-9));
 
+  // Waypoints are cut before the vehicle is turned along what is left, and those that are turned count once.
+  const auto ego = [&](Json trajectory) {
+    trajectory["waypoints"] = {waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)};
+    Json json = smallDrive();
+    json["ego"]["trajectory"] = trajectory;
+    return folder.read(json).ego;
+  };
+  checkPose(ego({{"from", 1}, {"begin", 0}}).at(0), {0, -5, 0}, {0, 0, -kHalf, kHalf});
+  checkPose(ego({{"to", 3}}).at(4), {0, -5, 0}, {});
+  CHECK_THAT(drive::yawPitchRollOf(ego({{"heading", true}}).at(1.75).orientation)[0], WithinAbs(-M_PI / 8, 1e-9));
+
   // Along a circle with ten waypoints a second the yaw is that of its tangent.
   constexpr double kRadius = 10, kRate = 0.5;  // m, rad/s
   Json circle = Json::array();
   for (int i = 0; i <= 40; ++i)
     circle.push_back(waypoint(0.1 * i, kRadius * std::sin(0.1 * kRate * i), -kRadius * std::cos(0.1 * kRate * i), 0));
   const auto around = yawOf(circle);
-  for (double time = 0.2; time < 3.8; time += 0.013) CHECK_THAT(around(time), WithinAbs(180 / M_PI * kRate * time, 1e-3));
+  for (double time = 0.2; time < 3.8; time += 0.013)
+    CHECK_THAT(around(time), WithinAbs(180 / M_PI * kRate * time, 1e-3));
+  Json json = smallDrive();
+  json["ego"]["trajectory"] = {{"waypoints", circle}};
+  json["duration"] = 1;
+  const drive::Trajectory way = folder.read(json).ego;
+  for (double time = 0.2; time < 3.8; time += 0.05)
+    CHECK_THAT(lengthOf(way.ratesAt(time).acceleration), WithinAbs(kRadius * kRate * kRate, 0.01));
 }
 
 TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {

@@ -390,6 +390,7 @@ TEST_CASE("a sensor that fires all beams at once measures the speed of its vehic
   Json json = smallDrive();
   json["weather"] = Json::array();
   json["sensors"] = {json["sensors"][0]};
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, -2, 0, 0), waypoint(0.4, -0.4, 0, 0), waypoint(1, 5, 0, 0)}}};
   json["sensors"][0]["sensor"].erase("rotation_period");
   json["sensors"][0]["effects"] = "auto";
   json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z,range,radial_speed,class,instance"}}};
@@ -398,11 +399,44 @@ TEST_CASE("a sensor that fires all beams at once measures the speed of its vehic
   CHECK_THAT(drive.warnings[0], StartsWith("sensors[0].sensor: all beams of 'top' fire at once") &&
                                     ContainsSubstring("have no speeds of actors"));
   folder.run(json);
-  for (const char* scan : {"out/npy/top/000000.npy", "out/npy/top/000004.npy", "out/npy/top/000009.npy"}) {
-    const std::vector<Row> rows = rowsOf(folder.get(scan));
+  // m/s along x: between 0.05 s before and 0.05 s after a scan, or on one side of the trajectory's ends.
+  for (const auto& [scan, speed] : {std::pair("000000", 4.0), std::pair("000004", 6.5), std::pair("000009", 9.0)}) {
+    const std::vector<Row> rows = rowsOf(folder.get("out/npy/top/" + std::string(scan) + ".npy"));
     CHECK(rows.size() > 300);
-    for (const Row& row : rows) CHECK_THAT(row.time, WithinAbs(-4 * row.x / row.range, 1e-4));  // it drives along x
+    for (const Row& row : rows) CHECK_THAT(row.time, WithinAbs(-speed * row.x / row.range, 1e-4));
   }
+}
+
+TEST_CASE("a run warns once per sensor of an actor that turns far within a scan, unless the sensor ignores it") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  Json& waypoints = json["actors"][0]["trajectory"]["waypoints"];
+  int runs = 0;
+  const auto warnings = [&] {
+    std::vector<std::string> texts;
+    drive::RunOptions options = optionsFor(folder / ("out" + std::to_string(runs++)));
+    options.simulator.warn = [&](const std::string& text) { texts.push_back(text); };
+    drive::run(folder.read(json), options);
+    std::erase_if(texts, [](const std::string& text) { return text.find(" turns by ") == text.npos; });
+    return texts;
+  };
+  waypoints[1]["yaw_deg"] = 90;  // by 9 degrees within a scan, which leads a corner of the car 7 mm off
+  CHECK(warnings().empty());
+  for (int i = 1; i <= 20; ++i) {  // by 60 degrees within a scan
+    waypoints[i] = waypoint(0.05 * i, 3, 3, 0.75);
+    waypoints[i]["yaw_deg"] = 30 * i;
+  }
+  waypoints[0] = waypoint(0, 3, 3, 0.75);
+  waypoints[0]["yaw_deg"] = 0;
+  // A corner is sqrt(5) m from the axis: 2.236 * (1 - cos 30 deg) = 0.30 m.
+  CHECK(
+      warnings() ==
+      std::vector<std::string>{
+          "within scan 0 of 'top' the actor 'car-1' turns by 60 degrees, and its points, which go straight from where "
+          "they are at the start to where they are at the end of a scan, are up to 0.3 m off their ways"});
+  json["sensors"][0]["ignores"] = {"car-1"};
+  CHECK(warnings().empty());  // the sensor 'side' leaves motion out
 }
 
 TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {

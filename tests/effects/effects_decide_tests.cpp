@@ -226,14 +226,16 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   checkOut(asked, "detection", "no range is given");
   asked.sensor.rangeAt10Percent = 90;
   checkOut(asked, "detection",
-           "the sensor states 10 % at 90 m, but no material that is seen has a measured reflectance; if on, colours "
-           "stand for reflectances");
-  asked.table.rows = {{"MATERIAL 1", 0.3f}};
+           "the sensor states 10 % at 90 m, but the reflectances of 2 of 2 materials are not measured; if on, colours "
+           "stand for them");
+  asked.table.rows = {{"MATERIAL 1", 0.3f}, {"material 2", 0.3f}};  // the second one is on no triangle
+  checkOut(asked, "detection",
+           "the sensor states 10 % at 90 m, but the reflectances of 1 of 2 materials are not measured; if on, colours "
+           "stand for them");
+  asked.table.rows.push_back({"material 0", 0.3f});
   checkIn(asked, "detection",
-          "as strong as 10 % at 90 m, as the sensor states, and 1 of 2 materials have a measured reflectance");
+          "as strong as 10 % at 90 m, as the sensor states, and the reflectances of all materials are measured");
   asked.effects.intensity.wavelength = 1550;
-  CHECK_FALSE(asked.of("detection").in);
-  asked.table.rows = {{"material 2", 0.3f}};  // of no triangle
   asked.effects.intensity.wavelength = 905;
   CHECK_FALSE(asked.of("detection").in);
   asked.effects.detection.range = 50;

@@ -2,6 +2,8 @@
 // Scans while the sensor and instances move.
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 
 #include "deformable.hpp"
 #include "effects/scan_support.hpp"
@@ -545,6 +547,20 @@ TEST_CASE("the front of a wall is seen if motion brings it to the sensor") {
   for (size_t i = 0; i < scan.beamCount(); ++i) differ += expected.hit(i) != scan.hit(i);
   CHECK(expected.counters.hits > 30);
   CHECK(differ <= 2);
+}
+
+TEST_CASE("a motion that ends when the scan starts is a sensor that stands, and one of another clock is refused") {
+  const Scene scene = room();
+  const auto after = [&](double first, double last) {
+    Shot shot;
+    shot.motion.stamps = {{first, {{-1, 0, 0}, {}}}, {last, {}}};
+    return shot;
+  };
+  const Scan standing = scanned("reference", scene, spinning(), {});
+  CHECK(sameBytes(scanned("reference", scene, spinning(), after(-1, 0)), standing));
+  for (const auto& [first, last] : {std::pair(-1.0, -0.5), std::pair(1000.0, 1001.0)})
+    CHECK_THROWS_WITH(scanned("reference", scene, spinning(), after(first, last)),
+                      Catch::Matchers::ContainsSubstring("stamps count from the start of the scan"));
 }
 
 }  // namespace gnosphere::test

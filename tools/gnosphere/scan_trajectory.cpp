@@ -18,8 +18,6 @@ std::string numbered(const std::string& file, size_t number) {
 
 namespace {
 
-constexpr double kShortest = 1e-9;  // seconds
-
 /// Returns the poses around a scan that starts at number `start`, with times relative to its start: those within
 /// `span`, and the nearest ones before and after it.
 SensorMotion motionAround(const std::vector<SensorMotion::Stamp>& trajectory, size_t start, const TimeSpan& span) {
@@ -35,9 +33,20 @@ SensorMotion motionAround(const std::vector<SensorMotion::Stamp>& trajectory, si
   size_t first = start, last = start;
   for (; first > 0 && timeOf(first) > span.from; --first) checkAscent(first);
   for (; last + 1 < trajectory.size() && timeOf(last) < span.to; ++last) checkAscent(last + 1);
+  if (first == last && first > 0) checkAscent(first--);  // for the speed of the last scan
   SensorMotion motion;
   for (size_t i = first; i <= last; ++i) motion.stamps.push_back({timeOf(i), trajectory[i].pose});
   return motion;
+}
+
+/// Returns the poses before and after a scan that starts at number `start`, for the speed of a sensor that does not
+/// move within the scan; none where the times do not ascend.
+SensorMotion speedAround(const std::vector<SensorMotion::Stamp>& trajectory, size_t start) {
+  const SensorMotion::Stamp &before = trajectory[start > 0 ? start - 1 : 0],
+                            &after = trajectory[std::min(start + 1, trajectory.size() - 1)];
+  const double zero = trajectory[start].time;
+  if (!(before.time < after.time)) return {};
+  return {{{before.time - zero, before.pose}, {after.time - zero, after.pose}}};
 }
 
 }  // namespace
@@ -52,9 +61,10 @@ std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& s
     Shot& shot = shots.emplace_back();
     shot.pose = trajectory[i].pose;
     shot.frame = i;
-    // A sensor that fires all beams at once measures its speed between the poses before and after it.
-    if (inTurn || speeds)
-      shot.motion = motionAround(trajectory, i, inTurn ? poseTimesOf(sensor, i) : TimeSpan{-kShortest, kShortest});
+    if (inTurn)
+      shot.motion = motionAround(trajectory, i, poseTimesOf(sensor, i));
+    else if (speeds)
+      shot.motion = speedAround(trajectory, i);
   }
   std::vector<TrajectoryScan> scans;
   Progress progress("scan", trajectory.size());

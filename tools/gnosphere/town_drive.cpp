@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "console.hpp"
+#include "drive/pose_math.hpp"
 #include "drive/trajectory.hpp"
 #include "town/prop.hpp"
 #include "town/town.hpp"

@@ -17,9 +17,16 @@ from .. import adapter
 from .resources import rotation
 
 Actor = dict[str, Any]
-Track = tuple[str, str, list[Actor]]
-"""Name, type, and waypoints."""
 Place = tuple[float, float, float]
+
+
+class Track(NamedTuple):
+    """An actor before it has a model."""
+
+    name: str
+    kind: str
+    waypoints: list[Actor]
+    needs_length: bool = False
 
 
 def read_traffic(
@@ -48,18 +55,17 @@ def read_traffic(
         raise ValueError(f"{path} is XML of <{root.tag}>; SUMO's <fcd-export> and <OpenSCENARIO> are read")
     lengths = lengths or {}
     left_out = Counter[str]()
-    types_of_vehicles = {thing.get("type", thing.tag) for thing in root.iterfind("timestep/vehicle")}
     actors = []
     try:
         tracks = list(readers[root.tag](root, lengths, left_out))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-    for name, kind, waypoints in tracks:
+    for name, kind, waypoints, needs_length in tracks:
         model = adapter.of_longest_pattern(models, kind)
         if model is None:
             left_out[f"the type '{kind}'"] += 1
             continue
-        if kind in types_of_vehicles and adapter.of_longest_pattern(lengths, kind) is None:
+        if needs_length and adapter.of_longest_pattern(lengths, kind) is None:
             left_out[f"the lengths of vehicles of the type '{kind}', which are half of it too far ahead"] += 1
         actors.append(
             {
@@ -106,13 +112,23 @@ def _sumo(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]
             kind = part[0].element.get("type", tag)
             length = adapter.of_longest_pattern(lengths, kind) or 0.0
             waypoints = _way_of_vehicle(part, length) if tag == "vehicle" else _way_of_person(part)
-            yield name if number == 1 else f"{name} part {number}", kind, waypoints
+            part_name = name if number == 1 else f"{name} part {number}"
+            yield Track(part_name, kind, waypoints, needs_length=tag == "vehicle")
 
 
 def _regular_step(root: ET.Element) -> float:
     """The usual time from one time step of the file to the next."""
-    times = [_number(step, "time", None) for step in root.iter("timestep")]
+    times = [_time(step) for step in root.iter("timestep")]
+    for before, after in zip(times, times[1:]):
+        if not before < after:
+            raise ValueError(f"<timestep time='{after:g}'> does not come after the one before, {before:g}")
     return statistics.median(after - before for before, after in zip(times, times[1:])) if len(times) > 1 else math.inf
+
+
+def _time(step: ET.Element) -> float:
+    if "time" not in step.keys():
+        raise ValueError("a <timestep> has no time")
+    return _number(step, "time")
 
 
 def _sightings(root: ET.Element, left_out: Counter[str]) -> dict[tuple[str, str], list[_Sighting]]:
@@ -120,7 +136,7 @@ def _sightings(root: ET.Element, left_out: Counter[str]) -> dict[tuple[str, str]
     seen: dict[tuple[str, str], list[_Sighting]] = {}
     unseen = set()
     for step in root.iter("timestep"):
-        time = _number(step, "time", None)
+        time = _time(step)
         fronts = {_place(vehicle) for vehicle in step.iter("vehicle")}
         for element in step:
             key = element.tag, element.get("id", "")
@@ -146,8 +162,11 @@ def _rides(person: ET.Element, fronts: set[Place]) -> bool:
 
 
 def _parts(sightings: list[_Sighting], step: float) -> list[list[_Sighting]]:
-    """The sightings in parts in which no time step is missing, and nothing teleports."""
+    """The sightings in parts in which no time step is missing, and nothing teleports. Who is in the file less often than
+    its steps has steps of its own."""
     parts = [sightings[:1]]
+    if len(sightings) > 3:
+        step = max(step, min(now.time - before.time for before, now in zip(sightings, sightings[1:])))
     for before, now in zip(sightings, sightings[1:]):
         if now.time - before.time > 1.5 * step or _teleports(before, now):
             parts.append([])
@@ -164,14 +183,15 @@ def _teleports(before: _Sighting, now: _Sighting) -> bool:
 
 
 def _refuse_degrees(tracks: Iterable[list[list[_Sighting]]]) -> None:
-    """Refuses longitudes and latitudes, which change by a tiny part of the metres that vehicles and persons go. A speed
-    that is not stated counts as 1 m/s, unless nothing moves."""
+    """Refuses longitudes and latitudes, which change by a tiny part of the metres that vehicles and persons go. Without
+    a speed a step that moves counts as 1 m."""
     changed = gone = 0.0
     for part in chain.from_iterable(tracks):
         for before, now in zip(part, part[1:]):
             if change := math.dist(before.place[:2], now.place[:2]):
                 changed += change
-                gone += (now.time - before.time) * _number(now.element, "speed", "1")
+                stated = "speed" in now.element.keys()
+                gone += (now.time - before.time) * _number(now.element, "speed") if stated else 1
     if changed < 0.01 * gone:
         raise ValueError(
             f"x and y change by {changed:.3g} on ways of {gone:.0f} m, so they are degrees, not metres; "
@@ -209,12 +229,12 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Cou
     tracks: dict[str, Track] = {}
     for thing in root.iter("ScenarioObject"):
         name = thing.get("name", "")
-        tracks[name] = (name, _kind_of(thing), [])
+        tracks[name] = Track(name, _kind_of(thing), [])
     for group in root.iter("ManeuverGroup"):
         names = [reference.get("entityRef", "") for reference in group.iter("EntityRef")]
         for waypoints in _trajectories(group, left_out):
             for name in names:
-                tracks.setdefault(name, (name, "", []))[2].extend(waypoints)
+                tracks.setdefault(name, Track(name, "", [])).waypoints.extend(waypoints)
     starts: dict[str, Actor] = {}
     for private in root.iterfind("Storyboard/Init/Actions/Private"):
         place = private.find(".//TeleportAction/Position")
@@ -225,12 +245,12 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Cou
             left_out["places of Init that are no WorldPosition"] += 1
         else:
             starts[name] = _placed(0.0, world, False, left_out)
-    for name, kind, waypoints in tracks.values():
+    for name, kind, waypoints, _ in tracks.values():
         ordered = _in_order(waypoints, left_out)
         if name in starts:
             ordered = _from_init(starts[name], ordered)
         if ordered:
-            yield name, kind, ordered
+            yield Track(name, kind, ordered)
 
 
 def _fill_in_parameters(root: ET.Element) -> None:
@@ -253,10 +273,13 @@ def _number(element: ET.Element, key: str, usual: Optional[str] = "0") -> float:
     if text is None:
         raise ValueError(f"<{element.tag}> has no {key}; SUMO writes it if --fcd-output.attributes names it")
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
         why = "is no number, and no parameter with one value" if text.startswith("$") else "is no number"
         raise ValueError(f"<{element.tag} {key}='{text}'> {why}") from None
+    if key in element.keys() and not math.isfinite(value):
+        raise ValueError(f"<{element.tag} {key}='{text}'> is not finite")
+    return value
 
 
 def _kind_of(thing: ET.Element) -> str:
