@@ -32,10 +32,10 @@ class Scanner {
   /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
-  /// The sensor's poses during a scan, and at the times of beams that fire before and after it; none if it stands. They
-  /// are those at the start and the end, at the stamps of the ego's trajectory, and between them where a sensor beside
-  /// the middle of the vehicle, which turns, goes along an arc: often enough that chords are 0.1 mm off. For the speed
-  /// of a sensor that fires all beams at once they are those shortly before and after the scan.
+  /// The sensor's poses during a scan, and at the times of beams that fire before and after it; none if it stands.
+  /// There is a pose at the start, at the end, and at each stamp of the ego's trajectory, and others between them where
+  /// a sensor beside the middle of the vehicle, which turns, goes along an arc: often enough that chords are 0.1 mm off.
+  /// A sensor that fires all beams at once has two poses, shortly before and after the scan, for its speed.
   SensorMotion motionOf(const RecordedScan& recorded) const;
   /// Warns once per sensor of an actor that turns so far within a scan that its points, which go straight, leave their
   /// arcs.
