@@ -236,8 +236,8 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   checkIn(asked, "detection",
           "as strong as 10 % at 90 m, as the sensor states, and the reflectances of all materials are measured");
   asked.effects.intensity.wavelength = 1550;
-  asked.effects.intensity.wavelength = 905;
   CHECK_FALSE(asked.of("detection").in);
+  asked.effects.intensity.wavelength = 905;
   asked.effects.detection.range = 50;
   checkIn(asked, "detection", "as strong as 20 % at 50 m");
   checkIn(asked, "intensity", "needed by detection, intensity-noise");

@@ -262,9 +262,9 @@ TEST_CASE("the time that the device works on a scan counts although a receiver t
   needVulkan();
   TestOptions options = vulkanOptions();
   options.tuning.maxBatchBytes = 1;  // every shot is a submission, and the next one is in flight
-  Simulator simulator(sceneOf(soup(3, 60000, 20, 5)), SensorRequest(gridSensor(1800, 64, -30, 30)), options);
+  Simulator simulator(sceneOf(soup(3, 20000, 20, 5)), SensorRequest(gridSensor(1800, 64, -30, 30)), options);
   std::vector<Shot> shots;
-  for (const double x : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}) shots.push_back({poseAt(x, 0, 0), 0});
+  for (const double x : {0.1, 0.2, 0.3}) shots.push_back({poseAt(x, 0, 0), 0});
   double alone = 1e9, inFlight = 1e9;
   for (const Shot& shot : shots) alone = std::min(alone, simulator.scan(shot.pose).timings.wallMs);
   simulator.scanAll(shots, [&](size_t i, const Scan& scan) {
