@@ -43,8 +43,9 @@ struct Effects {
     double attenuation = 0.004;  ///< 1/m; only for the model `carla`
   } intensity;
 
-  /// A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at `range`.
-  /// Automatic: on if a range is given, with weather, or if a sensor states a range at 10 % and a table reflectances.
+  /// A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at
+  /// `range`. Automatic: on if a range is given, with weather, or if the sensor has a range at 10 % and a table all
+  /// reflectances.
   struct Detection {
     EffectUse use = EffectUse::automatic;
     double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1

@@ -180,14 +180,16 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
       drive_.warnings.push_back(path + ": " + std::to_string(count - stamps.size()) +
                                 " poses have the time of the pose before them and are left out");
   }
-  const bool looksAlong = object.value("heading", false) ||
-                          (object.contains("file") && (format == "carla" || format == "carla-route"));
+  const bool looksAlong =
+      object.value("heading", false) || (object.contains("file") && (format == "carla" || format == "carla-route"));
   turned.resize(stamps.size(), true);
   if (looksAlong) turned.assign(stamps.size(), false);
   const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
   size_t kept = 0;
+  std::optional<double> yawBefore;
   for (size_t i = 0; i < stamps.size(); ++i) {
     if (stamps[i].time < from || stamps[i].time > to) continue;
+    if (kept == 0) yawBefore = yawOfLastWay(std::span(stamps).first(i + 1));
     stamps[kept] = stamps[i];
     turned[kept++] = turned[i];
   }
@@ -206,7 +208,8 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   Trajectory result;
   const bool allTurned = std::ranges::find(turned, false) == turned.end();
   attempt(path, [&] {
-    result = allTurned ? Trajectory(std::move(stamps)) : Trajectory::alongWay(std::move(stamps), std::move(turned));
+    result = allTurned ? Trajectory(std::move(stamps))
+                       : Trajectory::alongWay(std::move(stamps), std::move(turned), yawBefore);
   });
   return result;
 }

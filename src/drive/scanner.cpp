@@ -2,6 +2,7 @@
 #include "drive/scanner.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -155,22 +156,27 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
 }
 
 void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
-  constexpr double kOff = 0.05, kFar = 0.02;  // m, rad
+  constexpr double kOff = 0.05, kFar = 0.1;  // m; rad, less than which leads even a reach of 10 m less than kOff off
+  constexpr int kParts = 8;
   const auto& [sensor, number, begin] = recorded.planned;
   const RigSensor& rigged = drive_.sensors[sensor];
   const Actor& turning = drive_.actors[actor];
   if (!warn_ || warned_[sensor] || std::ranges::find(rigged.ignores, actor) != rigged.ignores.end()) return;
-  const auto poseAfter = [&](double share) { return turning.trajectory.at(begin + share * recorded.duration); };
-  const Pose first = poseAfter(0), middle = poseAfter(0.5), last = poseAfter(1);
-  const double angle =
-      angleBetween(first.orientation, middle.orientation) + angleBetween(middle.orientation, last.orientation);
+  std::array<Pose, kParts + 1> poses;
+  double angle = 0;
+  for (int i = 0; i <= kParts; ++i) {
+    poses[i] = turning.trajectory.at(begin + recorded.duration * i / kParts);
+    if (i > 0) angle += angleBetween(poses[i - 1].orientation, poses[i].orientation);
+  }
   if (angle < kFar) return;
   const Bounds bounds = world_.placementOf(actor, begin, begin, begin).bounds;
   double off = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 point = {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                         corner & 4 ? bounds.max.z : bounds.min.z};
-    off = std::max(off, lengthOf(middle * point - 0.5 * (first * point + last * point)));
+    const Vec3 first = poses[0] * point, way = poses[kParts] * point - first;
+    for (int i = 1; i < kParts; ++i)
+      off = std::max(off, lengthOf(poses[i] * point - first - (static_cast<double>(i) / kParts) * way));
   }
   if (off < kOff) return;
   warned_[sensor] = true;

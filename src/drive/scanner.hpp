@@ -33,12 +33,12 @@ class Scanner {
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
   /// The sensor's poses during a scan, and at the times of beams that fire before and after it; none if it stands.
-  /// There is a pose at the start, at the end, and at each stamp of the ego's trajectory, and others between them where
+  /// There is a pose at the start, at the end, and at each of Trajectory::timesWithin(), and others between them where
   /// a sensor beside the middle of a vehicle that turns goes along an arc: often enough that chords are 0.1 mm off.
   /// A sensor that fires all beams at once has two poses, shortly before and after the scan, for its speed.
   SensorMotion motionOf(const RecordedScan& recorded) const;
   /// Warns once per sensor of an actor that turns so far within a scan that its points, which go straight, leave their
-  /// arcs.
+  /// ways.
   void warnOfTurn(const RecordedScan& recorded, size_t actor);
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);

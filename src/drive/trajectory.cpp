@@ -13,6 +13,8 @@
 namespace gnosphere::drive {
 namespace {
 
+constexpr double kLongestBend = 0.5;  ///< seconds of a turn before and after a stamp
+
 /// Whether two poses are the same numbers; their bits may differ, as those of 0 and -0 do.
 bool equal(const Pose& a, const Pose& b) {
   const auto& [p, q] = a;
@@ -20,17 +22,17 @@ bool equal(const Pose& a, const Pose& b) {
   return p.x == r.x && p.y == r.y && p.z == r.z && q.x == s.x && q.y == s.y && q.z == s.z && q.w == s.w;
 }
 
-std::vector<Segment> segmentsOf(const std::vector<Trajectory::Stamp>& stamps) {
+std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::optional<double> yawBefore = {}) {
   constexpr double kStill = 1e-6;  // metres
   std::vector<Segment> segments;
   for (size_t i = 1; i < stamps.size(); ++i) {
     const Vec3 way = stamps[i].pose.position - stamps[i - 1].pose.position;
     const bool moves = lengthOf(way.x, way.y) > kStill;
-    const double before = segments.empty() ? 0 : segments.back().yaw;
+    const double before = segments.empty() ? yawBefore.value_or(0) : segments.back().yaw;
     segments.push_back({stamps[i].time - stamps[i - 1].time, moves ? std::atan2(way.y, way.x) : before, moves});
   }
   const auto first = std::ranges::find(segments, true, &Segment::moves);
-  if (first != segments.end())
+  if (first != segments.end() && !yawBefore)
     for (auto segment = segments.begin(); segment != first; ++segment) segment->yaw = first->yaw;
   return segments;
 }
@@ -45,7 +47,6 @@ struct Bend {
 };
 
 Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
-  constexpr double kLongest = 0.5;    // seconds, before and after a stamp
   constexpr double kStraight = 1e-6;  // radians
   if (segments.empty()) return {};
   if (stamp == 0) return {0, 0, 0, segments.front().yaw};
@@ -55,7 +56,7 @@ Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
   const double angle = std::remainder(after.yaw - before.yaw, 2 * M_PI);
   if (std::abs(angle) < kStraight) return {0, 0, 0, before.yaw};
   const auto share = [&](const Segment& segment) {
-    return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongest) : 0.0;
+    return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongestBend) : 0.0;
   };
   Bend bend = {angle, share(before), share(after), before.yaw};
   if (bend.before > 0) bend.yaw += bend.speed() * bend.before;
@@ -74,14 +75,17 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
   }
 }
 
-Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned) {
+Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned, std::optional<double> yawBefore) {
   Trajectory result(std::move(stamps));
   std::vector<Stamp>& kept = result.motion_.stamps;
   turned.resize(kept.size());
-  result.segments_ = segmentsOf(kept);
+  result.segments_ = segmentsOf(kept, yawBefore);
   result.turned_ = std::move(turned);
-  for (size_t i = 0; i < kept.size(); ++i)
-    if (!result.turned_[i]) kept[i].pose.orientation = yawPitchRoll(bendAt(result.segments_, i).yaw, 0, 0);
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (result.turned_[i]) continue;
+    const double yaw = result.segments_.empty() ? yawBefore.value_or(0) : bendAt(result.segments_, i).yaw;
+    kept[i].pose.orientation = yawPitchRoll(yaw, 0, 0);
+  }
   return result;
 }
 
@@ -123,20 +127,26 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
   if (middle > last || next(middle, 1) > last) middle = next(last, -1);
   const ptrdiff_t low = middle < 0 ? 0 : std::max<ptrdiff_t>(next(middle, -1), 0),
                   high = middle < 0 ? last : next(middle, 1);
+  const auto mountedAt = [&](double when) { return Stamp{when, at(when) * mount}; };
   const auto mounted = [&](ptrdiff_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
-  const Stamp first = mounted(low), end = mounted(high);
+  const bool isSparse = !segments_.empty() && stamps[high].time - stamps[low].time > 2 * kLongestBend + 1e-9;
+  const Stamp first = isSparse ? mountedAt(std::max(time - kLongestBend, begin())) : mounted(low),
+              between = isSparse ? mountedAt(time) : mounted(std::clamp(middle, low, high)),
+              end = isSparse ? mountedAt(std::min(time + kLongestBend, this->end())) : mounted(high);
   const Vec3 across = (1 / (end.time - first.time)) * (end.pose.position - first.pose.position);
   Rates rates = {across, {}, {}};
-  if (middle > low && middle < high) {
-    const Stamp between = mounted(middle);
+  if (first.time < between.time && between.time < end.time) {
     const Vec3 early = (1 / (between.time - first.time)) * (between.pose.position - first.pose.position);
     rates.acceleration = (2 / (end.time - between.time)) * (across - early);
     rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;
   }
-  const Quaternion turn = inverse(first.pose).orientation * end.pose.orientation;
+  const Span span = around(time);
+  const Stamp from = segments_.empty() ? first : mountedAt(span.from),
+              to = segments_.empty() ? end : mountedAt(span.to);
+  const Quaternion turn = inverse(from.pose).orientation * to.pose.orientation;
   const Vec3 axis = (turn.w < 0 ? -1.0 : 1.0) * Vec3{turn.x, turn.y, turn.z};
-  const double sine = lengthOf(axis), angle = angleBetween(first.pose.orientation, end.pose.orientation);
-  if (sine > 0) rates.turnRate = (angle / (sine * (end.time - first.time))) * axis;
+  const double sine = lengthOf(axis), angle = angleBetween(from.pose.orientation, to.pose.orientation);
+  if (sine > 0) rates.turnRate = (angle / (sine * (to.time - from.time))) * axis;
   return rates;
 }
 
@@ -178,6 +188,12 @@ std::vector<double> Trajectory::timesWithin(double from, double to) const {
     if (stamp->time >= to) break;
   }
   return times;
+}
+
+std::optional<double> yawOfLastWay(std::span<const Trajectory::Stamp> stamps) {
+  const std::vector<Segment> segments = segmentsOf(stamps);
+  if (std::ranges::find(segments, true, &Segment::moves) == segments.end()) return {};
+  return segments.back().yaw;
 }
 
 std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps) {

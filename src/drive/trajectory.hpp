@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,7 @@ inline constexpr double kGravity = 9.80665;  ///< m/s^2, standard gravity
 /// A straight way from one stamp of a trajectory to the next.
 struct Segment {
   double duration = 0;  ///< seconds
-  double yaw = 0;       ///< of the way; where it does not move on, that of the way before, or else of the first way
+  double yaw = 0;       ///< of the way; where it does not move on, of the last way that does, or else of the first
   bool moves = false;
 };
 
@@ -33,8 +35,9 @@ class Trajectory {
   /// keep their orientation. Between two stamps it looks along the straight line. Around a stamp at which the way bends
   /// it turns at constant speed, from half a second before the stamp to half a second after it, or from the middle of a
   /// shorter way. While it stands it keeps its direction. Next to a turned stamp it turns by slerp all the way between
-  /// the two stamps.
-  static Trajectory alongWay(std::vector<Stamp> stamps, std::vector<bool> turned = {});
+  /// the two stamps. `yawBefore` is the direction in which it comes to the first stamp, if it stands there.
+  static Trajectory alongWay(std::vector<Stamp> stamps, std::vector<bool> turned = {},
+                             std::optional<double> yawBefore = {});
 
   Pose at(double time) const;
   double begin() const { return motion_.stamps.front().time; }
@@ -46,7 +49,9 @@ class Trajectory {
     Vec3 turnRate;      ///< rad/s about the axes of the unit
   };
   /// Returns the rates of the parabola through three stamps about `time`, at least 0.05 s apart where the trajectory is
-  /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing.
+  /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing. A vehicle that
+  /// looks along its way turns as at() turns it, and if these stamps are more than a second apart, poses half a second
+  /// before and after `time` are taken in their place.
   /// The unit is mounted on the vehicle at the pose `mount`, about whose axes the turn rate is.
   Rates ratesAt(double time, const Pose& mount = {}) const;
   static constexpr double kAround = 0.05;  ///< seconds before and after a time within which a speed is taken
@@ -74,6 +79,8 @@ class Trajectory {
   std::vector<bool> turned_;       // by stamp
 };
 
+/// Returns the yaw in radians of the last way between stamps that moves; none if none does.
+std::optional<double> yawOfLastWay(std::span<const Trajectory::Stamp> stamps);
 /// Returns the yaw in radians at every stamp of a vehicle that looks along its way, see Trajectory::alongWay().
 std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps);
 
@@ -89,7 +96,8 @@ struct TrajectoryFileOptions {
 std::vector<Trajectory::Stamp> readTum(const std::filesystem::path& file);
 
 /// Reads a trajectory file, format "tum", "kitti", "euroc", "nuscenes", "carla" or "carla-route", as docs/drives.md
-/// describes them. Throws Error(file) or Error(format) if the file cannot be read or is invalid.
+/// describes them; the poses of CARLA have no turn. Throws Error(file) or Error(format) if the file cannot be read or
+/// is invalid.
 std::vector<Trajectory::Stamp> readTrajectory(const std::filesystem::path& file, const std::string& format,
                                               const TrajectoryFileOptions& options);
 

@@ -133,11 +133,6 @@ Vec3 fromCarla(const Vec3& v) {
   return {v.x, -v.y, v.z};
 }
 
-void lookAlong(Stamps& stamps) {
-  const std::vector<double> yaws = yawsAlong(stamps);
-  for (size_t i = 0; i < stamps.size(); ++i) stamps[i].pose.orientation = yawPitchRoll(yaws[i], 0, 0);
-}
-
 /// Lines x,y,z,t as ScenarioRunner logs a vehicle.
 Stamps readCarla(const std::filesystem::path& file) {
   Stamps stamps;
@@ -146,7 +141,6 @@ Stamps readCarla(const std::filesystem::path& file) {
     if (v.size() != 4) line.refuse("is not x,y,z,t, four finite numbers with commas between");
     stamps.push_back({v[3], {fromCarla({v[0], v[1], v[2]}), {}}});
   });
-  lookAlong(stamps);
   return stamps;
 }
 
@@ -177,7 +171,6 @@ Stamps readCarlaRoute(const std::filesystem::path& file, const TrajectoryFileOpt
   };
   for (const auto& place : route.child("waypoints").children("position")) add(place);
   for (const auto& place : route.children("waypoint")) add(place);
-  lookAlong(stamps);
   return stamps;
 }
 

@@ -35,13 +35,12 @@ std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
 }
 
 /// The vertices that triangles of a model use, after `size`, in a state or at rest, in the order of its instances.
-std::vector<Vec3> verticesAt(const Scene& model, const Transform& size, const SceneState* state) {
+/// `used` tells which these are, by mesh.
+std::vector<Vec3> verticesAt(const Scene& model, const std::vector<std::vector<bool>>& used, const Transform& size,
+                             const SceneState* state) {
   std::vector<std::vector<float>> shapes;
-  std::vector<std::vector<bool>> used;
-  for (size_t i = 0; i < model.meshes.size(); ++i) {
+  for (size_t i = 0; i < model.meshes.size(); ++i)
     shapes.push_back(deformedPositions(model.meshes[i], state ? state->deformations[i] : model.meshes[i].deformation));
-    used.push_back(usedVertices(model.meshes[i]));
-  }
   std::vector<Vec3> vertices;
   for (size_t i = 0; i < model.instances.size(); ++i) {
     const Instance& instance = model.instances[i];
@@ -96,7 +95,8 @@ World::World(const Drive& drive) : drive_(drive) {
     const Scene& part = drive.scenes[i];
     const uint32_t firstMesh = appendMeshes(scene_, part);
     if (drive.sceneAnimations[i])
-      scenes_.push_back({&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}});
+      scenes_.push_back(
+          {&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}, nullptr});
     for (Instance instance : part.instances) {
       instance.mesh += firstMesh;
       objects_.push_back(static_cast<uint32_t>(objects_.size()));
@@ -104,11 +104,20 @@ World::World(const Drive& drive) : drive_(drive) {
     }
   }
   std::vector<uint32_t> firstMeshes;
-  for (const Scene& model : drive.models) firstMeshes.push_back(appendMeshes(scene_, model));
+  for (const Scene& model : drive.models) {
+    firstMeshes.push_back(appendMeshes(scene_, model));
+    used_.emplace_back();
+    for (const Mesh& mesh : model.meshes) used_.back().push_back(usedVertices(mesh));
+  }
   for (const Actor& actor : drive.actors) {
     const Scene& model = drive.models[actor.model];
-    Body body = {&model,          objects_.size(),       numbersFrom(firstMeshes[actor.model], model),
-                 actor.animation, fitting(actor, model), {}};
+    Body body = {&model,
+                 objects_.size(),
+                 numbersFrom(firstMeshes[actor.model], model),
+                 actor.animation,
+                 fitting(actor, model),
+                 {},
+                 &used_[actor.model]};
     // Meshes that deform in a time of their own, that of the actor's animation, are copied.
     for (uint32_t& mesh : body.meshes) {
       if (!body.animation || !scene_.meshes[mesh].deformable()) continue;
@@ -120,7 +129,7 @@ World::World(const Drive& drive) : drive_(drive) {
       objects_.push_back(static_cast<uint32_t>(body.first));
       scene_.instances.push_back({actor.name, body.meshes[instance.mesh], kAway, drive.classes[actor.category].id});
     }
-    body.bounds = boundsAround(verticesAt(model, body.size, nullptr));
+    body.bounds = boundsAround(verticesAt(model, *body.used, body.size, nullptr));
     bodies_.push_back(std::move(body));
   }
 }
@@ -147,7 +156,7 @@ const std::vector<Vec3>& World::Shapes::at(double time) {
   const auto [entry, isNew] = shapes_.try_emplace(time);
   if (!isNew) return entry->second;
   const SceneState state = world_.stateOf(body_, time);
-  return entry->second = verticesAt(*body_.model, body_.size, &state);
+  return entry->second = verticesAt(*body_.model, *body_.used, body_.size, &state);
 }
 
 Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) const {

@@ -67,7 +67,8 @@ class World {
     std::vector<uint32_t> meshes;  // by mesh of the model: its number in the world
     std::optional<Animation> animation;
     Transform size;
-    Bounds bounds;  // at rest; unused for scenes
+    Bounds bounds;                                         // at rest; unused for scenes
+    const std::vector<std::vector<bool>>* used = nullptr;  // by mesh of the model: the vertices of its triangles
   };
   SceneState stateOf(const Body& body, double time) const;
   /// The vertices of an animated body in its own frame at times, each computed once.
@@ -88,9 +89,10 @@ class World {
 
   const Drive& drive_;
   Scene scene_;
-  std::vector<uint32_t> objects_;  // by instance
-  std::vector<Body> scenes_;       // those that are animated
-  std::vector<Body> bodies_;       // by actor
+  std::vector<uint32_t> objects_;                     // by instance
+  std::vector<std::vector<std::vector<bool>>> used_;  // by model and mesh: the vertices that triangles use
+  std::vector<Body> scenes_;                          // those that are animated
+  std::vector<Body> bodies_;                          // by actor
 };
 
 }  // namespace gnosphere::drive

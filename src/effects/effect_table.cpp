@@ -276,7 +276,8 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::detection>(
           "detection", gpu::kDetection, appliesDetection, always,
           "A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at "
-          "`range`. Automatic: on if a range is given, with weather, or if a sensor states a range at 10 % and a table "
+          "`range`. Automatic: on if a range is given, with weather, or if the sensor has a range at 10 % and a table "
+          "all "
           "reflectances.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),

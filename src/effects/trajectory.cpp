@@ -62,7 +62,10 @@ Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
   const Stamp &a = stamps[next - 1], &b = stamps[next];
   const double share = (time - a.time) / (b.time - a.time);
   const Vec3 &p = a.pose.position, &q = b.pose.position;
-  return {p + share * (q - p), slerp(a.pose.orientation, b.pose.orientation, share)};
+  const Quaternion &from = a.pose.orientation, &to = b.pose.orientation;
+  // An orientation between two equal ones has the same numbers, so what stands does not move by rounding.
+  const bool turns = from.x != to.x || from.y != to.y || from.z != to.z || from.w != to.w;
+  return {p + share * (q - p), turns ? slerp(from, to, share) : from};
 }
 
 Vec3 velocityAt(const SensorMotion& motion, double time) {

@@ -239,8 +239,9 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
 
   // CARLA's y points to the right: a vehicle that drives to larger y turns right.
   const auto carla = read("ego.csv", "0,0,1,0.05\n0,1,1,0.1\n0,2,1,0.15\n0,2,1,0.2\n0,2,1,0.25\n", "carla");
-  for (const auto& stamp : carla) checkPose({{}, stamp.pose.orientation}, {0, 0, 0}, {0, 0, -kHalf, kHalf});
-  checkPose(carla[2].pose, {0, -2, 1}, {0, 0, -kHalf, kHalf});
+  const auto along = drive::Trajectory::alongWay(carla);
+  for (const auto& stamp : along.stamps()) checkPose({{}, stamp.pose.orientation}, {0, 0, 0}, {0, 0, -kHalf, kHalf});
+  checkPose(along.at(0.15), {0, -2, 1}, {0, 0, -kHalf, kHalf});
 
   drive::TrajectoryFileOptions route;
   route.route = "7";
@@ -252,7 +253,7 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
   const auto carlaRoute = read("r.xml", xml, "carla-route", route);
   REQUIRE(carlaRoute.size() == 2);
   CHECK(carlaRoute[1].time == 2);
-  checkPose(carlaRoute[1].pose, {0, 4, 0}, {0, 0, kHalf, kHalf});
+  checkPose(drive::Trajectory::alongWay(carlaRoute).at(2), {0, 4, 0}, {0, 0, kHalf, kHalf});
 
   CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
   CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
@@ -327,6 +328,18 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   checkPose(ego({{"from", 1}, {"begin", 0}}).at(0), {0, -5, 0}, {0, 0, -kHalf, kHalf});
   checkPose(ego({{"to", 3}}).at(4), {0, -5, 0}, {});
   CHECK_THAT(drive::yawPitchRollOf(ego({{"heading", true}}).at(1.75).orientation)[0], WithinAbs(-M_PI / 8, 1e-9));
+  // Waypoints that are cut tell the direction of a vehicle that stands.
+  put(folder / "stop.csv", "0,0,0,0\n0,-5,0,1\n0,-5,0,2\n0,-5,0,3\n5,-5,0,4\n");
+  const auto stopped = [&](double from, double to) {
+    Json json = smallDrive();
+    json["ego"]["trajectory"] = {{"file", "stop.csv"}, {"format", "carla"}, {"from", from}, {"to", to}};
+    json["duration"] = 1;
+    return folder.read(json).ego;
+  };
+  checkPose(stopped(2, 3).at(2.5), {0, 5, 0}, {0, 0, kHalf, kHalf});
+  checkPose(stopped(3, 3).at(3), {0, 5, 0}, {0, 0, kHalf, kHalf});
+  checkPose(stopped(2, 9).at(2.5), {0, 5, 0}, {0, 0, kHalf, kHalf});
+  checkPose(stopped(2, 9).at(4), {5, 5, 0}, {});
 
   // Along a circle with ten waypoints a second the yaw is that of its tangent.
   constexpr double kRadius = 10, kRate = 0.5;  // m, rad/s
@@ -342,6 +355,15 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   const drive::Trajectory way = folder.read(json).ego;
   for (double time = 0.2; time < 3.8; time += 0.05)
     CHECK_THAT(lengthOf(way.ratesAt(time).acceleration), WithinAbs(kRadius * kRate * kRate, 0.01));
+  // Between waypoints that are far apart the rates are those of the poses.
+  const drive::Trajectory sparse = ego({{"heading", true}});
+  for (const double time : {0.0, 0.7, 1.3, 2.7, 4.0}) {
+    const auto rates = sparse.ratesAt(time);
+    CHECK_THAT(lengthOf(rates.velocity - (time < 2 ? Vec3{10, 0, 0} : Vec3{0, -10, 0})), WithinAbs(0, 1e-9));
+    CHECK_THAT(lengthOf(rates.acceleration), WithinAbs(0, 1e-9));
+    CHECK_THAT(lengthOf(rates.turnRate), WithinAbs(0, 1e-9));
+  }
+  CHECK_THAT(sparse.ratesAt(2).turnRate.z, WithinAbs(-M_PI / 2, 1e-6));
 }
 
 TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {

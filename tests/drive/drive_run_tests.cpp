@@ -435,6 +435,8 @@ TEST_CASE("a run warns once per sensor of an actor that turns far within a scan,
       std::vector<std::string>{
           "within scan 0 of 'top' the actor 'car-1' turns by 60 degrees, and its points, which go straight from where "
           "they are at the start to where they are at the end of a scan, are up to 0.3 m off their ways"});
+  for (int i = 1; i <= 20; ++i) waypoints[i]["yaw_deg"] = 170 * i;  // almost a turn in a scan
+  CHECK(warnings().size() == 1);
   json["sensors"][0]["ignores"] = {"car-1"};
   CHECK(warnings().empty());  // the sensor 'side' leaves motion out
 }

@@ -366,6 +366,8 @@ TEST_CASE("a scan whose beams are all lost tells why, and what helps") {
   std::iota(beams.begin(), beams.end(), 0);
   CHECK(with("masked_beams", beams, "--effect drop-out.general_rate=0.5") ==
         lost + "60 of 60 beams dead; drop-out.dead_beams, or masked_beams of the sensor, names them\n");
+  CHECK(with("masked_beams", beams, "--effects clean") ==
+        lost + "60 of 60 beams dead; masked_beams of the sensor names them\n");
   // A few dead beams are not why the others meet nothing.
   CHECK_THAT(with("masked_beams", {0, 1}, "--pose 0,0,-2 --effect drop-out.general_rate=0.5"),
              StartsWith("gnosphere: warning: no beam hits anything; floor.obj spans x -10..10"));

@@ -78,14 +78,25 @@ std::string placesText(const drive::Drive& drive) {
          placeText(drive.sensorPose(0, drive.start).position);
 }
 
+/// Returns the largest of the least ranges of a sensor's beams in its first scan.
+double largestLeastRange(const Sensor& sensor) {
+  double largest = 0;
+  for (size_t beam = 0; beam < sensor.beamCount(); ++beam)
+    largest = std::max(largest, rangeWindowOf(sensor, beam, 0).least);
+  return largest;
+}
+
 /// Warns of a run in which no scan has a point.
 void warnOfNoPoints(const drive::Drive& drive, const Counters& counters) {
   std::string places = placesText(drive);
-  const auto hiding = std::ranges::find(drive.sensors, NearHits::hide,
-                                        [](const drive::RigSensor& sensor) { return sensor.sensor.nearHits; });
-  if (hiding != drive.sensors.end())
-    places += "; surfaces nearer than the least range of sensor '" + hiding->name + "', " +
-              coordinateText(hiding->sensor.rangeMin) + " m, hide what is behind them, because its near_hits is hide";
+  for (const drive::RigSensor& rigged : drive.sensors) {
+    const double least = largestLeastRange(rigged.sensor);
+    const bool hides = rigged.sensor.nearHits == NearHits::hide;
+    if (least < (hides ? 1e-3 : 1)) continue;
+    places += "; surfaces nearer than the least range of sensor '" + rigged.name + "', " + coordinateText(least) +
+              " m, " + (hides ? "hide what is behind them, because its near_hits is hide" : "give no return");
+    break;
+  }
   const std::vector<Loss> losses = lossesByEffects(counters);
   const Loss unmet = {beamsWithoutSurface(counters), "met nothing in their ranges", places};
   complain("warning: no scan has a point; " + (losses.empty() ? places : lossText(losses, unmet, counters.beams)));

@@ -37,13 +37,16 @@ uint64_t hitsOnBothFaces(const Scene& scene, const SensorRequest& request, Simul
 }
 
 /// Returns the beams that meet a surface nearer than their least range, and that have no return from it.
-Loss nearLoss(const Scene& scene, const Sensor& sensor, const SimulatorOptions& settings, const Pose& pose) {
-  Sensor all = sensor;
+Loss nearLoss(const Scene& scene, const SensorRequest& request, const SimulatorOptions& settings, const Pose& pose) {
+  const Sensor& sensor = request.sensor;
+  SensorRequest bare = {sensor, Effects::none()};
+  bare.ignoredInstances = request.ignoredInstances;
+  Sensor& all = bare.sensor;
   all.rangeMin = 0;
   all.nearHits = NearHits::seeThrough;
   for (Channel& channel : all.channels) channel.rangeMin = 0;
   for (BeamList& pattern : all.patterns) pattern.rangeMin.clear();
-  const std::optional<Scan> scan = quietScan(scene, {all, Effects::none()}, settings, pose);
+  const std::optional<Scan> scan = quietScan(scene, bare, settings, pose);
   Loss loss;
   double limit = 0;  // the largest least range of these beams
   for (size_t beam = 0; scan && beam < scan->beamCount(); ++beam) {
@@ -110,8 +113,12 @@ void warnOfNoHits(const std::string& nobody, const ScanningOptions& options, con
   }
   const bool many = !trajectory.empty();
   std::vector<Loss> losses = lossesByEffects(counters);
-  const uint64_t unmet = beamsWithoutSurface(counters);
-  Loss near = unmet == 0 ? Loss() : nearLoss(scene, sensor, settings, pose);
+  const std::vector<bool> silent = silentBeams(sensor);
+  // Causes are not counted where no effect loses beams.
+  if (losses.empty() && std::ranges::find(silent, false) == silent.end())
+    losses.push_back({counters.beams, "dead", "masked_beams of the sensor names them"});
+  const uint64_t unmet = losses.empty() || losses[0].beams < counters.beams ? beamsWithoutSurface(counters) : 0;
+  Loss near = unmet == 0 ? Loss() : nearLoss(scene, request, settings, pose);
   near.beams = std::min(near.beams, unmet);
   if (near.beams > 0) losses.push_back(near);
   std::string remedy = options.scene + " spans " + extentText(worldBounds(scene)) + ", and the sensor " +

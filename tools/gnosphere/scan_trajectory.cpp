@@ -40,12 +40,12 @@ SensorMotion motionAround(const std::vector<SensorMotion::Stamp>& trajectory, si
 }
 
 /// Returns the poses before and after a scan that starts at number `start`, for the speed of a sensor that does not
-/// move within the scan; none where the times do not ascend.
+/// move within the scan; none where the times about it do not ascend.
 SensorMotion speedAround(const std::vector<SensorMotion::Stamp>& trajectory, size_t start) {
   const SensorMotion::Stamp &before = trajectory[start > 0 ? start - 1 : 0],
                             &after = trajectory[std::min(start + 1, trajectory.size() - 1)];
   const double zero = trajectory[start].time;
-  if (!(before.time < after.time)) return {};
+  if (!(before.time <= zero && zero <= after.time && before.time < after.time)) return {};
   return {{{before.time - zero, before.pose}, {after.time - zero, after.pose}}};
 }
 

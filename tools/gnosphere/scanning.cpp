@@ -250,6 +250,7 @@ void chooseFrames(const std::string& text, uint64_t& first, uint64_t& end) {
 }
 
 std::string coordinateText(double metres) {
+  if (std::abs(metres) < 1e-6) return "0";
   // Six digits have centimetres up to here.
   if (!(std::abs(metres) >= 1e4 && std::abs(metres) < 1e9)) return formatted("%g", metres);
   std::string text = formatted("%.2f", metres);

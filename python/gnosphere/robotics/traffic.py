@@ -165,8 +165,8 @@ def _parts(sightings: list[_Sighting], step: float) -> list[list[_Sighting]]:
     """The sightings in parts in which no time step is missing, and nothing teleports. Who is in the file less often than
     its steps has steps of its own."""
     parts = [sightings[:1]]
-    if len(sightings) > 3:
-        step = max(step, min(now.time - before.time for before, now in zip(sightings, sightings[1:])))
+    if len(sightings) > 2:
+        step = max(step, statistics.median_low(now.time - before.time for before, now in zip(sightings, sightings[1:])))
     for before, now in zip(sightings, sightings[1:]):
         if now.time - before.time > 1.5 * step or _teleports(before, now):
             parts.append([])
@@ -183,15 +183,14 @@ def _teleports(before: _Sighting, now: _Sighting) -> bool:
 
 
 def _refuse_degrees(tracks: Iterable[list[list[_Sighting]]]) -> None:
-    """Refuses longitudes and latitudes, which change by a tiny part of the metres that vehicles and persons go. Without
-    a speed a step that moves counts as 1 m."""
+    """Refuses longitudes and latitudes, which change by a tiny part of the metres that vehicles and persons go. A speed
+    that is not stated counts as 1 m/s, unless nothing moves."""
     changed = gone = 0.0
     for part in chain.from_iterable(tracks):
         for before, now in zip(part, part[1:]):
             if change := math.dist(before.place[:2], now.place[:2]):
                 changed += change
-                stated = "speed" in now.element.keys()
-                gone += (now.time - before.time) * _number(now.element, "speed") if stated else 1
+                gone += (now.time - before.time) * _number(now.element, "speed", "1")
     if changed < 0.01 * gone:
         raise ValueError(
             f"x and y change by {changed:.3g} on ways of {gone:.0f} m, so they are degrees, not metres; "

@@ -37,9 +37,7 @@ class Boxes : public Format {
     });
   }
 
-  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
-    writePoses(frames, files);
-  }
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override { writePoses(frames, files); }
 
  private:
   Json lineOf(const RecordedScan& recorded, const Box& box) const {

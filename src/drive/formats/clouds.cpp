@@ -23,9 +23,7 @@ class Clouds : public Format {
     });
   }
 
-  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
-    writePoses(frames, files);
-  }
+  void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override { writePoses(frames, files); }
 };
 
 }  // namespace

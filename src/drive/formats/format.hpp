@@ -48,7 +48,8 @@ class Format {
   std::string sensorFile(const PlannedScan& scan, const std::string& ending) const;
   /// The part of a frame that goes into a sensor's file of the whole drive.
   std::string partPath(size_t sensor, uint64_t frame) const;
-  /// Writes SENSOR/poses.txt of each sensor: a line t x y z qx qy qz qw per scan, the pose of the sensor when it starts.
+  /// Writes SENSOR/poses.txt of each sensor: a line t x y z qx qy qz qw per scan, the pose of the sensor when it
+  /// starts.
   void writePoses(const std::vector<FrameSummary>& frames, FinalFiles& files) const;
   /// Calls use(scan) for every scan of a FrameRecord or FrameSummary that this output has.
   template <class Frame, class Use>
