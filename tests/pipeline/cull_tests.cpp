@@ -86,10 +86,12 @@ TEST_CASE("culling: every switch leaves the cloud of a town unchanged", "[combin
   for (const auto& [name, culling] : switches()) {
     // The accuracy has no part in culling, but for the corners that it rounds.
     if (accuracy == Accuracy::exact && std::string(name) != "all" && !everyCombination()) continue;
-    Simulator simulator = makeSimulator(town, sensors, optionsWith(accuracy, culling));
-    for (size_t i = 0; i < sensors.size(); ++i) {
+    const size_t first = std::string(name) == "all" || everyCombination() ? 0 : 1;
+    Simulator simulator = makeSimulator(town, {sensors.begin() + static_cast<std::ptrdiff_t>(first), sensors.end()},
+                                        optionsWith(accuracy, culling));
+    for (size_t i = first; i < sensors.size(); ++i) {
       INFO(sensors[i].name << ", " << name);
-      CHECK(sameBytes(full[i], simulator.scan(pose, i)));
+      CHECK(sameBytes(full[i], simulator.scan(pose, i - first)));
     }
   }
 }

@@ -58,7 +58,7 @@ void checkViews(Simulator& simulator, std::span<const Shot> shots) {
 }  // namespace
 
 TEST_CASE("views give the bytes of single scans, for every kind of grid, list and binning",
-          "[second-driver][driver-combinations]") {
+          "[second-driver][driver-combinations][combinations]") {
   needVulkan();
   const Scene scene = crowd(120, 40);
   Sensor offsets = gridSensor(90, 16, -30, 30);
@@ -70,7 +70,7 @@ TEST_CASE("views give the bytes of single scans, for every kind of grid, list an
     d = {d.x / length, d.y / length, (d.z + tilt) / length};
   }
   const Sensor grid = gridSensor(180, 16, -30, 30);
-  std::vector<Shot> shots = shotsFromEverywhere(24);
+  std::vector<Shot> shots = shotsFromEverywhere(everyCombination() ? 24 : 12);
   const bool fewer = fewerCombinations(makeSimulator(scene, grid, vulkanOptions()).device());
   for (const Binning binning : {Binning::slabs, Binning::nearest})
     for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
