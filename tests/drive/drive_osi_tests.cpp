@@ -300,7 +300,8 @@ TEST_CASE("OSI: radial velocities are positive towards the sensor, if the output
                      {{"format", "pcd"}, {"sensors", {"top"}}, {"fields", "x,y,z,radial_speed"}}};
   plain.run(json);
   const std::string trace = plain.get("out/osi/20231114T221320Z_sd_370_300_10_top.osi");
-  detections = child(child(pbf_reader(messagesOf(trace)[4]), 26), 3);
+  const std::string message = messagesOf(trace)[4];
+  detections = child(child(pbf_reader(message), 26), 3);
   REQUIRE(detections.next(2));
   CHECK_FALSE(has(detections.get_message(), 12));
   json["outputs"][0]["fields"] = "radial_speed,width";
