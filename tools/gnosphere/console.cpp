@@ -27,8 +27,9 @@ bool parsePair(const std::string& text, char separator, bool optional, uint64_t&
 void complain(const std::string& message) {
   std::string line = message;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);  // keeps the order of the two streams on a terminal
-  std::fprintf(stderr, "gnosphere: %s\n", printable(line).c_str());
+  std::fflush(stdout);                                           // keeps the order of the two streams on a terminal
+  const char* erase = os::isTerminal(stderr) ? "\r\x1b[K" : "";  // a progress bar may be on this line
+  std::fprintf(stderr, "%sgnosphere: %s\n", erase, printable(line).c_str());
 }
 
 std::string grouped(uint64_t number) {
