@@ -147,7 +147,7 @@ std::vector<Box> BoxFinder::findMissed(const RecordedScan& recorded) {
   std::vector<Box> boxes;
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
     if (std::ranges::find(recorded.boxes, a, &Box::actor) != recorded.boxes.end()) continue;
-    if (std::ranges::find(rigged.ignores, a) != rigged.ignores.end() || !world_.poseOf(a, time)) continue;
+    if (rigged.isIgnored(a) || !world_.poseOf(a, time)) continue;
     Box box = boxAt(recorded, a, 0);
     const Vec3 from = inverse(box.seen).position, half = 0.5 * box.size;
     const Vec3 nearest = {std::clamp(from.x, -half.x, half.x), std::clamp(from.y, -half.y, half.y),

@@ -2,6 +2,7 @@
 // A drive: what a drive file says, with every file that it names read.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -48,6 +49,8 @@ struct RigSensor {
   std::vector<size_t> ignores;         ///< indices into Drive::actors: those that it does not see, such as its vehicle
   bool livoxCustom = false;            ///< whether clouds for ROS 2 are Livox's own message
   std::optional<ros2::Driver> driver;  ///< whose point layout clouds for ROS 2 have; none: GnoSphere's own
+
+  bool isIgnored(size_t actor) const { return std::ranges::find(ignores, actor) != ignores.end(); }
 };
 
 /// An inertial measurement unit (IMU) on the vehicle.

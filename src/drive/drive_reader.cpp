@@ -27,6 +27,11 @@ T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const st
   return load(file);
 }
 
+/// Returns a difference of angles in degrees without the rounding of its subtraction.
+std::string degreesText(double angle) {
+  return gnosphere::numberText(std::round(1e6 * angle) / 1e6);
+}
+
 }  // namespace
 
 Vec3 vectorOf(const json& list) {
@@ -86,11 +91,6 @@ std::optional<Animation> DriveReader::animation(const json& object, const std::s
   animation.offset = given.value("offset", 0.0);
   animation.end = given.value("loop", true) ? ClipEnd::loop : ClipEnd::hold;
   return animation;
-}
-
-/// Returns an angle of a difference without its rounding.
-std::string degreesText(double angle) {
-  return gnosphere::numberText(std::round(1e6 * angle) / 1e6);
 }
 
 /// Warns of yaws that are half a turn or more apart: orientations turn the shorter way.

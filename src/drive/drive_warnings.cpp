@@ -38,7 +38,7 @@ bool actorsMove(const Drive& drive, const RigSensor& sensor) {
     const Actor& actor = drive.actors[a];
     const bool moves = (actor.animation && actor.animation->speed != 0) ||
                        actor.trajectory.movesWithin(drive.start, drive.start + drive.duration);
-    if (moves && std::ranges::find(sensor.ignores, a) == sensor.ignores.end()) return true;
+    if (moves && !sensor.isIgnored(a)) return true;
   }
   return false;
 }

@@ -42,7 +42,7 @@ void DriveReader::warnOfBodies() {
     for (size_t a = 0; a < drive_.actors.size(); ++a) {
       const Actor& actor = drive_.actors[a];
       if (actor.goneOutside && !actor.trajectory.covers(drive_.start)) continue;
-      if (std::ranges::find(sensor.ignores, a) != sensor.ignores.end()) continue;
+      if (sensor.isIgnored(a)) continue;
       if (isWithin(actor, models[actor.model], inverse(actor.trajectory.at(drive_.start)) * place))
         drive_.warnings.push_back(entryPath("sensors", s) + ": " + inQuotes(sensor.name) +
                                   " starts within the box of the actor " + inQuotes(actor.name) +

@@ -161,7 +161,7 @@ void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
   const auto& [sensor, number, begin] = recorded.planned;
   const RigSensor& rigged = drive_.sensors[sensor];
   const Actor& turning = drive_.actors[actor];
-  if (!warn_ || warned_[sensor] || std::ranges::find(rigged.ignores, actor) != rigged.ignores.end()) return;
+  if (!warn_ || warned_[sensor] || rigged.isIgnored(actor)) return;
   std::array<Pose, kParts + 1> poses;
   double angle = 0;
   for (int i = 0; i <= kParts; ++i) {

@@ -66,7 +66,7 @@ class Trajectory {
   bool covers(double time) const { return time >= begin() && time <= end(); }
   /// Whether the pose changes between two times.
   bool movesWithin(double from, double to) const;
-  /// Times of the stamps between two times, both excluded, and of those at which turns begin and end.
+  /// Returns the times between two times, both excluded, at which there is a stamp, or a turn begins or ends.
   std::vector<double> timesWithin(double from, double to) const;
   const std::vector<Stamp>& stamps() const { return motion_.stamps; }
 

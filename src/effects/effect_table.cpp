@@ -277,8 +277,7 @@ std::vector<EffectInfo> makeTable() {
           "detection", gpu::kDetection, appliesDetection, always,
           "A return is detected only if it is as strong as that of a Lambertian target of `reflectance`, facing it at "
           "`range`. Automatic: on if a range is given, with weather, or if the sensor has a range at 10 % and a table "
-          "all "
-          "reflectances.",
+          "all reflectances.",
           {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
                                                              "Of the weakest target that is detected, 0..1."),
            number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which vertices of a mesh belong to a surface.
+// Tells which vertices of a mesh belong to a surface.
 #pragma once
 
 #include <vector>

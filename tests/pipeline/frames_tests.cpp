@@ -143,8 +143,8 @@ TEST_CASE("scans in many submissions have the bytes of scans in one", "[combinat
   }
   for (const Binning binning : {Binning::automatic, Binning::nearest, Binning::lists}) {
     if (binning == Binning::nearest && !everyCombination()) continue;
-    // Without every combination, each sensor has one of its three requests with lists, and each another one; without
-    // lists it has the two others.
+    // Without every combination, each sensor tries one of its three requests with lists, a different one per sensor,
+    // and the two others without lists.
     std::vector<SensorRequest> tried;
     for (size_t i = 0; i < requests.size(); ++i)
       if ((i % 3 == i / 3) == (binning == Binning::lists) || everyCombination()) tried.push_back(requests[i]);

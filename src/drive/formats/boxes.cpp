@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit, or within the sensor's range; and poses.txt with
-// the start of each scan.
+// Writes SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit, or within the sensor's range; and
+// poses.txt with the start of each scan.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SENSOR/000000.pcd or .npy, one file per scan, and poses.txt.
+// Writes SENSOR/000000.pcd or .npy, one file per scan, and poses.txt.
 #include "drive/formats/format.hpp"
 #include "output/cloud_bytes.hpp"
 
