@@ -378,6 +378,9 @@ TEST_CASE("a scan whose beams are all lost tells why, and what helps") {
         lost + nearer +
             " and hide what is behind them, because near_hits of the sensor is hide; --pose moves the sensor\n");
   CHECK(with("near_hits", "see_through", "") == lost + nearer + "; --pose moves the sensor\n");
+  // An instance that the sensor ignores is no near surface.
+  CHECK_THAT(with("near_hits", "hide", "--effects clean --set ignored_instances=[0]"),
+             StartsWith("gnosphere: warning: no beam hits anything; floor.obj spans x -10..10"));
   place.put("t.tum", "0 0 0 1.8 0 0 0 1\n1 2 0 1.8 0 0 0 1\n");
   CHECK_THAT(with("near_hits", "hide", "--trajectory t.tum"),
              StartsWith("gnosphere: warning: no beam of any scan returns anything; of the first scan " + nearer));
