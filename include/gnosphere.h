@@ -646,7 +646,7 @@ typedef struct gno_options {
   const gno_accuracy_parts* accuracy_parts; /* not null: replaces accuracy */
   gno_faces faces;
   gno_material_table materials; /* may be null */
-  const char* cache;            /* folder of compiled pipelines; null: the default; "off": none */
+  const char* cache;            /* folder of compiled kernels; null: the default; "off": none */
   /* Gets a sentence about a problem that is no error; may be null. */
   void (*warn)(const char* message, void* user);
   void* user;

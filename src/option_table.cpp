@@ -144,8 +144,8 @@ std::vector<Option<S>> makeSimulatorTable() {
            "needs more, the call that needs it fails for want of memory; the simulator stays usable."),
        machine},
       {text<&S::cache>("cache",
-                       "Folder in which compiled pipelines are kept. If empty, it is \"gnosphere\" in $XDG_CACHE_HOME "
-                       "or ~/.cache; if \"off\", pipelines are not kept."),
+                       "Folder in which compiled kernels are kept. If empty, it is \"gnosphere\" in $XDG_CACHE_HOME "
+                       "or ~/.cache; if \"off\", kernels are not kept."),
        machine},
       {flag<&S::validation>("validation",
                             "Turns the Vulkan validation layer on; its messages are errors of the device."),

@@ -192,10 +192,10 @@ struct SimulatorOptions {
   std::optional<AccuracyParts> accuracyParts;  ///< if given, replaces `accuracy`
   ReflectingFaces faces = ReflectingFaces::material;
   MaterialTable materials;  ///< reflectances by name; they override the scene's materials
-  /// Folder in which compiled pipelines are kept. If empty, it is "gnosphere" in $XDG_CACHE_HOME or ~/.cache; if "off",
-  /// pipelines are not kept.
+  /// Folder in which compiled kernels are kept. If empty, it is "gnosphere" in $XDG_CACHE_HOME or ~/.cache; if "off",
+  /// kernels are not kept.
   std::string cache;
-  /// Receives a sentence about a problem that is no error, for example that compiled pipelines cannot be kept. The
+  /// Receives a sentence about a problem that is no error, for example that compiled kernels cannot be kept. The
   /// function is called on the thread that calls the simulator, and must not call the simulator. The library itself
   /// prints nothing.
   std::function<void(const std::string& message)> warn;

@@ -206,6 +206,9 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   // For a footprint of 19 sub-rays in unrolled loops, SwiftShader's compiler takes more than 8 GB; in loops, 0.1 GB.
   result.unrolls = offer.driver.driverID != VK_DRIVER_ID_GOOGLE_SWIFTSHADER;
   result.keepsVectors = offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  result.keepsShaders = result.cpu && offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE &&
+                        offers(vk, physical, VK_EXT_SHADER_OBJECT_EXTENSION_NAME) &&
+                        offers(vk, physical, VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME);
   result.subgroups = fullSubgroupsOf(offer);
   info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
   result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;

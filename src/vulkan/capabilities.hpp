@@ -69,6 +69,9 @@ struct Capabilities {
   bool cpu = false;                 ///< true for a software device
   bool unrolls = true;              ///< false if the driver's compiler cannot cope with long unrolled loops
   bool keepsVectors = false;        ///< true if the driver's compiler keeps variables of several scalars whole
+  /// Kernels are shader objects, whose binaries are kept on disk, rather than pipelines: lavapipe's pipeline cache
+  /// keeps nothing. On a device of the caller, and with the validation layer or statistics, they are pipelines.
+  bool keepsShaders = false;
   uint32_t queueFamily = 0;
   uint32_t mostGroups = 65535;      ///< workgroups along the first axis of a dispatch; more are divided
   uint32_t mostAllocations = 4096;  ///< of memory, of all users of the device together

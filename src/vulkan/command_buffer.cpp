@@ -5,12 +5,16 @@
 
 namespace gnosphere::vulkan {
 
-void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants) {
-  vk_->vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel);
+void CommandBuffer::bind(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants) {
+  constexpr VkShaderStageFlagBits kStage = VK_SHADER_STAGE_COMPUTE_BIT;
+  if (kernel.shader)
+    vk_->vkCmdBindShadersEXT(commands_, 1, &kStage, &kernel.shader);
+  else
+    vk_->vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline);
   vk_->vkCmdPushConstants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
 }
 
-void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+void CommandBuffer::dispatch(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants,
                              uint32_t workgroupsX, uint32_t workgroupsY) {
   // A step of a kernel that cannot be divided never has more workgroups than a dispatch may have.
   const uint32_t most = constants.pass.groups > 0 ? mostGroups_ : workgroupsX;
@@ -22,8 +26,8 @@ void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const P
   }
 }
 
-void CommandBuffer::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
-                                     const Buffer& arguments, VkDeviceSize offset) {
+void CommandBuffer::dispatchIndirect(const KernelHandle& kernel, VkPipelineLayout layout,
+                                     const PushConstants& constants, const Buffer& arguments, VkDeviceSize offset) {
   bind(kernel, layout, constants);
   vk_->vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
 }

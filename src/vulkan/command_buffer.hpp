@@ -16,10 +16,10 @@ class CommandBuffer {
   VkCommandBuffer handle() const { return commands_; }
   /// More workgroups than a dispatch may have become several dispatches, whose first workgroups their constants name,
   /// if the constants say that the kernel can be divided.
-  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t workgroupsX,
-                uint32_t workgroupsY);
+  void dispatch(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants,
+                uint32_t workgroupsX, uint32_t workgroupsY);
   /// Reads the number of workgroups from a buffer.
-  void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+  void dispatchIndirect(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants,
                         const Buffer& arguments, VkDeviceSize offset);
   /// Name what comes between them for tools such as RenderDoc, if the device has VK_EXT_debug_utils.
   void beginLabel(const char* name);
@@ -34,7 +34,7 @@ class CommandBuffer {
   void fullBarrier();
 
  private:
-  void bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants);
+  void bind(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants);
 
   const DeviceFunctions* vk_ = nullptr;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;

@@ -78,7 +78,7 @@ Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : a
     physical_ = adopted_->physicalDevice;
     capabilities_ = capabilitiesOf(instanceFunctions_, physical_);
     capabilities_.queueFamily = adopted_->queueFamily;
-    capabilities_.exportsMemory = false;
+    capabilities_.exportsMemory = capabilities_.keepsShaders = false;
     const Requirements& enabled = adopted_->enabled;
     capabilities_.int64Atomics = enabled.features.shaderInt64 && enabled.features12.shaderBufferInt64Atomics;
     capabilities_.float64 = enabled.features.shaderFloat64;
@@ -90,6 +90,8 @@ Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : a
     capabilities_ = capabilitiesOf(instanceFunctions_, physical_);
     statistics_ =
         statistics && offers(instanceFunctions_, physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
+    // Layers older than the extension would take a shader object for a missing pipeline.
+    if (validation || statistics_) capabilities_.keepsShaders = false;
     makeOwn();
   }
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
@@ -132,6 +134,13 @@ void Device::makeOwn() {
     executables.pNext = needed.subgroupSizeControl.pNext;
     needed.extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     needed.subgroupSizeControl.pNext = &executables;
+  }
+  VkPhysicalDeviceShaderObjectFeaturesEXT objects = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_OBJECT_FEATURES_EXT,
+                                                     needed.subgroupSizeControl.pNext, VK_TRUE};
+  if (capabilities_.keepsShaders) {
+    needed.extensions.insert(needed.extensions.end(),
+                             {VK_EXT_SHADER_OBJECT_EXTENSION_NAME, VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME});
+    needed.subgroupSizeControl.pNext = &objects;
   }
   VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   info.queueCreateInfoCount = 1;

@@ -5,6 +5,8 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include "vulkan/shader_object.hpp"
+
 namespace gnosphere::vulkan {
 
 // clang-format off
@@ -28,6 +30,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkBindBufferMemory) \
   FUNCTION(vkCmdBeginDebugUtilsLabelEXT) \
   FUNCTION(vkCmdBindPipeline) \
+  FUNCTION(vkCmdBindShadersEXT) \
   FUNCTION(vkCmdCopyBuffer) \
   FUNCTION(vkCmdDispatch) \
   FUNCTION(vkCmdDispatchIndirect) \
@@ -45,6 +48,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkCreatePipelineLayout) \
   FUNCTION(vkCreateQueryPool) \
   FUNCTION(vkCreateShaderModule) \
+  FUNCTION(vkCreateShadersEXT) \
   FUNCTION(vkDestroyBuffer) \
   FUNCTION(vkDestroyCommandPool) \
   FUNCTION(vkDestroyDevice) \
@@ -53,6 +57,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkDestroyPipelineCache) \
   FUNCTION(vkDestroyPipelineLayout) \
   FUNCTION(vkDestroyQueryPool) \
+  FUNCTION(vkDestroyShaderEXT) \
   FUNCTION(vkDestroyShaderModule) \
   FUNCTION(vkEndCommandBuffer) \
   FUNCTION(vkFlushMappedMemoryRanges) \
@@ -66,6 +71,7 @@ namespace gnosphere::vulkan {
   FUNCTION(vkGetPipelineExecutablePropertiesKHR) \
   FUNCTION(vkGetPipelineExecutableStatisticsKHR) \
   FUNCTION(vkGetQueryPoolResults) \
+  FUNCTION(vkGetShaderBinaryDataEXT) \
   FUNCTION(vkInvalidateMappedMemoryRanges) \
   FUNCTION(vkMapMemory) \
   FUNCTION(vkQueueSubmit) \

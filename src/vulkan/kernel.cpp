@@ -95,10 +95,43 @@ uint32_t vertexRounds(uint32_t lanes) {
   return lanes <= 8 ? 6 : std::max(96 / lanes, 2u);
 }
 
-DeviceHandle<VkPipeline> compile(const Device& device, const Variant& variant, const KernelCode& code,
-                                 VkPipelineLayout layout, VkPipelineCache cache) {
+constexpr VkPushConstantRange kPushConstants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PushConstants)};
+
+// The values of a module's specialisation constants, for a driver that puts them into the module.
+class Constants {
+ public:
+  explicit Constants(const std::vector<uint32_t>& values) {
+    for (uint32_t i = 0; i < values.size(); ++i)
+      places_.push_back({i, i * static_cast<uint32_t>(sizeof values[0]), sizeof values[0]});
+    info_ = {static_cast<uint32_t>(places_.size()), places_.data(), values.size() * sizeof values[0], values.data()};
+  }
+  const VkSpecializationInfo& info() const { return info_; }
+
+ private:
+  std::vector<VkSpecializationMapEntry> places_;
+  VkSpecializationInfo info_;
+};
+
+DeviceHandle<VkShaderEXT> makeShader(const ShaderFiles& files, const Variant& variant, const KernelCode& code,
+                                     const KernelDigest& digest) {
+  VkShaderCreateInfoEXT create = {VK_STRUCTURE_TYPE_SHADER_CREATE_INFO_EXT};
+  if (usesSubgroups(variant.kernel)) create.flags = VK_SHADER_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
+  create.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  create.codeType = VK_SHADER_CODE_TYPE_SPIRV_EXT;
+  create.codeSize = code.words.size() * sizeof code.words[0];
+  create.pCode = code.words.data();
+  create.pName = "main";
+  create.pushConstantRangeCount = 1;
+  create.pPushConstantRanges = &kPushConstants;
+  const Constants constants(code.constants);
+  if (!code.specialised) create.pSpecializationInfo = &constants.info();
+  return files.make(digest, create);
+}
+
+DeviceHandle<VkPipeline> makePipeline(const Device& device, const Variant& variant, const KernelCode& code,
+                                      VkPipelineLayout layout, VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
-  const std::vector<uint32_t>&spirv = code.words, &constants = code.constants;
+  const std::vector<uint32_t>& spirv = code.words;
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
@@ -115,12 +148,8 @@ DeviceHandle<VkPipeline> compile(const Device& device, const Variant& variant, c
     create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
     if (device.capabilities().subgroups.required) create.stage.pNext = &size;
   }
-  std::vector<VkSpecializationMapEntry> places;
-  for (uint32_t i = 0; i < constants.size(); ++i)
-    places.push_back({i, i * static_cast<uint32_t>(sizeof constants[0]), sizeof constants[0]});
-  const VkSpecializationInfo values = {static_cast<uint32_t>(places.size()), places.data(),
-                                       constants.size() * sizeof constants[0], constants.data()};
-  if (!code.specialised) create.stage.pSpecializationInfo = &values;
+  const Constants constants(code.constants);
+  if (!code.specialised) create.stage.pSpecializationInfo = &constants.info();
   create.layout = layout;
   if (device.statistics()) create.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   VkPipeline pipeline = VK_NULL_HANDLE;
@@ -183,10 +212,9 @@ KernelDigest digestOf(const Variant& variant, const KernelCode& code) {
 
 Kernels::Kernels(const Device& device, const PipelineCache& cache, Specialise specialise)
     : device_(device), cache_(cache), specialise_(specialise) {
-  const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PushConstants)};
   VkPipelineLayoutCreateInfo layout = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.pushConstantRangeCount = 1;
-  layout.pPushConstantRanges = &constants;
+  layout.pPushConstantRanges = &kPushConstants;
   layout_ = device.make(device.vk().vkCreatePipelineLayout, device.vk().vkDestroyPipelineLayout, layout);
 }
 
@@ -199,7 +227,10 @@ struct Kernels::Missing {
 
 void Kernels::make(Missing& one) const {
   const Clock::time_point start = Clock::now();
-  one.compiled.pipeline = compile(device_, one.variant, one.code, layout_.get(), cache_.handle());
+  if (const ShaderFiles* files = cache_.shaders())
+    one.compiled.shader = makeShader(*files, one.variant, one.code, one.digest);
+  else
+    one.compiled.pipeline = makePipeline(device_, one.variant, one.code, layout_.get(), cache_.handle());
   one.compiled.ms = millisecondsSince(start);
 }
 
@@ -234,9 +265,9 @@ void Kernels::prepare(std::span<const Variant> variants) {
   for (const Missing& one : missing) pipelines_[one.variant] = &compiled_.at(one.digest);
 }
 
-VkPipeline Kernels::of(const Variant& variant) const {
+KernelHandle Kernels::of(const Variant& variant) const {
   const Compiled* const compiled = find(variant);
-  return compiled ? compiled->pipeline.get() : VK_NULL_HANDLE;
+  return compiled ? KernelHandle{compiled->pipeline.get(), compiled->shader.get()} : KernelHandle();
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compute pipelines from the SPIR-V modules.
+// Compiled kernels from the SPIR-V modules.
 #pragma once
 
 #include <map>
@@ -34,12 +34,22 @@ struct KernelCode : Code {
 KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise = codeOf);
 
 /// A hash of the code and the settings with which a driver compiles a kernel. Kernels of equal digests share a
-/// pipeline.
+/// handle.
 using KernelDigest = std::string;
 KernelDigest digestOf(const Variant& variant, const KernelCode& code);
 
+/// A kernel for a command buffer: a pipeline, or a shader object where Capabilities::keepsShaders. Both are null if the
+/// kernel is not compiled.
+struct KernelHandle {
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VkShaderEXT shader = VK_NULL_HANDLE;
+
+  explicit operator bool() const { return pipeline != VK_NULL_HANDLE || shader != VK_NULL_HANDLE; }
+  bool operator==(const KernelHandle&) const = default;
+};
+
 /// The compiled kernels of a device; each is compiled once. Kernels that are the same module once their options are in
-/// place share a pipeline. Several threads may use it at once.
+/// place share their handle. Several threads may use it at once.
 class Kernels {
  public:
   Kernels(const Device& device, const PipelineCache& cache, Specialise specialise = codeOf);
@@ -48,9 +58,9 @@ class Kernels {
   VkPipelineLayout layout() const { return layout_.get(); }
   /// Compiles the kernels that are not yet compiled, on all threads of the host.
   void prepare(std::span<const Variant> variants);
-  /// Returns the pipeline of a kernel; null if it is not compiled.
-  VkPipeline of(const Variant& variant) const;
-  /// Returns the number of pipelines.
+  /// Returns the handle of a kernel, null if it is not compiled.
+  KernelHandle of(const Variant& variant) const;
+  /// Returns the number of different handles.
   size_t count() const;
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
   /// compiler says.
@@ -59,6 +69,7 @@ class Kernels {
  private:
   struct Compiled {
     DeviceHandle<VkPipeline> pipeline;
+    DeviceHandle<VkShaderEXT> shader;
     double ms = 0;
   };
   struct Missing;

@@ -60,8 +60,8 @@ class StepRecorder {
   }
 
   // Compiles all kernels of the steps together, on all threads of the host.
-  VkPipeline pipelineOf(const Variant& variant) {
-    if (const VkPipeline pipeline = kernels_.of(variant)) return pipeline;
+  KernelHandle kernelOf(const Variant& variant) {
+    if (const KernelHandle kernel = kernels_.of(variant)) return kernel;
     const Clock::time_point start = Clock::now();
     std::vector<Variant> variants;
     for (const Step& step : steps_)
@@ -79,10 +79,10 @@ class StepRecorder {
       case Step::Kind::copy: return commands_.copy(bufferOf(step.from), bufferOf(step.array));
       case Step::Kind::dispatch:
         if (step.arguments)
-          return commands_.dispatchIndirect(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass},
+          return commands_.dispatchIndirect(kernelOf(step.variant), kernels_.layout(), {addresses_, step.pass},
                                             bufferOf(gpu::Array::shells), *step.arguments);
-        return commands_.dispatch(pipelineOf(step.variant), kernels_.layout(), {addresses_, step.pass},
-                                  step.workgroupsX, step.workgroupsY);
+        return commands_.dispatch(kernelOf(step.variant), kernels_.layout(), {addresses_, step.pass}, step.workgroupsX,
+                                  step.workgroupsY);
       case Step::Kind::start:
       case Step::Kind::finish:
       case Step::Kind::cut: return;

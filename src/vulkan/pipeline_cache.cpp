@@ -69,6 +69,7 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id, {}};
   device.instanceFunctions().vkGetPhysicalDeviceProperties2(device.physical(), &properties);
   if (const std::filesystem::path folder = cacheFolder(setting); !folder.empty()) {
+    if (device.capabilities().keepsShaders) shaders_.emplace(device, folder);
     file_ = folder / (hex(id.deviceUUID, VK_UUID_SIZE) + "-" + std::to_string(properties.properties.driverVersion));
     try {
       stored_ = pipelinesIn(readWholeFile(file_, kMostBytes), properties.properties);
@@ -111,7 +112,7 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
     stored_ = bytes;
   } catch (const Error& error) {
     file_.clear();
-    if (warn) warn("compiled pipelines are not kept, each start compiles them again: " + std::string(error.what()));
+    if (warn) warn("compiled kernels are not kept, each start compiles them again: " + std::string(error.what()));
   }
 }
 

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cache of compiled pipelines on disk.
+// A cache of compiled kernels on disk.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
+#include <string>
 
 #include "vulkan/device.hpp"
+#include "vulkan/shader_files.hpp"
 
 namespace gnosphere::vulkan {
 
-/// Returns the folder for a text that is SimulatorOptions::cache; empty if pipelines are not kept.
+/// Returns the folder for a text that is SimulatorOptions::cache; empty if kernels are not kept.
 std::filesystem::path cacheFolder(const std::string& setting);
 
 /// Returns the driver's data in the content of a cache file; empty if it is damaged or from another driver or device.
@@ -24,15 +27,18 @@ class PipelineCache {
   PipelineCache(const Device& device, const std::string& setting);
 
   VkPipelineCache handle() const { return cache_.get(); }
+  /// The files of kernels that are shader objects; null if kernels are pipelines.
+  const ShaderFiles* shaders() const { return shaders_ ? &*shaders_ : nullptr; }
   /// Writes the file if pipelines were compiled that it does not have. If that fails, `warn` is called once.
   void save(const std::function<void(const std::string& message)>& warn);
 
  private:
   const Device& device_;
   std::mutex mutex_;
-  std::filesystem::path file_;  // empty if pipelines are not kept
+  std::filesystem::path file_;  // empty if kernels are not kept
   std::string stored_;          // the driver's data in the file
   DeviceHandle<VkPipelineCache> cache_;
+  std::optional<ShaderFiles> shaders_;
 };
 
 }  // namespace gnosphere::vulkan

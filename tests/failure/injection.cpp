@@ -15,6 +15,7 @@
 #include <new>
 
 #include "support.hpp"
+#include "vulkan/shader_object.hpp"
 
 extern "C" void* __real_dlsym(void* library, const char* name);
 
@@ -103,6 +104,8 @@ void* allocateOrNull(size_t bytes, size_t alignment, const void* caller) noexcep
   FUNCTION(vkCreatePipelineLayout) \
   FUNCTION(vkCreateQueryPool) \
   FUNCTION(vkCreateShaderModule) \
+  FUNCTION(vkCreateShadersEXT) \
+  FUNCTION(vkGetShaderBinaryDataEXT) \
   FUNCTION(vkMapMemory)
 // clang-format on
 

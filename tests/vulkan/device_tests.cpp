@@ -249,10 +249,10 @@ TEST_CASE("a dispatch of more workgroups than the device allows is divided") {
   using Dispatches = std::vector<std::array<uint32_t, 3>>;
   vulkan::PushConstants constants = {};
   constants.pass.groups = 1000;
-  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, constants, 100, 7);
+  commands.dispatch({}, VK_NULL_HANDLE, constants, 100, 7);
   CHECK(std::exchange(dispatches, {}) == Dispatches{{0, 100, 7}});
   constants.pass.firstGroup = 500;  // as of a part of a step
-  commands.dispatch(VK_NULL_HANDLE, VK_NULL_HANDLE, constants, 250, 1);
+  commands.dispatch({}, VK_NULL_HANDLE, constants, 250, 1);
   CHECK(dispatches == Dispatches{{500, 100, 1}, {600, 100, 1}, {700, 50, 1}});
 }
 

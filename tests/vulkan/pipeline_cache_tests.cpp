@@ -12,8 +12,12 @@
 namespace gnosphere::test {
 namespace {
 
+// The files of a folder, without the folders of shader objects.
 std::vector<fs::path> filesIn(const fs::path& path) {
-  return {fs::directory_iterator(path), {}};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  return files;
 }
 
 // Scans as a new process would, which has compiled nothing yet.
