@@ -6,8 +6,10 @@
 #ifdef VULKAN
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CallerMemory { uint at[]; };
+// The address of a CallerMemory. As a reference glslang would load it with the alignment of the memory behind it, which
+// is too little for an address.
 struct CallerBuffer {
-  CallerMemory memory;
+  uvec2 memory;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer RecordMemory { uint at[]; };
 struct RecordBuffers {

@@ -45,7 +45,10 @@ uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
 Echo hitEcho;  // of a beam with a hit, if `echoes` does not have it
-uint hits, causeCounts[kCauses];  // counted by this invocation
+uint hits;  // counted by this invocation, as the causes are
+// With one entry more than causes, so that it is not the array of Counters, whose type has a stride; see
+// workgroup_sums.glsl.
+uint causeCounts[kCauses + 1];
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
 Echo loadEcho(uint k);

@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #define OUTSIDE_OF_SCANS
@@ -94,7 +95,7 @@ void main() {
     uvec2 pair = sourceGroups.at[work];
     sourceNumber = pair.x;
     source = vertexSources.at[sourceNumber];
-    memory = vertexBuffers.at[sourceNumber].memory;
+    memory = CallerMemory(vertexBuffers.at[sourceNumber].memory);
     uint first = groups.at[pair.y].clusterFirst, count = groups.at[pair.y].clusterCount;
     vec3 low = vec3(kCoordinateLimit), high = vec3(-kCoordinateLimit);
     for (uint k = gl_SubgroupID; k < count; k += gl_NumSubgroups) fitCluster(first + k, low, high);

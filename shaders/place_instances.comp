@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #define OUTSIDE_OF_SCANS
 #include "common/shared.h"
@@ -64,7 +65,7 @@ Instance composed(TransformSource source, Placement placement, Pairs meshOrigin,
 
 void place(TransformedInstance entry) {
   TransformSource source = transformSources.at[entry.source];
-  Placement placement = placementOf(source, transformBuffers.at[entry.source].memory, entry.number);
+  Placement placement = placementOf(source, CallerMemory(transformBuffers.at[entry.source].memory), entry.number);
   uint number = instances.at[entry.instance].firstTriangle & 0x7fffffffu;
   if (inLimits(placement.columns[0]) && inLimits(placement.columns[1]) && inLimits(placement.columns[2]) &&
       inLimits(placement.shift)) {

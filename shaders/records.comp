@@ -31,7 +31,7 @@ layout(local_size_x = 64) in;
 const uint kRangeSamples = 2048;
 // Four records of any size are a whole number of words, so an invocation that writes four shares no word with another.
 const uint kRecordsEach = 4;
-shared uint sampled[kShellBuckets];
+shared uint sampled[kShellBuckets + 1];  // see workgroup_sums.glsl
 
 uint shot;
 RecordPlan plan;

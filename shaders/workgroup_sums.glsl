@@ -2,7 +2,9 @@
 // Sums over a block of kPrefixBlock entries, of which each lane of a workgroup has kPerLane.
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kPerLane = kPrefixBlock / kLanes;
-shared uint laneSums[kLanes];
+// With one entry more than lanes, because glslang gives arrays of equal size one type, and that of Shells::clusters has a
+// stride, which only memory of buffers may have.
+shared uint laneSums[kLanes + 1];
 
 // A sum that overflows stays at the largest number, which tells the host that there are too many candidates.
 uint plus(uint a, uint b) { return a + b < a ? kNone : a + b; }

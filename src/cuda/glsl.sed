@@ -20,7 +20,7 @@ s/\.at\[/[/g
 /^layout\(buffer_reference.*Words64/d
 s/^Words64 words64 = Words64\(words\);/uint64_t* words64 = reinterpret_cast<uint64_t*>(words);/
 s/^layout\(constant_id = [0-9]+\) const (\w+) (\w+) = [^;]*;/GNO_OPTION(\1, \2);/
-s/^shared (\w+) (\w+)\[(\w+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
+s/^shared (\w+) (\w+)\[([^]]+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
 s/^(const|GNO_CONST) /static constexpr /
 
 # Functions; a class needs no forward declarations.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <fstream>
+#include <map>
 #include <random>
 #include <set>
 #include <span>
@@ -46,6 +47,46 @@ size_t pointersIn(const Words& module) {
     if (vulkan::opOf(one) == spv::OpTypePointer) pointers.insert(one[1]);
     return vulkan::opOf(one) == spv::OpFunctionParameter && pointers.contains(one[1]);
   });
+}
+
+/// Checks two rules that SPIRV-Tools knows only since 2025: a type with a layout is for memory of buffers alone
+/// (VUID-StandaloneSpirv-None-10684), and an address is loaded with its own alignment
+/// (VUID-StandaloneSpirv-PhysicalStorageBuffer64-06314).
+void checkLayouts(const Words& module) {
+  std::set<uint32_t> laidOut, wide;           // types with a layout, and those of 8 bytes
+  std::map<uint32_t, uint32_t> pointeeTypes;  // by type of pointer
+  for (const vulkan::Instruction one : vulkan::instructionsOf(std::span(module).subspan(vulkan::kHeaderWords))) {
+    switch (vulkan::opOf(one)) {
+      case spv::OpDecorate:
+        if (one[2] == spv::DecorationArrayStride) laidOut.insert(one[1]);
+        break;
+      case spv::OpMemberDecorate:
+        if (one[3] == spv::DecorationOffset) laidOut.insert(one[1]);
+        break;
+      case spv::OpTypeInt:
+      case spv::OpTypeFloat:
+        if (one[2] == 64) wide.insert(one[1]);
+        break;
+      case spv::OpTypeArray:
+      case spv::OpTypeStruct:
+        for (const uint32_t part : one.subspan(2))
+          if (laidOut.contains(part)) laidOut.insert(one[1]);
+        break;
+      case spv::OpTypePointer:
+        pointeeTypes[one[1]] = one[3];
+        if (one[2] == spv::StorageClassPhysicalStorageBuffer) wide.insert(one[1]);
+        break;
+      case spv::OpVariable:
+        if (one[3] == spv::StorageClassPrivate || one[3] == spv::StorageClassWorkgroup ||
+            one[3] == spv::StorageClassFunction)
+          CHECK_FALSE(laidOut.contains(pointeeTypes.at(one[1])));
+        break;
+      case spv::OpLoad:
+        if (wide.contains(one[1]) && one.size() > 5 && (one[4] & spv::MemoryAccessAlignedMask)) CHECK(one[5] >= 8);
+        break;
+      default: break;
+    }
+  }
 }
 
 /// Returns the passes of spirv-opt that put the given constants in place. `booleans` has the numbers of booleans.
@@ -350,6 +391,7 @@ TEST_CASE("every kernel is a valid module with any options") {
       const Words demanding = vulkan::withUniformControlFlow(vulkan::keepingSpecialFloats(module));
       CHECK(demanding.size() > module.size());
       tools.validate(demanding);
+      checkLayouts(demanding);
     }
 }
 
