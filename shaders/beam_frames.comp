@@ -5,6 +5,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #include "common/shared.h"
@@ -19,6 +20,7 @@
 layout(local_size_x = 64) in;
 
 void main() {
+  useOwnAddresses();
   uint ownRow = rowInView(gl_WorkGroupID.y);
   BeamRow row = loadRow(ownRow);
   uvec2 run = runOfBeams();

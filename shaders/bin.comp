@@ -8,6 +8,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -276,6 +277,7 @@ void countOwnLinks() {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   if (PASS == kPassBinTable) {
     writeWholeTable();

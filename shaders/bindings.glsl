@@ -42,6 +42,23 @@ GNO_ARRAYS(BLOCK, ARRAY)
 #undef ARRAY
 #undef BLOCK
 
+// True if the driver's compiler loads from an address that all lanes share also in branches that no lane takes, where
+// an index may be anything. The constant follows from the driver.
+layout(constant_id = 25) const bool kOwnAddresses = false;
+
+// Gives each lane addresses of its own, where the driver needs it. Every kernel calls this first.
+void useOwnAddresses() {
+  if (kOwnAddresses) {
+    // It is 0, which the compiler does not know: no address has the highest bit.
+    uvec2 zero = uvec2(gl_LocalInvocationID.x & uvec2(job).y >> 31);
+#define BLOCK(access_, type_, name_) name_##At = name_##Array(uvec2(name_##At) | zero);
+#define ARRAY(access_, type_, name_) name_ = name_##Array(uvec2(name_) | zero);
+    GNO_ARRAYS(BLOCK, ARRAY)
+#undef ARRAY
+#undef BLOCK
+  }
+}
+
 #ifndef OUTSIDE_OF_SCANS
 // The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
@@ -84,6 +101,7 @@ Frame& frame = *frameAt;
 #define parameters (*parametersAt)
 #define parametersOf(view_) parametersAt[view_]
 #define motion (motionAt[frame.moments != 0 ? view : 0])
+GNO_DEVICE void useOwnAddresses() {}
 GNO_DEVICE void loadMotion() {}
 GNO_DEVICE void loadMotionOf(uint) {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);

@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -263,6 +264,7 @@ void answer(BeamRow row, bool own) {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   uint groupRow = rowInView(gl_WorkGroupID.y);
   if (SIGNALS) planned = parametersOf(view);

@@ -9,6 +9,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -536,6 +537,7 @@ void finish(uint entry) {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)

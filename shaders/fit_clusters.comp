@@ -91,6 +91,7 @@ void fitCluster(uint cluster, inout vec3 groupLow, inout vec3 groupHigh) {
 }
 
 void main() {
+  useOwnAddresses();
   for (uint work = gl_WorkGroupID.x; work < pass.placedCount; work += gl_NumWorkGroups.x) {
     uvec2 pair = sourceGroups.at[work];
     sourceNumber = pair.x;

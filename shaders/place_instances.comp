@@ -78,6 +78,7 @@ void place(TransformedInstance entry) {
 }
 
 void main() {
+  useOwnAddresses();
   for (uint i = gl_GlobalInvocationID.x; i < pass.placedCount; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
     place(transformedInstances.at[i]);
 }

@@ -5,6 +5,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #include "common/shared.h"
 #include "options.glsl"
@@ -65,6 +66,7 @@ void applyBlocks() {
 }
 
 void main() {
+  useOwnAddresses();
   if (PASS == kPassSumReduce) reduceBlocks();
   if (PASS == kPassSumBlocks) scanBlocks();
   if (PASS == kPassSumApply) applyBlocks();

@@ -5,6 +5,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -140,6 +141,7 @@ void handOn(bool goesOn, uvec4 entry, inout bool any) {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   bool first_ = pass.shell == 0 || pass.shell == kMostShells;
   shellMin = first_ ? 0.0 : shells.of[pass.shell - 1].end;

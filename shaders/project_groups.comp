@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -98,6 +99,7 @@ void chooseShells() {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   if (gl_WorkGroupID.x == 0 && gl_LocalInvocationID.x == 0) counters.alive = kAlive;
   if (PASS == kPassGroupsList) {

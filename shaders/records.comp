@@ -9,6 +9,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #include "common/shared.h"
 #include "options.glsl"
@@ -387,6 +388,7 @@ void writeRecords() {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   beginShot();
   if (PASS == kPassRecordsNoteLists && gl_LocalInvocationID.x == 0) noteLists();

@@ -7,6 +7,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_scalar_block_layout : require
@@ -99,6 +100,7 @@ void store(uint index, uint at, Beam axis, uvec2 word) {
 }
 
 void main() {
+  useOwnAddresses();
   loadMotion();
   uint groupRow = rowInView(gl_WorkGroupID.y);
   BeamRow row = loadRow(groupRow);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "common/shared.h"
@@ -97,11 +98,25 @@ FullSubgroups fullSubgroupsOf(const Offer& offer) {
 // is 1 in every Mesa, so the version is read from the text, "Mesa 22.3.6 (LLVM 15.0.6)".
 constexpr std::array<unsigned, 3> kLeastMesa = {25, 0, 7};
 
-bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
-  if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return false;
+// Returns the version of Mesa that a lavapipe is of; none for other drivers.
+std::optional<std::array<unsigned, 3>> lavapipeOf(const VkPhysicalDeviceDriverProperties& driver) {
+  if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return {};
   std::array<unsigned, 3> mesa = {};
   std::sscanf(driver.driverInfo, "Mesa %u.%u.%u", &mesa[0], &mesa[1], &mesa[2]);
-  return mesa < kLeastMesa;
+  return mesa;
+}
+
+bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
+  const auto mesa = lavapipeOf(driver);
+  return mesa && *mesa < kLeastMesa;
+}
+
+// Newer versions of lavapipe load once from an address that all lanes share, without a look at whether any lane runs:
+// in a branch that none takes, and in the rest of a loop that all have left. An index from such a load is garbage, and
+// a load by this index ends the process. Mesa 25.0.7 does not; 26.1.6 and 26.2.6 do, those between are not known.
+bool loadsUntaken(const VkPhysicalDeviceDriverProperties& driver) {
+  const auto mesa = lavapipeOf(driver);
+  return mesa && *mesa >= std::array<unsigned, 3>{25, 1, 0};
 }
 
 // Limits that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
@@ -205,6 +220,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   offer.compute = family >= 0;
   // For a footprint of 19 sub-rays in unrolled loops, SwiftShader's compiler takes more than 8 GB; in loops, 0.1 GB.
   result.unrolls = offer.driver.driverID != VK_DRIVER_ID_GOOGLE_SWIFTSHADER;
+  result.loadsUntaken = loadsUntaken(offer.driver);
   result.keepsVectors = offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   result.keepsShaders = result.cpu && offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE &&
                         offers(vk, physical, VK_EXT_SHADER_OBJECT_EXTENSION_NAME) &&

@@ -68,6 +68,7 @@ struct Capabilities {
   double timestampMs = 0;           ///< milliseconds per tick
   bool cpu = false;                 ///< true for a software device
   bool unrolls = true;              ///< false if the driver's compiler cannot cope with long unrolled loops
+  bool loadsUntaken = false;        ///< true if the driver's compiler loads in branches that no lane takes
   bool keepsVectors = false;        ///< true if the driver's compiler keeps variables of several scalars whole
   /// Kernels are shader objects, whose binaries are kept on disk, rather than pipelines: lavapipe's pipeline cache
   /// keeps nothing. On a device of the caller, and with the validation layer or statistics, they are pipelines.

@@ -189,12 +189,13 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
   KernelCode code;
   const OptionWords options = wordsOf(variant.options);
   code.constants.assign(options.begin(), options.end());
-  // The constants kVertexRounds and kLanesInStep follow from the lanes of the device, and not from the scan. Their
-  // numbers stand in shaders/cluster_corners.glsl and shaders/options.glsl.
+  // The constants kVertexRounds, kLanesInStep and kOwnAddresses follow from the device, and not from the scan. Their
+  // numbers stand in shaders/cluster_corners.glsl, options.glsl and bindings.glsl.
   static_assert(std::tuple_size_v<OptionWords> == 23);
   code.lanes = lanesOf(capabilities.subgroups, variant);
   code.constants.push_back(vertexRounds(code.lanes));
   code.constants.push_back(capabilities.cpu);
+  code.constants.push_back(capabilities.loadsUntaken);
   static_cast<Code&>(code) =
       specialise(moduleOf(variant, capabilities.unrolls), code.constants, capabilities.keepsVectors);
   if (capabilities.keepsSpecialFloats) code.words = keepingSpecialFloats(code.words);

@@ -93,7 +93,12 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
 
 void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
   const std::lock_guard lock(mutex_);
+  const auto fail = [&](const std::string& reason) {
+    file_.clear();
+    if (warn) warn("compiled kernels are not kept, each start compiles them again: " + reason);
+  };
   if (file_.empty()) return;
+  if (const std::string problem = shaders_ ? shaders_->problem() : ""; !problem.empty()) return fail(problem);
   size_t size = 0;
   VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, nullptr));
   std::string bytes(size, '\0');
@@ -101,7 +106,8 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
   if (result == VK_INCOMPLETE) return;  // another thread has added a pipeline meanwhile, and saves the cache after it
   check(result, "vkGetPipelineCacheData");
   bytes.resize(size);
-  if (bytes == stored_) return;
+  // lavapipe of Mesa 26 gives less than a header.
+  if (bytes == stored_ || bytes.size() < sizeof(VkPipelineCacheHeaderVersionOne)) return;
   std::error_code ignored;
   std::filesystem::create_directories(file_.parent_path(), ignored);
   try {
@@ -111,8 +117,7 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
     file.commit();
     stored_ = bytes;
   } catch (const Error& error) {
-    file_.clear();
-    if (warn) warn("compiled kernels are not kept, each start compiles them again: " + std::string(error.what()));
+    fail(error.what());
   }
 }
 

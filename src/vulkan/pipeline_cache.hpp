@@ -29,7 +29,8 @@ class PipelineCache {
   VkPipelineCache handle() const { return cache_.get(); }
   /// The files of kernels that are shader objects; null if kernels are pipelines.
   const ShaderFiles* shaders() const { return shaders_ ? &*shaders_ : nullptr; }
-  /// Writes the file if pipelines were compiled that it does not have. If that fails, `warn` is called once.
+  /// Writes the file if pipelines were compiled that it does not have. If that or a file of a shader object failed,
+  /// `warn` is called once.
   void save(const std::function<void(const std::string& message)>& warn);
 
  private:

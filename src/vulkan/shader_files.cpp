@@ -69,9 +69,16 @@ void ShaderFiles::keep(const std::string& digest, VkShaderEXT shader) const {
     AtomicFile file(folder_ / digest);
     file.write(binary);
     file.commit();
-  } catch (const Error&) {  // PipelineCache::save() warns of a folder that cannot be written
+  } catch (const Error& error) {
+    const std::lock_guard lock(mutex_);
+    problem_ = error.what();
   }
   removeOldest(folder_, kMostFiles);
+}
+
+std::string ShaderFiles::problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
 }
 
 void removeOldest(const fs::path& folder, size_t most) {

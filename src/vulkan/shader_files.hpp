@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 #include <string>
 
 #include "vulkan/device.hpp"
@@ -19,12 +20,16 @@ class ShaderFiles {
   /// Makes the shader object that `create` describes by its SPIR-V, from the binary of this digest if there is one that
   /// the driver accepts.
   DeviceHandle<VkShaderEXT> make(const std::string& digest, const VkShaderCreateInfoEXT& create) const;
+  /// Returns why a file could not be written; empty if all could.
+  std::string problem() const;
 
  private:
   void keep(const std::string& digest, VkShaderEXT shader) const;
 
   const Device& device_;
   std::filesystem::path folder_;
+  mutable std::mutex mutex_;  ///< guards the problem
+  mutable std::string problem_;
 };
 
 /// Removes the oldest files of a folder if it has more than `most`, until it has three quarters of them.

@@ -72,6 +72,25 @@ TEST_CASE("kernels whose options lead to the same code share a pipeline, and no 
   CHECK_NOTHROW(device.throwOnMessages());
 }
 
+TEST_CASE("scans with addresses of their own for each lane, as newer lavapipes need them, have the same bytes") {
+  needVulkan();
+  const Scene town = makeTown({.triangles = 3'000u});
+  const auto scanWith = [&](const char* sensor, bool own) {
+    TestOptions options = vulkanOptions();
+    options.effects.sensorMotion.use = EffectUse::on;
+    vulkan::destroyIdleDevices();
+    const vulkan::LentDevice lent = vulkan::lendDevice(options);  // that of the simulator, too
+    const_cast<vulkan::Capabilities&>(lent->device.capabilities()).loadsUntaken = own;
+    return makeSimulator(town, builtinSensor(sensor), options).scan({{0, 0, 1.8}, {}});
+  };
+  for (const char* sensor : {"OS1-64", "Avia"}) {
+    INFO(sensor);
+    const Scan scan = scanWith(sensor, true);
+    CHECK(scan.counters.hits > 0);
+    CHECK(sameBytes(scan, scanWith(sensor, false)));
+  }
+}
+
 TEST_CASE("a kernel's digest changes with every word, and with lanes and constants beside it") {
   const Variant variant;
   vulkan::KernelCode code;

@@ -139,12 +139,20 @@ TEST_CASE("kernels are pipelines without a folder, and with the validation layer
   if (vulkanOptions().validation) CHECK_FALSE(vulkan::Device({}, true).capabilities().keepsShaders);
 }
 
-TEST_CASE("a folder for shader objects that cannot be written is no error") {
+TEST_CASE("a folder for shader objects that cannot be written is told once, and is no error") {
   needVulkan();
   const Folder folder;
   put(folder / "deep", "a file where the folder should be");
   for (const fs::path& place : {fs::path("/proc/none/deep"), fs::path(folder / "deep")})
-    for (int i = 0; i < 2; ++i) CHECK(Process(place).typeOf(Kernel::prefix_sum) == VK_SHADER_CODE_TYPE_SPIRV_EXT);
+    for (int i = 0; i < 2; ++i) {
+      Process process(place);
+      CHECK(process.typeOf(Kernel::prefix_sum) == VK_SHADER_CODE_TYPE_SPIRV_EXT);
+      std::vector<std::string> warnings;
+      for (int k = 0; k < 2; ++k) process.cache->save([&](const std::string& text) { warnings.push_back(text); });
+      REQUIRE(warnings.size() == 1);
+      CHECK(
+          warnings[0].starts_with("compiled kernels are not kept, each start compiles them again: " + place.string()));
+    }
 }
 
 TEST_CASE("scans by shader objects, compiled and from disk, have the bytes of scans by pipelines") {
