@@ -49,7 +49,7 @@ layout(constant_id = 25) const bool kOwnAddresses = false;
 // Gives each lane addresses of its own, where the driver needs it. Every kernel calls this first.
 void useOwnAddresses() {
   if (kOwnAddresses) {
-    // It is 0, which the compiler does not know: no address has the highest bit.
+    // No address has the highest bit, so this is 0, but no compiler knows it.
     uvec2 zero = uvec2(gl_LocalInvocationID.x & uvec2(job).y >> 31);
 #define BLOCK(access_, type_, name_) name_##At = name_##Array(uvec2(name_##At) | zero);
 #define ARRAY(access_, type_, name_) name_ = name_##Array(uvec2(name_) | zero);
