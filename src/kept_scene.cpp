@@ -32,7 +32,26 @@ KeptScene::KeptScene(const Scene& scene, SensorPlanner& planner) : planner_(plan
   stale_ = false;
 }
 
+namespace {
+
+// Refuses two motions of one instance or mesh. Callers mostly give them in the order of their numbers.
+template <typename Motion>
+void checkDifferent(const std::vector<Motion>& motions, size_t Motion::*number, const std::string& what) {
+  const auto notAfter = [&](const Motion& a, const Motion& b) { return b.*number <= a.*number; };
+  if (std::ranges::adjacent_find(motions, notAfter) == motions.end()) return;
+  std::vector<size_t> numbers;
+  for (const Motion& motion : motions) numbers.push_back(motion.*number);
+  std::ranges::sort(numbers);
+  const auto twice = std::ranges::adjacent_find(numbers);
+  if (twice != numbers.end())
+    throw Error(ErrorCode::invalidArgument, what + " " + std::to_string(*twice) + " has two motions");
+}
+
+}  // namespace
+
 void KeptScene::checkMotions(const Shot& shot, const std::string& which) const {
+  checkDifferent(shot.instanceMotions, &InstanceMotion::instance, which + "instance");
+  checkDifferent(shot.meshMotions, &MeshMotion::mesh, which + "mesh");
   for (const InstanceMotion& motion : shot.instanceMotions) {
     instances_.check(motion.instance, which);
     validate(motion.end, motion.instance, which);

@@ -63,6 +63,7 @@ class Simulator::Impl {
       const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(kept_.scene(), request, plans_.size(), false));
+      warnings_.tellNoBeams(request.sensor);
       warnings_.tellLeftOut(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
@@ -184,6 +185,7 @@ class Simulator::Impl {
     SensorRequest request = completed(given, index);
     sensors_.reserve();
     auto plan = planner_.plan(kept_.scene(), request, index, false);
+    warnings_.tellNoBeams(request.sensor);
     warnings_.tellLeftOut(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());

@@ -35,6 +35,11 @@ void SimulatorWarnings::tellShears(const Scene& scene) const {
                 " sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
 }
 
+void SimulatorWarnings::tellNoBeams(const Sensor& sensor) const {
+  if (options_.warn && sensor.beamCount() == 0)
+    options_.warn("sensor '" + sensor.name + "' has no channels, so its scans have no beams");
+}
+
 void SimulatorWarnings::tellLeftOut(const SensorPlan& plan) const {
   if (!options_.warn) return;
   for (const Plan::Decision& decision : plan.decisions)

@@ -19,6 +19,8 @@ class SimulatorWarnings {
   /// Tells which rows of the material table have no effect, and which instances are sheared beyond what the error
   /// bounds of the accuracies allow.
   void tellScene(const Scene& scene) const;
+  /// Tells that a sensor has no beams.
+  void tellNoBeams(const Sensor& sensor) const;
   /// Tells which effects are called for, but not with this accuracy or device, or not without an intensity.
   void tellLeftOut(const SensorPlan& plan) const;
   /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned

@@ -178,11 +178,12 @@ GNOSPHERE_API LivoxCustom livoxCustomOf(const Scan& scan, const std::string& fra
                                         const Effects& effects = {});
 
 /// Whether laserScanOf() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern whose
-/// beams are evenly spaced in azimuth.
+/// beams are evenly spaced in azimuth. Beams straight up or down have no azimuth.
 GNOSPHERE_API bool hasLaserScan(const Sensor& sensor, uint32_t channel = 0);
 
 /// Returns the first returns of one channel, from the first column to the last. A beam without a return is +inf, as REP
-/// 117 wants it, also if NearHits::hide has taken the return. A beam that the sensor masks, and with Field::cause one
+/// 117 wants it. So is one whose return NearHits::hide has taken, where REP 117 wants -inf: scans do not tell the two
+/// apart. A beam that the sensor masks, and with Field::cause one
 /// that is dead or whose return was lost at random, is NaN. Throws Error(invalidArgument) for a channel that there is
 /// not, for a scan of another sensor, and unless hasLaserScan().
 GNOSPHERE_API LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,

@@ -259,14 +259,15 @@ struct SensorMotion {
 
 /// How an instance moves during a scan: from its own transform at the start to `end`, Sensor::rotationPeriod later, or
 /// for a list without a rotation period at the time of its last beam. Vertices move along straight lines at constant
-/// speed.
+/// speed. A shot has at most one for each instance.
 struct InstanceMotion {
   size_t instance = 0;
   Transform end;
 };
 
 /// How a deformable mesh moves during a scan: from its deformation at the start to `end`, as InstanceMotion does.
-/// Vertices move along straight lines at constant speed, those of every instance of the mesh.
+/// Vertices move along straight lines at constant speed, those of every instance of the mesh. A shot has at most one
+/// for each mesh.
 struct MeshMotion {
   size_t mesh = 0;
   Deformation end;

@@ -249,7 +249,7 @@ void bindRos2(nb::module_& parent) {
       "reads; otherwise as driver_cloud_of() with Driver.livox.");
   m.def("has_laser_scan", &hasLaserScan, "sensor"_a, "channel"_a = 0,
         "Whether laser_scan_of() takes this channel of a sensor: a row of a grid, or a row of a list with one pattern "
-        "whose beams are evenly spaced in azimuth.");
+        "whose beams are evenly spaced in azimuth. Beams straight up or down have no azimuth.");
   m.def(
       "laser_scan_of",
       [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
@@ -257,8 +257,9 @@ void bindRos2(nb::module_& parent) {
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
-      "a return is inf, also if NearHits.hide has taken the return; one that the sensor masks, and with the field "
-      "cause one that is dead or whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel "
+      "a return is inf, as REP 117 wants it. So is one whose return NearHits.hide has taken, where REP 117 wants -inf: "
+      "scans do not tell the two apart. A beam that the sensor masks, and with the field cause one that is dead or "
+      "whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel "
       "that there is not, for a scan of another sensor, and unless has_laser_scan().");
 }
 

@@ -61,8 +61,11 @@ uint16_t DriveReader::classNamed(const json& name, const std::string& path) {
 }
 
 void DriveReader::warnOfClasses(const std::set<std::string>& unknown, const std::string& path) {
-  for (const std::string& stated : unknown)
-    drive_.warnings.push_back(path + ".file: states the class " + stated + ", which classes does not name");
+  if (unknown.empty()) return;
+  std::string all;
+  for (const std::string& stated : unknown) all += (all.empty() ? "" : ", ") + stated;
+  drive_.warnings.push_back(path + ".file: states " + (unknown.size() > 1 ? "the classes " : "the class ") + all +
+                            ", which classes does not name");
 }
 
 /// Warns of a file whose positions have steps, and once only of one that several scenes and models name.

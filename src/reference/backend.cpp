@@ -4,6 +4,7 @@
 #include "pipeline/backend.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <optional>
 #include <utility>
@@ -204,9 +205,13 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
     for (const Optics& optics : effects.optics) view.panes.push_back(optics.transmission > 0);
   const Judge judge(view, shot, effects);
   std::vector<Cause> causes(beams);
+  std::atomic<uint64_t> lost = 0;
   inRuns(beams, 1024, threadCount(), [&](size_t first, size_t last) {
-    for (size_t i = first; i < last; ++i) causes[i] = judge.judge(i, scan);
+    uint64_t ofRun = 0;
+    for (size_t i = first; i < last; ++i) causes[i] = judge.judge(i, scan, ofRun);
+    lost += ofRun;
   });
+  scan.counters.lostEchoes = lost;
   scan.counters.beams = beams;
   for (size_t i = 0; i < beams; ++i) {
     scan.counters.hits += causes[i] == Cause::returned;

@@ -102,9 +102,10 @@ Shares sharesOf(const View& view, const BeamEffects& effects, const Triangle& tr
   return shares;
 }
 
-/// Follows a sub-ray through all surfaces that let light pass.
+/// Follows a sub-ray through all surfaces that let light pass. `goesOn` becomes true if light passes the last surface
+/// that is looked at.
 Path trace(const View& view, const Beam& beam, const Line& line, const BeamEffects& effects, size_t subRay,
-           std::vector<Piece>& pieces, BeamDoubt& doubt) {
+           std::vector<Piece>& pieces, BeamDoubt& doubt, bool& goesOn) {
   std::vector<Hit> hits;
   Path path;
   Bounded energy = effects.footprint[subRay].weight;
@@ -123,6 +124,7 @@ Path trace(const View& view, const Beam& beam, const Line& line, const BeamEffec
                         hits.size() * effects.footprint.size() + subRay, hit});
     hits.push_back(hit);
   }
+  goesOn |= energy.value > 0 && hits.size() == kLayers;
   const bool unmet = energy.value > 0 && hits.size() < kLayers;
   if (unmet) path.push_back({std::numeric_limits<double>::infinity(), energy});
   doubt.tie |= inDoubt(view, line, hits, unmet, doubt.tolerance);
@@ -174,7 +176,7 @@ Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) 
 /// A piece belongs to the echo of those before it if the surface around it begins no farther than the separation behind
 /// the surfaces around them.
 std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const Effects& request,
-                         BeamDoubt& doubt) {
+                         BeamDoubt& doubt, uint64_t& lost) {
   std::sort(pieces.begin(), pieces.end(),
             [](const Piece& a, const Piece& b) { return std::pair(a.range, a.order) < std::pair(b.range, b.order); });
   const auto behind = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) + piece.reach; };
@@ -192,6 +194,7 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
     if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);
     first = end;
   }
+  lost += first < pieces.size();
   return echoes;
 }
 
@@ -277,7 +280,7 @@ Light lightOf(const Beam& beam, const SensorPlan& plan, const Receiver& receiver
 }
 
 std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& light, const BeamEffects& effects,
-                           BeamDoubt& doubt) {
+                           BeamDoubt& doubt, uint64_t& lost) {
   const SensorPlan& plan = effects.plan;
   if (!plan.has(gpu::kFootprintEffects)) {
     const Hit hit = nearest(view, beam.axis);
@@ -293,13 +296,15 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& ligh
   }
   std::vector<Piece> pieces;
   std::vector<Path> paths;
+  bool goesOn = false;
   for (size_t i = 0; i < effects.footprint.size(); ++i) {
     const FootprintRay& ray = effects.footprint[i];
     Line line = lineOf(beam, ray.left + light.left, ray.up + light.up);
     line.astray = light.astray;
-    paths.push_back(trace(view, beam, line, effects, i, pieces, doubt));
+    paths.push_back(trace(view, beam, line, effects, i, pieces, doubt, goesOn));
   }
-  return gather(pieces, paths, plan.effects, doubt);
+  lost += goesOn;
+  return gather(pieces, paths, plan.effects, doubt, lost);
 }
 
 }  // namespace gnosphere::reference

@@ -46,14 +46,14 @@ Judge::Judge(const View& view, const Shot& shot, const BeamEffects& effects)
       silent_(silentBeams(view.sensor)),
       deskew_(effects.plan.has(gpu::kSensorMotion) && effects.plan.effects.sensorMotion.deskew) {}
 
-Cause Judge::judge(size_t index, Scan& scan) const {
+Cause Judge::judge(size_t index, Scan& scan, uint64_t& lost) const {
   const SensorPlan& plan = effects_.plan;
   const bool moves = plan.has(gpu::kSensorMotion);
   const Beam beam = beamOf(view_.sensor, shot_, moves, index);
   const Light light = lightOf(beam, plan, receiver_, index);
   BeamDoubt doubt;
   std::vector<Echo> met;
-  if (!silent_[index]) met = echoesOf(view_, beam, light, effects_, doubt);
+  if (!silent_[index]) met = echoesOf(view_, beam, light, effects_, doubt, lost);
   // Without the receiver a beam has one echo.
   if (!plan.signals() && !met.empty() && less(met[0].range, given(beam.least), doubt.tie)) met.clear();
   Judgement judged;

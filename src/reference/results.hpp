@@ -10,8 +10,8 @@ namespace gnosphere::reference {
 class Judge {
  public:
   Judge(const View& view, const Shot& shot, const BeamEffects& effects);
-  /// Writes all entries of a beam, and returns the cause of its result.
-  Cause judge(size_t index, Scan& scan) const;
+  /// Writes all entries of a beam, and returns the cause of its result. Adds its lost echoes to `lost`.
+  Cause judge(size_t index, Scan& scan, uint64_t& lost) const;
 
  private:
   /// Properties that the entries of a beam share.

@@ -130,8 +130,10 @@ struct Row {
 
 /// Returns the row of a channel, or none unless a LaserScan can have its beams.
 std::optional<Row> rowOf(const Sensor& sensor, uint32_t channel) {
+  constexpr double kSteepest = 1.57;  // rad; beams straight up or down have no azimuth
   if (channel >= sensor.height() || sensor.patterns.size() > 1) return {};
   const Row row(sensor, channel);
+  if (row.columns == 0 || std::abs(elevationOf(sensor, row.first)) > kSteepest) return {};
   return sensor.isGrid() || row.isEven(sensor) ? std::optional(row) : std::nullopt;
 }
 
@@ -164,13 +166,17 @@ bool hasLaserScan(const Sensor& sensor, uint32_t channel) {
 
 LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
                       int64_t stamp) {
+  if (!scan.sensor.empty() && scan.sensor != sensor.name)
+    refuse("the scan is of the sensor " + scan.sensor + ", and not of " + sensor.name +
+           ", whose LaserScan was asked for");
   if (channel >= sensor.height() || scan.columns != sensor.width() || scan.channels != sensor.height())
-    refuse("laserScanOf: the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
+    refuse("the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
   const std::optional<Row> row = rowOf(sensor, channel);
   if (!row)
-    refuse("laserScanOf: the sensor " + sensor.name +
-           " is a list of beams, of which a LaserScan needs one pattern whose "
-           "beams are evenly spaced in azimuth");
+    refuse(
+        "the channel " + std::to_string(channel) + " of the sensor " + sensor.name +
+        " makes no LaserScan, which needs a row of a grid, or a list with one pattern whose beams are evenly spaced in "
+        "azimuth; none may point straight up or down");
   const RangeWindow window = rangeWindowOf(sensor, row->first);
   LaserScan laser;
   laser.stamp = stamp;

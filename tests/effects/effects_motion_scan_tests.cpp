@@ -152,6 +152,36 @@ TEST_CASE("a simulator tells once of each motion that a sensor leaves out") {
   CHECK(scan(Effects::none()).empty());
 }
 
+TEST_CASE("a shot with two motions of one instance or mesh is refused") {
+  Scene scene = room();
+  scene.instances.push_back({"", 0, translation(3, 0, 0)});
+  scene.instances.push_back({"", 0, translation(6, 0, 0)});
+  Simulator simulator(scene, {spinning(), Effects()}, optionsOn("reference"));
+  const auto scan = [&](std::vector<size_t> moved) {
+    Shot shot;
+    for (const size_t instance : moved) shot.instanceMotions.push_back({instance, translation(1, 0, 0)});
+    Scan result;
+    simulator.scanInto(shot, result);
+  };
+  CHECK_NOTHROW(scan({0, 1, 2}));
+  CHECK_NOTHROW(scan({2, 0, 1}));
+  CHECK_THROWS_WITH(scan({1, 1}), Catch::Matchers::ContainsSubstring("instance 1 has two motions"));
+  CHECK_THROWS_WITH(scan({2, 0, 2}), Catch::Matchers::ContainsSubstring("instance 2 has two motions"));
+}
+
+TEST_CASE("a simulator tells of a sensor without beams") {
+  std::vector<std::string> warnings;
+  TestOptions options = optionsOn("reference");
+  options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  Sensor blind = spinning();
+  blind.name = "blind";
+  blind.channels.clear();
+  Simulator simulator(room(), {spinning(), Effects()}, options);
+  CHECK(warnings.empty());
+  simulator.addSensor({blind, Effects()});
+  CHECK(warnings == std::vector<std::string>{"sensor 'blind' has no channels, so its scans have no beams"});
+}
+
 TEST_CASE("a new simulator names the instances that are sheared beyond the error bounds") {
   std::vector<std::string> warnings;
   TestOptions options = optionsOn("reference");

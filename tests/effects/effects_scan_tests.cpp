@@ -452,6 +452,37 @@ TEST_CASE("transmitted light passes the same panes on every device") {
   requireAlmostSame(effects, scene);
 }
 
+TEST_CASE("every device counts the beams whose light goes on behind four surfaces, and those of more than six echoes") {
+  Scene scene;
+  scene.materials = {lambertian(0.2f, "glass")};
+  scene.materials[0].transmission = 0.6f;
+  // Five panes to the left, and five to the right, which lie between them.
+  for (int i = 0; i < 5; ++i)
+    for (const double side : {-1, 1}) {
+      scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), translation(0, 3 * side, 0)});
+      scene.meshes.push_back(plate(5 + i + (side > 0 ? 0.5 : 0), 3));
+    }
+  TestOptions options = optionsOn("vulkan");
+  options.effects = physical();
+  options.effects.transmission.use = options.effects.returns.use = EffectUse::on;
+  options.effects.returns.count = 5;
+  std::vector<uint64_t> lost;
+  for (const uint32_t subRays : {1u, 19u}) {
+    INFO(subRays << " sub-rays");
+    if (subRays > 1)
+      options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, 0.02, 0.02};
+    options.device = optionsOn("vulkan").device;
+    const Sensor sensor = gridSensor(700, 9, -8, 8, 60);
+    const Scan scan = scanOn(scene, sensor, Pose(), options);
+    options.device = DeviceChoice::Kind::reference;
+    const Scan reference = scanOf(scene, sensor, Pose(), options);
+    CHECK(scan.counters.lostEchoes == reference.counters.lostEchoes);
+    lost.push_back(reference.counters.lostEchoes);
+  }
+  CHECK(lost[0] > 100);
+  CHECK(lost[1] > lost[0] + 20);
+}
+
 TEST_CASE("the light of a footprint returns from each of several panes behind each other") {
   needVulkan();
   const double distances[] = {5, 7, 9, 12};

@@ -196,6 +196,17 @@ TEST_CASE("ROS 2: a scan as a cloud and as a laser scan") {
   CHECK(laserScanOf(sensor, scan, 0, "top", 9).scanTime == Approx(0.15));
   CHECK(laserScanOf(sensor, scan, 0, "top", 9).timeIncrement == Approx(0.025));
   CHECK_THROWS_WITH(laserScanOf(sensor, scan, 1, "top", 0), ContainsSubstring("no channel 1"));
+  scan.sensor = "front";
+  sensor.name = "rear";
+  CHECK_THROWS_WITH(laserScanOf(sensor, scan, 0, "top", 0),
+                    ContainsSubstring("is of the sensor front, and not of rear"));
+  sensor.name = "front";
+  CHECK_NOTHROW(laserScanOf(sensor, scan, 0, "top", 0));
+  for (const double elevation : {-90, 90}) {
+    sensor.channels = {{elevation}};
+    CHECK_FALSE(hasLaserScan(sensor));
+    CHECK_THROWS_WITH(laserScanOf(sensor, scan, 0, "top", 0), ContainsSubstring("straight up or down"));
+  }
 }
 
 namespace {

@@ -130,6 +130,16 @@ TEST_CASE("beam tables: the index and the ring bring back the organised cloud an
   CHECK_THAT(problemOf(header + "-1,0,0,0,0,1,60\n", "b.csv"), ContainsSubstring("the index -1 is not a whole number"));
 }
 
+TEST_CASE("beam tables: a single ring without gaps is an organised cloud of one row") {
+  const std::string header = "index,ring,azimuth_deg,elevation_deg\n";
+  const SensorFile row = readSensorFile(header + "0,0,10,0\n1,0,11,0\n2,0,12,0\n", "b.csv");
+  CHECK(row.ignored.empty());
+  CHECK(row.sensor.width() == 3);
+  CHECK(row.sensor.height() == 1);
+  CHECK(row.sensor.maskedBeams.empty());
+  CHECK(readSensorFile(header + "0,0,10,0\n2,0,12,0\n", "b.csv").ignored.size() == 1);
+}
+
 TEST_CASE("beam tables: a first column of another name than channel or laser makes no Hesai head") {
   const char* rows = "0,10,5\n1,20,-5\n";
   for (const char* header : {"ring,azimuth_deg,elevation_deg", "channel,azimuth_deg,elevation_deg",

@@ -61,7 +61,8 @@ struct Cloud {
 };
 
 /// Returns the cloud in which the beams of a list have these indexes, if their rings are its rows. The table does not
-/// state its width: that is the only number by which every index, divided and rounded down, is the ring.
+/// state its width: that is the only number by which every index, divided and rounded down, is the ring. A single ring is
+/// a cloud if no beam is masked.
 Cloud cloudOf(const std::vector<uint32_t>& indexes, const std::vector<uint16_t>& rings) {
   if (indexes.size() != rings.size()) return {};
   uint32_t least = 1, most = std::numeric_limits<uint32_t>::max();
@@ -69,7 +70,8 @@ Cloud cloudOf(const std::vector<uint32_t>& indexes, const std::vector<uint16_t>&
     least = std::max(least, indexes[i] / (rings[i] + 1u) + 1);
     if (rings[i] > 0) most = std::min(most, indexes[i] / rings[i]);
   }
-  if (least != most) return {};
+  const bool isFullRow = most == std::numeric_limits<uint32_t>::max() && least == indexes.size();
+  if (least != most && !isFullRow) return {};
   const uint32_t height = *std::max_element(rings.begin(), rings.end()) + 1u;
   constexpr uint64_t kMostPlaces = 64;  // per beam: so few beams of a cloud tell nothing of it
   return uint64_t{least} * height <= kMostPlaces * indexes.size() ? Cloud{least, height} : Cloud{};
