@@ -200,6 +200,7 @@ configure() {
     [ $tests = ON ] || note 'without the tests, whose packages tools/check installs'
     options+=(-D "GNOSPHERE_BENCH=$bench" -D "GNOSPHERE_TESTS=$tests")
   fi
+  mkdir -p "$root/build"
   quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}" "${@:2}"
 }
 
