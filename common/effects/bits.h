@@ -34,16 +34,18 @@ GNO_CONST uint kStrays = 1u << 31;
 // beam is a single line, and its nearest hit counts.
 GNO_CONST uint kFootprint = 1u << 30;
 
+// Effects of a medium that is the same everywhere.
+GNO_CONST uint kUniformMedia = kFog | kRain | kSnow;
+// Effects of the medium between the sensor and the surfaces.
+GNO_CONST uint kMediumEffects = kUniformMedia | kVolumes;
+
 // With one of these effects a beam's result is more than the nearest hit of its axis.
 GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;
 // With one of these effects the returns of each beam are computed from its echoes.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
-                                kFootprintEffects | kReturns | kFog | kRain | kSnow | kVolumes;
+                                kFootprintEffects | kReturns | kMediumEffects;
 // Most surfaces that one sub-ray can hit.
 GNO_CONST uint kMaxLayers = 4;
-
-// Effects of the medium between the sensor and the surfaces.
-GNO_CONST uint kMediumEffects = kFog | kRain | kSnow | kVolumes;
 
 // Outputs of a scan beyond points, ranges and owners: bits of the specialisation constant FIELDS.
 GNO_CONST uint kFieldSignal = 1;        // true range, width, label, cause

@@ -24,7 +24,7 @@
 // Optical depth of the medium up to a range.
 GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
   GNO_PRECISE float depth = 0.0f;
-  if (PLANNED(kFog | kRain | kSnow)) depth = p.extinction * range;
+  if (PLANNED(kUniformMedia)) depth = p.extinction * range;
   if (PLANNED(kVolumes))
     for (uint i = 0u; i < p.volumeCount; ++i) {
       VolumeBox box = loadVolume(i);
