@@ -167,6 +167,8 @@ constexpr Count kCounts[] = {
      "Echoes of beams that met more echoes, or more panes in a row, than are kept."},
     {"retries", &Counters::retries, "Runs repeated because a list had to grow."},
 };
+static_assert(std::size(kCounts) * sizeof(uint64_t) + sizeof(Counters::causes) == sizeof(Counters),
+              "every count is bound");
 
 using CountersState = std::pair<std::vector<uint64_t>, std::vector<uint64_t>>;  // in the order of kCounts, by Cause
 

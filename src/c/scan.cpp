@@ -15,7 +15,8 @@ std::vector<Field> fieldsOf(const gno_field* fields, size_t count) {
 
 namespace {
 
-static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1 && static_cast<int>(Field::classId) == GNO_FIELD_CLASS_ID);
+static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1 && static_cast<int>(Field::classId) == GNO_FIELD_CLASS_ID,
+              "gno_field has the fields of Field in their order");
 static_assert(static_cast<int>(ValueType::u32) == GNO_U32 && static_cast<int>(ValueType::u8) == GNO_U8);
 static_assert(static_cast<int>(Cause::noSurface) == GNO_CAUSE_NO_SURFACE &&
               static_cast<int>(Cause::weak) == GNO_CAUSE_WEAK &&
@@ -52,6 +53,7 @@ void getColumn(const Results& from, gno_field field, gno_column* column) {
 }
 
 void getCounters(const Counters& from, gno_counters* counters) {
+  static_assert(sizeof(gno_counters) == sizeof(size_t) + sizeof(Counters), "every count is copied below");
   const Out to(counters, GNO_TYPE(gno_counters));
   to->beams = from.beams;
   to->hits = from.hits;

@@ -6,6 +6,7 @@
 #include <bit>
 #include <compare>
 #include <cstdint>
+#include <iterator>
 
 #include "common/effects/bits.h"
 #include "common/options.h"
@@ -36,6 +37,7 @@ inline const char* nameOf(Kernel kernel) {
       "fit_clusters", "place_instances", "beam_frames", "project_groups", "project_clusters",  "project_triangles",
       "bin",          "prefix_sum",      "resolve",     "effects_strays", "effects_footprint", "effects_panes",
       "effects",      "records"};
+  static_assert(std::size(kNames) == static_cast<size_t>(Kernel::records) + 1, "every kernel has a name");
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

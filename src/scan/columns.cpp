@@ -31,7 +31,10 @@ void Timings::add(const std::string& stage, double ms) {
 }
 
 Counters& Counters::operator+=(const Counters& other) {
-  const auto add = [&]<typename... Members>(Members... members) { ((this->*members += other.*members), ...); };
+  const auto add = [&]<typename... Members>(Members... members) {
+    static_assert(sizeof...(members) * sizeof(uint64_t) + sizeof(causes) == sizeof(Counters), "every count is added");
+    ((this->*members += other.*members), ...);
+  };
   add(&Counters::beams, &Counters::hits, &Counters::misses, &Counters::triangles, &Counters::nonFinite,
       &Counters::degenerate, &Counters::culledByCluster, &Counters::reused, &Counters::culledByRange,
       &Counters::culledByFace, &Counters::culledBetweenBeams, &Counters::culledHidden, &Counters::projected,

@@ -76,6 +76,8 @@ constexpr NamedCount kCounters[] = {
     {"lost_echoes", &Counters::lostEchoes},
     {"retries", &Counters::retries},
 };
+static_assert(std::size(kCounters) * sizeof(uint64_t) + sizeof(Counters::causes) == sizeof(Counters),
+              "every count has a name");
 
 /// Names in the order of Cause.
 constexpr const char* kCauses[kCauseCount] = {"returned", "no_surface", "weak", "attenuated", "dropped_out", "dead"};
