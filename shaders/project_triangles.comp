@@ -448,8 +448,8 @@ void main() {
     while (taken < count || (!more && waiting > 0)) {
       if (taken < count) {
         uint number = min(taken + lane - min(lane, waiting), count - 1);
-        Survivor next = survivorOf(loaded, vertices, nthSetBit(left, number));
-        if (lane >= waiting) survivor = next;
+        Survivor added = survivorOf(loaded, vertices, nthSetBit(left, number));
+        if (lane >= waiting) survivor = added;
       }
       uint there = waiting + count - taken;
       if (more && there < gl_SubgroupSize) {

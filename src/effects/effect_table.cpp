@@ -369,8 +369,7 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::sensorMotion>(
           "sensor-motion", gpu::kSensorMotion, appliesMotion, never,
           "The sensor moves during the scan as the motion of the shot says. Automatic: on if the sensor states a "
-          "rotation "
-          "period, or if the beams of a list have times.",
+          "rotation period, or if the beams of a list have times.",
           {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
               "deskew",
               "If true, points are reported in the frame of the shot's pose, otherwise in that of their column.")}),
@@ -424,8 +423,8 @@ const Parameter<Effects>& seedParameter() {
   static const auto& seed = lasting<Parameter<Effects>>(
       rows::count<&Effects::seed>("seed", "", 0, UINT64_MAX,
                                   "Every random number is keyed by (seed, sensor, frame, beam, sub-ray or echo, "
-                                  "effect): one effect never changes the "
-                                  "draws of another, and the same seed gives the same draws on every device."));
+                                  "effect): one effect never changes the draws of another, and the same seed gives "
+                                  "the same draws on every device."));
   return seed;
 }
 
