@@ -197,14 +197,14 @@ class Placer {
   std::vector<size_t> entries_;
 };
 
-CloudTable readTable(const CloudFormat& format, std::string bytes, const std::string& source) {
+}  // namespace
+
+CloudTable readCloudTable(const CloudFormat& format, std::string bytes, const std::string& source) {
   if (format.read) return format.read(std::move(bytes), source);
-  throw Error(ErrorCode::invalidArgument, source + ": a " + format.name +
+  throw Error(ErrorCode::invalidArgument, source + ": a " + (*format.name ? format.name : format.ending) +
                                               " cloud does not say which beams its points are of; read " +
                                               cloudEndings("or", true));
 }
-
-}  // namespace
 
 CloudTable readCsv(std::string bytes, const std::string& source) {
   CloudTable table;
@@ -221,7 +221,7 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
 }
 
 CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
-  const CloudTable table = readTable(format, std::move(bytes), source);
+  const CloudTable table = readCloudTable(format, std::move(bytes), source);
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
@@ -256,12 +256,12 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
   columns.setUnknown(Field::instance, !table.find("instance"));
   scan.triangles.resize(entryCount, kNoTriangle);
   scan.instances.resize(entryCount, kNoTriangle);
-  for (Field field : {Field::tie, Field::tolerance, Field::intensity, Field::trueRange, Field::label, Field::width,
-                      Field::normal, Field::incidence, Field::material, Field::barycentrics, Field::classId,
-                      Field::velocity, Field::radialSpeed, Field::time, Field::azimuth, Field::elevation})
-    placer.placeField(field, columns);
-  // A file of several returns has no rows for beams without any return, so it cannot say why they are empty.
-  if (scan.returns == 1) placer.placeField(Field::cause, columns);
+  for (const ColumnInfo& column : allColumns()) {
+    const Field field = column.field;
+    if (column.component > 0 || isOfEveryScan(field) || followsFromIndex(field)) continue;
+    // A file of several returns has no rows for beams without any return, so it cannot say why they are empty.
+    if (field != Field::cause || scan.returns == 1) placer.placeField(field, columns);
+  }
 
   scan.counters.beams = beamCount;
   for (size_t b = 0; b < beamCount; ++b) {

@@ -51,6 +51,9 @@ CloudTable readPly(std::string bytes, const std::string& source);
 CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
 
+/// Reads the rows of a file's content; `source` names it in messages. Throws Error(invalidArgument) if the format has
+/// no reader.
+CloudTable readCloudTable(const CloudFormat& format, std::string bytes, const std::string& source);
 /// Does the work of readCloudFile() on a file's content; `source` names it in messages. Throws Error(format) if it is
 /// bad.
 CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);

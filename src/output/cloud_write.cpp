@@ -18,8 +18,8 @@ namespace {
 constexpr size_t kBlockRows = size_t{1} << 16;
 
 /// Calls `use` for each block with the packed rows and their number.
-template <class EffectUse>
-void forBlocks(const CloudRows& table, size_t blockRows, const EffectUse& use) {
+template <class Use>
+void forBlocks(const CloudRows& table, size_t blockRows, const Use& use) {
   const size_t count = table.rows.count();
   std::vector<std::byte> block(std::min(blockRows, count) * table.layout.stride);
   for (size_t first = 0; first < count; first += blockRows) {

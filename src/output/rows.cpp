@@ -16,14 +16,9 @@ namespace {
 /// Fewer rows than this are not worth a thread.
 constexpr uint64_t kRowsPerThread = 65536;
 
-/// Returns whether the field follows from the index of an entry, so that no column is needed.
-bool followsFromIndex(Field field) {
-  return field == Field::ring || field == Field::beam || field == Field::returnNumber || field == Field::returnCount;
-}
-
 /// Calls `use` with a function that returns the value of an entry in the field's own type.
-template <typename EffectUse>
-void withColumn(const Scan& scan, Field field, uint32_t component, const EffectUse& use) {
+template <typename Use>
+void withColumn(const Scan& scan, Field field, uint32_t component, const Use& use) {
   const size_t returns = scan.returns;
   switch (field) {
     case Field::ring:
@@ -45,8 +40,8 @@ void withColumn(const Scan& scan, Field field, uint32_t component, const EffectU
 }
 
 /// Calls `use` with a value of the C++ type that `type` stands for.
-template <typename EffectUse>
-void withType(ValueType type, const EffectUse& use) {
+template <typename Use>
+void withType(ValueType type, const Use& use) {
   switch (type) {
     case ValueType::f32: return use(float{});
     case ValueType::f64: return use(double{});

@@ -11,11 +11,14 @@
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
-namespace {}  // namespace
 
 bool isOfEveryScan(Field field) {
   constexpr Field kOfEveryScan[] = {Field::x, Field::y, Field::z, Field::range, Field::triangle, Field::instance};
   return std::find(std::begin(kOfEveryScan), std::end(kOfEveryScan), field) != std::end(kOfEveryScan);
+}
+
+bool followsFromIndex(Field field) {
+  return field == Field::ring || field == Field::beam || field == Field::returnNumber || field == Field::returnCount;
 }
 
 const char* nameOf(ValueType type) {

@@ -23,6 +23,8 @@ char letterOf(ValueType type);
 
 /// Returns whether every scan has the field, in a public array and not as a column.
 bool isOfEveryScan(Field field);
+/// Returns whether the field follows from the index of an entry, so that no column is needed.
+bool followsFromIndex(Field field);
 
 /// One column of a cloud file. A scalar field has one column, a vector has one per component.
 struct ColumnInfo {

@@ -244,5 +244,8 @@ TEST_CASE("errors of reading name the file") {
   CHECK_THROWS_WITH(readCloud(folder / "none.pcd"), ContainsSubstring("none.pcd: cannot be read: No such file"));
   fs::create_directory(folder / "folder.pcd");
   CHECK_THROWS_WITH(readCloud(folder / "folder.pcd"), ContainsSubstring("Is a directory"));
-  CHECK_THROWS_WITH(readCloud(folder / "a.bin"), ContainsSubstring("does not say which beams"));
+  CHECK_THROWS_WITH(readCloud(folder / "a.bin"), ContainsSubstring("a.bin: a KITTI cloud does not say which beams"));
+  CloudFormat nameless = cloudFormat("a.csv");
+  nameless.read = nullptr;
+  CHECK_THROWS_WITH(readCloudBytes(nameless, "", "a.csv"), ContainsSubstring("a.csv: a .csv cloud does not say which"));
 }

@@ -35,10 +35,10 @@ CloudTable readTable(const fs::path& file) {
   const std::string name = file.string();
   const CloudFormat& format = cloudFormat(file);
   std::string bytes = readWholeFile(file);
-  if (format.read) return format.read(std::move(bytes), name);
   if (lower(name).ends_with(".pcd.bin"))
     return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity", "ring"});
-  return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity"});
+  if (lower(name).ends_with(".bin")) return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity"});
+  return readCloudTable(format, std::move(bytes), name);
 }
 
 /// Whether the values of a column are numbers of things: whole, from 0 on, and of at most 32 bits. The type of the
