@@ -9,9 +9,11 @@
 #include "base/path.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
+#include "common/effects/bits.h"
 #include "console.hpp"
 #include "drive/trajectory.hpp"
 #include "effect_options.hpp"
+#include "effects/effect_table.hpp"
 #include "max_error.hpp"
 #include "no_hits.hpp"
 #include "output/cloud_format.hpp"
@@ -175,8 +177,9 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
 /// Names the planned effects whose particles can give a return, such as "fog or rain"; empty if there is none.
 std::string mediaOf(const Plan& plan) {
   std::string names;
-  for (const char* effect : {"fog", "rain", "snow", "volumes"})
-    if (plan.has(effect)) names += (names.empty() ? "" : " or ") + std::string(effect);
+  for (const EffectInfo& effect : effectTable())
+    if ((effect.bit & gpu::kMediumEffects) != 0 && plan.has(effect.name))
+      names += (names.empty() ? "" : " or ") + std::string(effect.name);
   return names;
 }
 
