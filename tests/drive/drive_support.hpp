@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "drive/formats/format.hpp"
 #include "drive/run.hpp"
 #include "folder.hpp"
 
@@ -124,12 +125,9 @@ inline drive::RunOptions optionsFor(const fs::path& out) {
   return options;
 }
 
-inline const std::vector<std::string> kEveryFormat = {
-    "kitti", "semantickitti", "kitti-raw", "nuscenes", "openpcdet", "pcd", "npy", "las", "mcap", "osi", "boxes"};
-
 inline Json everyOutput() {
   Json outputs = Json::array();
-  for (const std::string& format : kEveryFormat) outputs.push_back({{"format", format}});
+  for (const drive::FormatInfo& format : drive::formats()) outputs.push_back({{"format", format.name}});
   outputs.push_back({{"format", "las"}, {"folder", "line"}, {"one_file", true}});
   return outputs;
 }

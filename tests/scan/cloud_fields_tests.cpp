@@ -13,6 +13,7 @@
 #include "output/cloud_table.hpp"
 #include "problem.hpp"
 #include "scan/computed_columns.hpp"
+#include "scan/fields.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -20,10 +21,12 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const std::string kEveryField =
-    "x,y,z,range,ring,beam,triangle,instance,tie,tolerance,intensity,true_range,cause,label,return,returns,width,"
-    "normal,"
-    "incidence,material,barycentrics,class,velocity,radial_speed,time,azimuth,elevation";
+const std::string kEveryField = [] {
+  std::string names;
+  for (const ColumnInfo& column : allColumns())
+    if (column.component == 0) names += (names.empty() ? "" : ",") + std::string(column.fieldName);
+  return names;
+}();
 
 Sensor smallSensor() {
   Sensor sensor;
