@@ -5,13 +5,16 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <numbers>
+#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 #include "sensor/beams.hpp"
+#include "sensor/catalogue_heads.hpp"
 
 using namespace gnosphere;
 using Catch::Matchers::ContainsSubstring;
@@ -31,6 +34,27 @@ bool isRefused(const std::string& name) {
 double offsetDeg(const Sensor& sensor, size_t channel) {
   const Channel& c = sensor.channels.at(channel);
   return c.azimuthOffsetDeg - sensor.azimuthSpanDeg / sensor.rotationPeriod * c.timeOffset;
+}
+
+/// How many numbers a list of HeadFigures has; every word must be a number or a range of numbers.
+size_t countOf(const char* list) {
+  static const std::regex number("-?[0-9]+([.][0-9]+)?"), range("(-?[0-9.]+)[.][.](-?[0-9.]+)/([0-9]+)");
+  std::istringstream words(list);
+  size_t count = 0;
+  for (std::string word; words >> word;) {
+    INFO("the word '" << word << "'");
+    std::smatch parts;
+    if (std::regex_match(word, parts, range)) {
+      CHECK(std::regex_match(parts[1].str(), number));
+      CHECK(std::regex_match(parts[2].str(), number));
+      CHECK(std::stoul(parts[3]) > 1);
+      count += std::stoul(parts[3]);
+    } else {
+      CHECK(std::regex_match(word, number));
+      ++count;
+    }
+  }
+  return count;
 }
 
 bool isMasked(const Sensor& sensor, size_t channel, size_t column) {
@@ -63,6 +87,20 @@ TEST_CASE("every head of the catalogue is valid in every mode and names its sour
     }
   }
   CHECK(isRefused("Puck:7Hz"));
+}
+
+TEST_CASE("every list of a head has only numbers, which repeat a whole number of times over the elevations") {
+  for (const HeadFigures& head : kHeads) {
+    INFO(head.name);
+    const size_t elevations = countOf(head.elevations), divergences = countOf(head.divergence);
+    CHECK(elevations > 0);
+    CHECK((divergences == 0 || divergences == 2));
+    for (const char* list : {head.azimuthOffsets, head.times, head.left, head.up, head.rests}) {
+      const size_t count = countOf(list);
+      INFO("the list " << list);
+      CHECK((count == 0 || (count <= elevations && elevations % count == 0)));
+    }
+  }
 }
 
 TEST_CASE("docs/sensors.md lists every head with its modes and source") {
