@@ -46,6 +46,9 @@ GNO_CONST uint kValues = 30;
 GNO_CONST uint kWholeWords = 0x80000000u;
 // In RECORDS, too: the values come from the words of the beams.
 GNO_CONST uint kFromWords = 0x40000000u;
+#ifdef __cplusplus
+static_assert((1ull << kValues) <= kFromWords, "every value has a bit of RECORDS below kFromWords and kWholeWords");
+#endif
 
 // Types of values in memory; the numbers of ValueType.
 GNO_CONST uint kTypeF32 = 0;

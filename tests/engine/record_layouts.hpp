@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "effects/showroom.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere::test {
 
@@ -26,14 +27,16 @@ inline RecordLayout oddLayout(const std::vector<Field>& fields, bool compact) {
   return layout;
 }
 
+/// Fields that the words of the beams tell, so that no stage stores more for them.
 inline const std::vector<Field> kPlainFields = {
     Field::x,    Field::y,        Field::z,       Field::range,   Field::ring,      Field::time,        Field::triangle,
     Field::beam, Field::instance, Field::classId, Field::azimuth, Field::elevation, Field::returnNumber};
+/// Every field that a device can write.
 inline const std::vector<Field> kAllFields = [] {
-  std::vector<Field> fields = kPlainFields;
-  for (const Field field : {Field::intensity, Field::trueRange, Field::width, Field::label, Field::cause, Field::normal,
-                            Field::incidence, Field::material, Field::barycentrics, Field::returnCount})
-    fields.push_back(field);
+  std::vector<Field> fields;
+  for (const ColumnInfo& column : allColumns())
+    if (column.component == 0 && column.field != Field::tie && column.field != Field::tolerance)
+      fields.push_back(column.field);
   return fields;
 }();
 
