@@ -324,7 +324,7 @@ class DeviceBackend final : public Backend {
     const size_t slot = i % slots_.size();
     const Part& part = parts[i];
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
-    const size_t ofSensor = sensorSlot(slot, part), views = part.views.size();
+    const size_t ofSensor = sensorSlot(slot, part);
     Scan& result = to.scan;
     if (part.first) {
       start_ = slots_[slot].start;
@@ -333,15 +333,7 @@ class DeviceBackend final : public Backend {
     uint64_t retries = 0;
     Timings timings;
     if (sensor.beams() > 0) {
-      machine_->wait(slot);
-      sensor.checkAlive(ofSensor);
-      for (; sensor.cutShort(ofSensor); ++retries) {
-        waitForAll();
-        sensor.growLists(ofSensor);
-        run(slot, part);
-        machine_->wait(slot);
-        sensor.checkAlive(ofSensor);
-      }
+      retries = repeatWhileCutShort(part, slot, ofSensor);
       machine_->readTimings(slot, timings);
       workMs_ += machine_->workMs(slot);
     }
@@ -351,8 +343,33 @@ class DeviceBackend final : public Backend {
       result.timings.gpuMs += timings.gpuMs;
       result.counters.retries += retries;
       finishBatch(part, slot, ofSensor, to);
-      return;
+    } else {
+      finishShots(part, slot, ofSensor, timings, retries, to);
     }
+  }
+
+  // Waits for a part, repeats it while its lists were too small, and returns how often.
+  uint64_t repeatWhileCutShort(const Part& part, size_t slot, size_t ofSensor) {
+    SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
+    machine_->wait(slot);
+    sensor.checkAlive(ofSensor);
+    uint64_t retries = 0;
+    for (; sensor.cutShort(ofSensor); ++retries) {
+      waitForAll();
+      sensor.growLists(ofSensor);
+      run(slot, part);
+      machine_->wait(slot);
+      sensor.checkAlive(ofSensor);
+    }
+    return retries;
+  }
+
+  // Reads the results of a part whose shots have scans of their own, and hands over the scans that it completes.
+  void finishShots(const Part& part, size_t slot, size_t ofSensor, const Timings& timings, uint64_t retries,
+                   const Destination& to) {
+    SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
+    const size_t views = part.views.size();
+    Scan& result = to.scan;
     // The device may have worked while a receiver took its time.
     const double waited = std::max(millisecondsSince(start_), workMs_) / static_cast<double>(part.shots.size());
     Clock::time_point start;  // of reading a shot's results
