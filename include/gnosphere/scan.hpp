@@ -168,7 +168,7 @@ struct Counters {
 
 /// The time of one stage of a scan.
 struct StageTime {
-  std::string name;  ///< "project", "bin", "resolve" or "effects"
+  std::string name;  ///< "project", "bin", "resolve", "effects" or "records"
   double ms = 0;
 };
 
