@@ -163,7 +163,8 @@ gno_status gno_scene_get_animation_root(gno_scene scene, gno_transform* root) {
 gno_status gno_scene_find_clip(gno_scene scene, const char* name, uint32_t* index) {
   return guard([&] {
     Locked from(scene);
-    const Clip& clip = clipNamed(*from, &the(name, "name"));
+    const std::string wanted = &the(name, "name");
+    const Clip& clip = clipNamed(*from, wanted);
     the(index, "index") = static_cast<uint32_t>(&clip - from->animation.clips.data());
   });
 }

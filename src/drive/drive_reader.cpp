@@ -84,7 +84,8 @@ std::optional<Animation> DriveReader::animation(const json& object, const std::s
   if (given.is_null() || scene.instances.empty()) return {};
   Animation animation;
   attempt(path + ".animation.clip", [&] {
-    const Clip& clip = clipNamed(scene, given["clip"].get<std::string>());
+    const auto wanted = given["clip"].get<std::string>();
+    const Clip& clip = clipNamed(scene, wanted);
     animation.clip = static_cast<size_t>(&clip - scene.animation.clips.data());
   });
   animation.speed = given.value("speed", 1.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <nanoflann.hpp>
+#include <tuple>
 
 #include "base/vector.hpp"
 #include "gnosphere/eval/accuracy.hpp"
@@ -62,7 +63,7 @@ NearestHistogram nearestHistogram(const Scan& reference, const Scan& other) {
     }
     uint32_t index = 0;
     double squared = 0;
-    tree->knnSearch(query, 1, &index, &squared);
+    std::ignore = tree->knnSearch(query, 1, &index, &squared);
     ++histogram[binOf(std::sqrt(squared))];
   }
   return histogram;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 #include <nanoflann.hpp>
+#include <tuple>
 #include <unordered_map>
 
 #include "view/cloud.hpp"
@@ -64,7 +65,7 @@ Distances toNearest(const ViewCloud& from, const ViewCloud& to) {
     const double query[3] = {from.points[3 * i], from.points[3 * i + 1], from.points[3 * i + 2]};
     uint32_t nearest = 0;
     double squared = 0;
-    tree.knnSearch(query, 1, &nearest, &squared);
+    std::ignore = tree.knnSearch(query, 1, &nearest, &squared);
     distances.push_back(std::sqrt(squared));
   }
   return distances;
