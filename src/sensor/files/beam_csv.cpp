@@ -61,8 +61,8 @@ struct Cloud {
 };
 
 /// Returns the cloud in which the beams of a list have these indexes, if their rings are its rows. The table does not
-/// state its width: that is the only number by which every index, divided and rounded down, is the ring. A single ring is
-/// a cloud if no beam is masked.
+/// state its width: that is the only number by which every index, divided and rounded down, is the ring. A single ring
+/// is a cloud if no beam is masked.
 Cloud cloudOf(const std::vector<uint32_t>& indexes, const std::vector<uint16_t>& rings) {
   if (indexes.size() != rings.size()) return {};
   uint32_t least = 1, most = std::numeric_limits<uint32_t>::max();
