@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The choice of a device, and the objects created on it.
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <catch2/matchers/catch_matchers.hpp>
