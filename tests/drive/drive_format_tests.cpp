@@ -479,7 +479,7 @@ TEST_CASE(
     CHECK_THAT(length, WithinAbs(box["size"][0].get<double>(), 1e-4));
     CHECK_THAT(height, WithinAbs(box["size"][2].get<double>(), 1e-4));
     CHECK_THAT(std::sin(heading / 2), WithinAbs(box["sensor_frame"]["orientation"][2].get<double>(), 1e-5));
-    CHECK(name == box["class"]);
+    CHECK(name == box["class"].get<std::string>());
   }
   CHECK(count > 0);
   CHECK_FALSE(labels >> count);

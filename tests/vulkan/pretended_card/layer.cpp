@@ -300,7 +300,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL findInInstance(VkInstance instance, con
 
 }  // namespace
 
-extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL
+extern "C" __attribute__((visibility("default"))) VKAPI_ATTR VkResult VKAPI_CALL
 vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* loader) {
   loader->loaderLayerInterfaceVersion = 2;
   loader->pfnGetInstanceProcAddr = &findInInstance;
