@@ -29,12 +29,20 @@ Command addCommand(CLI::App& app, const char* name, const char* description, Act
   return {command, add(*command), failed};
 }
 
-/// Help whose lines fit the terminal.
+/// Help whose lines fit the terminal, with any version of CLI11.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(kNames); }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return wrapped(option->get_description(), columns_ - kNames);
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    std::string name = "  " + make_option_name(option, positional) + make_option_opts(option);
+    name.resize(name.find_last_not_of(' ') + 1);
+    const std::string description = option->get_description();
+    if (description.empty()) return name + "\n";
+    if (name.size() < kNames)
+      name.resize(kNames, ' ');
+    else
+      name += "\n" + std::string(kNames, ' ');
+    return name + wrapped(description, columns_, kNames) + "\n";
   }
   std::string make_subcommand(const CLI::App* command) const override {
     std::string name = "  " + command->get_name();
