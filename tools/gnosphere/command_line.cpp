@@ -32,7 +32,22 @@ Command addCommand(CLI::App& app, const char* name, const char* description, Act
 /// Help whose lines fit the terminal, with any version of CLI11.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() { column_width(kNames); }
+  HelpFormatter() {
+    column_width(kNames);
+    // CLI11 from 2.5 on would wrap the wrapped lines again.
+    [](auto& self) {
+      if constexpr (requires { self.enable_footer_formatting(false); }) {
+        self.enable_footer_formatting(false);
+        self.enable_description_formatting(false);
+      }
+    }(*this);
+  }
+  /// Versions differ in how many empty lines come between the parts.
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = Formatter::make_help(app, std::move(name), mode);
+    for (size_t at; (at = text.find("\n\n\n")) != text.npos;) text.erase(at, 1);
+    return text;
+  }
   std::string make_option(const CLI::Option* option, bool positional) const override {
     std::string name = "  " + make_option_name(option, positional) + make_option_opts(option);
     name.resize(name.find_last_not_of(' ') + 1);
