@@ -6,8 +6,8 @@
 #ifdef VULKAN
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CallerMemory { uint at[]; };
-// The address of a CallerMemory. As a reference glslang would load it with the alignment of the memory behind it, which
-// is too little for an address.
+// The address of a CallerMemory is two words, because glslang loads a reference with the alignment of the memory behind
+// it, and that of words is too little for an address.
 struct CallerBuffer {
   uvec2 memory;
 };

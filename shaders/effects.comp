@@ -46,9 +46,9 @@ uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
 Echo hitEcho;  // of a beam with a hit, if `echoes` does not have it
-uint hits;  // counted by this invocation, as the causes are
-// With one entry more than causes, so that it is not the array of Counters, whose type has a stride; see
-// workgroup_sums.glsl.
+// Each invocation counts hits and causes. The array has one entry more than there are causes, as laneSums has in
+// workgroup_sums.glsl: arrays of equal size have one type, and that of Counters::causes has a stride.
+uint hits;
 uint causeCounts[kCauses + 1];
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 

@@ -2,8 +2,8 @@
 // Sums over a block of kPrefixBlock entries, of which each lane of a workgroup has kPerLane.
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kPerLane = kPrefixBlock / kLanes;
-// With one entry more than lanes, because glslang gives arrays of equal size one type, and that of Shells::clusters has a
-// stride, which only memory of buffers may have.
+// The array has one entry more than there are lanes, because glslang gives arrays of equal size one type, and that of
+// Shells::clusters has a stride. Only arrays in buffers may have a stride.
 shared uint laneSums[kLanes + 1];
 
 // A sum that overflows stays at the largest number, which tells the host that there are too many candidates.

@@ -221,8 +221,8 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   // For a footprint of 19 sub-rays in unrolled loops, SwiftShader's compiler takes more than 8 GB; in loops, 0.1 GB.
   result.unrolls = offer.driver.driverID != VK_DRIVER_ID_GOOGLE_SWIFTSHADER;
   result.loadsUntaken = loadsUntaken(offer.driver);
-  result.keepsVectors = offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
-  result.keepsShaders = result.cpu && offer.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE &&
+  result.keepsVectors = lavapipeOf(offer.driver).has_value();
+  result.keepsShaders = result.cpu && lavapipeOf(offer.driver) &&
                         offers(vk, physical, VK_EXT_SHADER_OBJECT_EXTENSION_NAME) &&
                         offers(vk, physical, VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME);
   result.subgroups = fullSubgroupsOf(offer);

@@ -44,7 +44,7 @@ class Tools {
 
   /// Returns how often each operation, by its number, occurs in the functions of a module that spirv-opt has optimised
   /// with `passes` before. Its versions keep different declarations that nothing uses, and load the parts of a
-  /// structure each or together.
+  /// structure one by one or together.
   std::vector<std::string> optimised(const Words& module, const std::string& passes = "") const {
     run(std::string(GNOSPHERE_SPIRV_OPT) + " --target-env=vulkan1.2 --scalar-block-layout --strip-debug " + passes +
         " -O -o " + file("optimised.spv").string() + " " + stored(module));

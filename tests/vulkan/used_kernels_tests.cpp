@@ -140,6 +140,19 @@ TEST_CASE("the kernels of the plans that people use are specialised, and valid t
   }
 }
 
+TEST_CASE("every kernel gives its lanes addresses of their own for a driver that needs them") {
+  vulkan::Capabilities driver, other;
+  driver.cpu = other.cpu = driver.int64Atomics = other.int64Atomics = true;
+  driver.subgroups = other.subgroups = {8};
+  driver.loadsUntaken = true;
+  for (uint32_t kernel = 0; kernel <= static_cast<uint32_t>(Kernel::records); ++kernel) {
+    Variant variant;
+    variant.kernel = static_cast<Kernel>(kernel);
+    INFO(nameOf(variant.kernel));
+    CHECK(vulkan::codeOf(driver, variant).words != vulkan::codeOf(other, variant).words);
+  }
+}
+
 TEST_CASE("lanes run together wherever a kernel of the plans that people use has operations of subgroups",
           "[combinations]") {
   // These functions return early for reasons that are the same in all lanes of a subgroup. No operation follows a
