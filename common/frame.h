@@ -91,7 +91,7 @@ struct Counters {
   uint triangles;  // read from visible clusters
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
-  uint causes[6];                    // beams by Cause, if effects are planned
+  uint causes[kCauses];              // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
   uint ownLinks;                     // entries of `ownLinks`
   uint hardBeams;                    // lines that meet a pane
@@ -138,7 +138,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 168 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68);
 }  // namespace gnosphere::gpu
 #endif

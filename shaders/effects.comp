@@ -46,10 +46,10 @@ uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
 Echo hitEcho;  // of a beam with a hit, if `echoes` does not have it
-// Each invocation counts hits and causes. The array has one entry more than there are causes, as laneSums has in
-// workgroup_sums.glsl: arrays of equal size have one type, and that of Counters::causes has a stride.
+// Each invocation counts hits and causes. The array has two entries more than there are causes, as laneSums has one more
+// in workgroup_sums.glsl: arrays of equal size have one type, and those of `Counters`, of 7 and 8, have a stride.
 uint hits;
-uint causeCounts[kCauses + 1];
+uint causeCounts[kCauses + 2];
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
 Echo loadEcho(uint k);
@@ -220,10 +220,12 @@ void addCounts() {
 void loadHit(bool own) {
   hitWord = own ? words.at[beamEntry(wordIndex)] : uvec2(kNone);
   float range = uintBitsToFloat(hitWord.y);
-  bool there = hitWord.y != kNone && !(NUMBERED && beamIndex == kNone) && !hidesItself(wordIndex, range);
+  bool there = hitWord.y != kNone && !(NUMBERED && beamIndex == kNone), looks = (FIELDS & kSurfaceFields) != 0;
+  if (SIGNALS)
+    looks = looks || LOOKS_AT_MATERIALS;  // and isReturned() judges near hits
+  else
+    there = there && !hidesItself(wordIndex, range);
   hitRange = there ? range : notANumber();
-  bool looks = (FIELDS & kSurfaceFields) != 0;
-  if (SIGNALS) looks = looks || LOOKS_AT_MATERIALS;
   if (!(looks || SPEEDS || POINTS)) return;
   Surface surface;
   findHit(there ? hitWord.x : kNone, looks, hitOwner, surface);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arithmetic for the formulas of the effects, in the common subset of GLSL and C++ (and CUDA). Vulkan lets the results
-// of division, roots, exponentials and the like differ between devices, but not those of additions and products.
-// Everything here uses only the latter, so the same input gives the same bytes everywhere. Values must be normal
-// floats, because a device may flush denormals to zero.
+// of division, roots, exponentials and the like differ between devices, but not those of additions and products,
+// which all known devices round to the nearest float. Everything here uses only the latter, so the same input gives the
+// same bytes everywhere. Values must be normal floats, because a device may flush denormals to zero.
 #ifndef GNOSPHERE_EFFECTS_ARITHMETIC_H
 #define GNOSPHERE_EFFECTS_ARITHMETIC_H
 

@@ -128,13 +128,16 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
 // of the echo's random draws.
 GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, uint number, float depth, float power,
                            GNO_INOUT(uint) cause) {
-  if (p.hidesNear > 0u && echo.range < p.rangeMin) return false;
+  if (p.hidesNear > 0u && echo.range < p.rangeMin) {
+    if (cause == kCauseNoSurface) cause = kCauseTooNear;
+    return false;
+  }
   if (HAS_THRESHOLD) {
     float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
     if (!detected(p, power, chance)) {
       if (number == kScatterDraw) return false;
       bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
-      if (inClearAir && cause != kCauseDroppedOut) cause = kCauseAttenuated;
+      if (inClearAir && (cause == kCauseNoSurface || cause == kCauseWeak)) cause = kCauseAttenuated;
       if (!inClearAir && cause == kCauseNoSurface) cause = kCauseWeak;
       return false;
     }

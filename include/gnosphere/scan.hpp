@@ -128,8 +128,9 @@ enum class Cause : uint8_t {
   attenuated,  ///< below the threshold, but without fog, rain, snow and dust an echo would have been above it
   droppedOut,  ///< the return was lost at random (Effects::DropOut)
   dead,        ///< the beam is one of Effects::DropOut::deadBeams or Sensor::maskedBeams
+  tooNear,     ///< a surface nearer than the least range blocks the beam (NearHits::hide)
 };
-inline constexpr size_t kCauseCount = 6;
+inline constexpr size_t kCauseCount = 7;
 
 /// The origin of a return.
 enum class Label : uint8_t {

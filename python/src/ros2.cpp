@@ -104,7 +104,8 @@ void bindLaserScan(nb::module_& m) {
       .def_rw("scan_time", &LaserScan::scanTime, "Seconds between scans.")
       .def_rw("range_min", &LaserScan::rangeMin, "Metres.")
       .def_rw("range_max", &LaserScan::rangeMax, "Metres.")
-      .def_rw("ranges", &LaserScan::ranges, "Metres; a list that is assigned whole; inf where nothing is hit.")
+      .def_rw("ranges", &LaserScan::ranges,
+              "Metres; a list that is assigned whole; inf where nothing is hit, see laser_scan_of().")
       .def_rw("intensities", &LaserScan::intensities, "One per range, or none; a list that is assigned whole.");
 }
 
@@ -257,9 +258,10 @@ void bindRos2(nb::module_& parent) {
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
-      "a return is inf, as REP 117 wants it. So is one whose return NearHits.hide has taken, where REP 117 wants -inf: "
-      "scans do not tell the two apart. A beam that the sensor masks, and with the field cause one that is dead or "
-      "whose return was lost at random, is NaN. Raises Error(invalid_argument) for a channel "
+      "a return is inf, as REP 117 wants it. A beam that the sensor masks is NaN. With the field cause, -inf is a beam "
+      "that a surface nearer than its least range blocks (NearHits.hide), and NaN also one that is dead or whose "
+      "return "
+      "was lost at random. Raises Error(invalid_argument) for a channel "
       "that there is not, for a scan of another sensor, and unless has_laser_scan().");
 }
 

@@ -130,7 +130,8 @@ void bindFields(nb::module_& m) {
       .value("attenuated", Cause::attenuated,
              "Below the threshold, but without fog, rain, snow and dust an echo would have been above it.")
       .value("dropped_out", Cause::droppedOut, "The return was lost at random (Effects.DropOut).")
-      .value("dead", Cause::dead, "The beam is one of Effects.DropOut.dead_beams or Sensor.masked_beams.");
+      .value("dead", Cause::dead, "The beam is one of Effects.DropOut.dead_beams or Sensor.masked_beams.")
+      .value("too_near", Cause::tooNear, "A surface nearer than the least range blocks the beam (NearHits.hide).");
   nb::enum_<Label>(m, "Label", nb::is_arithmetic(), "The origin of a return.")
       .value("none", Label::none, "No return.")
       .value("solid", Label::solid, "A surface.")

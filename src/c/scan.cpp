@@ -22,7 +22,8 @@ static_assert(static_cast<int>(Cause::noSurface) == GNO_CAUSE_NO_SURFACE &&
               static_cast<int>(Cause::weak) == GNO_CAUSE_WEAK &&
               static_cast<int>(Cause::attenuated) == GNO_CAUSE_ATTENUATED &&
               static_cast<int>(Cause::droppedOut) == GNO_CAUSE_DROPPED_OUT &&
-              static_cast<int>(Cause::dead) == GNO_CAUSE_DEAD && kCauseCount == GNO_CAUSE_DEAD + 1);
+              static_cast<int>(Cause::dead) == GNO_CAUSE_DEAD &&
+              static_cast<int>(Cause::tooNear) == GNO_CAUSE_TOO_NEAR && kCauseCount == GNO_CAUSE_TOO_NEAR + 1);
 static_assert(static_cast<int>(Label::none) == GNO_LABEL_NONE && static_cast<int>(Label::solid) == GNO_LABEL_SOLID &&
               static_cast<int>(Label::scatter) == GNO_LABEL_SCATTER);
 static_assert(sizeof(gno_counters::causes) / sizeof(uint64_t) == kCauseCount);

@@ -27,7 +27,7 @@ static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
               same(Effects::Returns::Mode::strongest, gpu::kModeStrongest) &&
               same(Effects::Returns::Mode::all, gpu::kModeAll) && same(Effects::Returns::Mode::dual, gpu::kModeDual) &&
               same(Cause::returned, gpu::kCauseReturned) && same(Cause::dead, gpu::kCauseDead) &&
-              same(Label::scatter, gpu::kLabelScatter));
+              same(Cause::tooNear, gpu::kCauseTooNear) && same(Label::scatter, gpu::kLabelScatter));
 
 /// Full angles of the footprint in radians, from the request or else from the sensor.
 double horizontalSpread(const Effects& effects, const Sensor& sensor) {

@@ -155,7 +155,10 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
   std::vector<Bounded> powers;
   for (Numbered& numbered : echoes) {
     const Echo& echo = numbered.echo;
-    if (least > axis.window.least && less(echo.range, given(least), doubt)) continue;
+    if (least > axis.window.least && less(echo.range, given(least), doubt)) {
+      if (result.cause == Cause::noSurface) result.cause = Cause::tooNear;
+      continue;
+    }
     numbered.depth = inMedium ? medium_.depthTo(axis, echo.range) : Bounded(0);
     const Bounded power = received(echo.energy, echo.range, numbered.depth);
     if (inMedium || plan_.has(gpu::kDetection)) {
@@ -164,7 +167,8 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
       if (!detected(power, chance, doubt)) {
         if (!numbered.isSurface()) continue;
         const bool inClearAir = inMedium && detected(received(echo.energy, echo.range, 0), chance, doubt);
-        if (inClearAir && result.cause != Cause::droppedOut) result.cause = Cause::attenuated;
+        const bool unexplained = result.cause == Cause::noSurface || result.cause == Cause::weak;
+        if (inClearAir && unexplained) result.cause = Cause::attenuated;
         if (!inClearAir && result.cause == Cause::noSurface) result.cause = Cause::weak;
         continue;
       }

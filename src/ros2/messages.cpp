@@ -195,9 +195,14 @@ LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, 
     const bool returned = scan.returned(entry);
     const auto cause = static_cast<Cause>(explained ? scan.column<uint8_t>(Field::cause)[entry] : 0);
     const bool invalid = silent[beam] || cause == Cause::dead || cause == Cause::droppedOut;
-    laser.ranges.push_back(returned  ? scan.ranges[entry]
-                           : invalid ? std::numeric_limits<float>::quiet_NaN()
-                                     : std::numeric_limits<float>::infinity());
+    float range = std::numeric_limits<float>::infinity();
+    if (returned)
+      range = scan.ranges[entry];
+    else if (invalid)
+      range = std::numeric_limits<float>::quiet_NaN();
+    else if (cause == Cause::tooNear)
+      range = -range;
+    laser.ranges.push_back(range);
     if (intense) laser.intensities.push_back(returned ? scan.column<float>(Field::intensity)[entry] : 0);
   }
   return laser;

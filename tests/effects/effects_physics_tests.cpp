@@ -484,4 +484,46 @@ TEST_CASE("beams are lost at the requested rates, and every beam has one cause")
   CHECK(std::abs(double(weak.counters.causes[size_t(Cause::droppedOut)]) - expected) < 4 * std::sqrt(0.24 * beams));
 }
 
+TEST_CASE("a surface nearer than the least range blocks a beam in all that effects do, and is its cause") {
+  Setup setup("vulkan", platesOf({{0.5, 0.2, 0.5f}, {20, 20, 0.5f}}), fan(500, 9, 40, 60));
+  setup.sensor.rangeMin = 1;
+  setup.sensor.nearHits = NearHits::hide;
+  setup.sensor.divergenceHorizontal = setup.sensor.divergenceVertical = 3e-3;
+  setup.fields = {Field::intensity, Field::cause};
+  const Effects plain = setup.effects;
+  Effects fog = plain, dropOut = plain, noise = plain, footprints = plain;
+  fog.fog = {EffectUse::on, 20};  // without the plate most beams would return fog
+  dropOut.dropOut = {EffectUse::on, 0.3};
+  noise.rangeNoise.use = EffectUse::on;
+  noise.rangeNoise.bias = 0.7;
+  footprints.divergence.use = EffectUse::on;
+  for (const Effects& effects : {plain, fog, dropOut, noise, footprints}) {
+    setup.effects = effects;
+    INFO(toJson(effects));
+    setup.device = "reference";
+    const Scan expected = setup.scan();
+    setup.device = "vulkan";
+    const Scan scan = setup.scan();
+    const Differences found = differences(expected, scan);
+    INFO(found.first);
+    CHECK(found.all() == 0);
+    CHECK(found.ties < 20);
+    CHECK(scan.counters.causes == expected.counters.causes);
+    const auto causes = scan.column<uint8_t>(Field::cause);
+    size_t blocked = 0, wrong = 0;
+    for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+      const Vec3 d = setup.sensor.direction(beam);
+      const double aside = std::max(std::abs(d.y), std::abs(d.z)) / d.x;
+      const bool meets = d.x > 0 && aside < 0.4 - 0.005, misses = d.x <= 0 || aside > 0.4 + 0.005;
+      const auto cause = static_cast<Cause>(causes[beam]);
+      blocked += cause == Cause::tooNear;
+      if (meets) wrong += scan.hit(beam) || (cause != Cause::tooNear && cause != Cause::droppedOut);
+      if (misses) wrong += cause == Cause::tooNear;
+    }
+    CHECK(blocked > 100);
+    CHECK(wrong == 0);
+    CHECK(blocked == scan.counters.causes[static_cast<size_t>(Cause::tooNear)]);
+  }
+}
+
 }  // namespace gnosphere::test

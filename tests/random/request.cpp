@@ -162,8 +162,9 @@ Sensor anyGrid(Draw& draw) {
   const double low = draw.between(-89, 0), high = draw.between(1, 89);
   Sensor sensor = gridSensor(columns, channels, low, high, draw.magnitude(20, 300));
   sensor.rotationPeriod = draw.often(80) ? 0.1 : 0;
-  sensor.rangeMin = draw.often(40) ? draw.magnitude(0.05, 3) : 0;
   if (draw.often(20)) sensor.nearHits = NearHits::hide;
+  const double largestLeast = sensor.nearHits == NearHits::hide ? 30 : 3;  // hides many surfaces
+  sensor.rangeMin = draw.often(40) ? draw.magnitude(0.05, largestLeast) : 0;
   if (draw.often(30)) sensor.azimuthSpanDeg = draw.between(-360, 360);
   if (draw.often(30)) sensor.azimuthStartDeg = draw.between(-180, 180);
   if (draw.often(70)) sensor.divergenceHorizontal = draw.magnitude(3e-4, 2e-2);

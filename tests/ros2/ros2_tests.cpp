@@ -342,37 +342,39 @@ TEST_CASE("ROS 2: a scan that a driver's types do not hold is refused") {
   CHECK_THROWS_WITH(driverCloudOf(scan, static_cast<Driver>(6), "", 0), ContainsSubstring("no driver 6"));
 }
 
-TEST_CASE("ROS 2: a list of evenly spaced beams is a laser scan, and dead beams are not free space") {
+TEST_CASE("ROS 2: a list of evenly spaced beams is a laser scan, and dead and blocked beams are not free space") {
   Sensor sensor;
   sensor.name = "scanner";
   sensor.rangeMax = 40;
   BeamList list;
-  for (const double degrees : {170.0, 179.0, 188.0, 197.0}) {  // beyond 180 degrees without a gap
+  for (const double degrees : {170.0, 179.0, 188.0, 197.0, 206.0}) {  // beyond 180 degrees without a gap
     list.directions.push_back({std::cos(degrees * M_PI / 180), std::sin(degrees * M_PI / 180), 0});
     list.times.push_back((degrees - 170) / 9000);
   }
   sensor.patterns = {list};
   sensor.maskedBeams = {1};
   Scan scan;
-  scan.columns = 4;
+  scan.columns = 5;
   scan.channels = 1;
-  scan.points.assign(12, NAN);
-  scan.ranges = {NAN, NAN, NAN, 5};
-  scan.triangles = scan.instances = {kNoTriangle, kNoTriangle, kNoTriangle, 0};
-  setColumn<uint8_t>(scan, Field::cause, {1, 1, 4, 0});  // no surface, no surface, dropped out, returned
+  scan.points.assign(15, NAN);
+  scan.ranges = {NAN, NAN, NAN, 5, NAN};
+  scan.triangles = scan.instances = {kNoTriangle, kNoTriangle, kNoTriangle, 0, kNoTriangle};
+  // No surface, no surface, dropped out, returned, too near.
+  setColumn<uint8_t>(scan, Field::cause, {1, 1, 4, 0, 6});
   CHECK(hasLaserScan(sensor));
   const LaserScan laser = laserScanOf(sensor, scan, 0, "front", 0);
   CHECK(laser.angleMin == Approx(170 * M_PI / 180));
-  CHECK(laser.angleMax == Approx(197 * M_PI / 180));
+  CHECK(laser.angleMax == Approx(206 * M_PI / 180));
   CHECK(laser.angleIncrement == Approx(9 * M_PI / 180));
   CHECK(laser.timeIncrement == Approx(0.001));
-  CHECK(laser.scanTime == Approx(0.003));
+  CHECK(laser.scanTime == Approx(0.004));
   sensor.scanPeriod = 0.1;
   CHECK(laserScanOf(sensor, scan, 0, "front", 0).scanTime == Approx(0.1));
   CHECK(laser.ranges[0] == INFINITY);
   CHECK(std::isnan(laser.ranges[1]));
   CHECK(std::isnan(laser.ranges[2]));
   CHECK(laser.ranges[3] == 5);
+  CHECK(laser.ranges[4] == -INFINITY);
 
   sensor.patterns[0].directions[2] = {-1, 0, 0};
   CHECK_FALSE(hasLaserScan(sensor));
@@ -380,7 +382,7 @@ TEST_CASE("ROS 2: a list of evenly spaced beams is a laser scan, and dead beams 
   sensor.patterns = {list, list};
   CHECK_FALSE(hasLaserScan(sensor));
   sensor.patterns = {list};
-  scan.columns = 2;
+  scan.columns = 3;
   scan.channels = 2;
   CHECK_THROWS_WITH(laserScanOf(sensor, scan, 0, "front", 0), ContainsSubstring("no channel 0 of the sensor scanner"));
 }

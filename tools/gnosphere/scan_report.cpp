@@ -80,7 +80,8 @@ static_assert(std::size(kCounters) * sizeof(uint64_t) + sizeof(Counters::causes)
               "every count has a name");
 
 /// Names in the order of Cause.
-constexpr const char* kCauses[kCauseCount] = {"returned", "no_surface", "weak", "attenuated", "dropped_out", "dead"};
+constexpr const char* kCauses[kCauseCount] = {"returned",    "no_surface", "weak",    "attenuated",
+                                              "dropped_out", "dead",       "too_near"};
 
 Json countersJson(const Counters& counters) {
   Json json;
@@ -146,7 +147,8 @@ void printTimes(const ScanReport& report) {
 
 /// Beams without a return, by cause; empty if no effect can lose one.
 std::string lostText(const Counters& counters) {
-  constexpr const char* kWords[kCauseCount] = {"", "met nothing", "too weak", "attenuated", "dropped out", "dead"};
+  constexpr const char* kWords[kCauseCount] = {"",     "met nothing", "too weak", "attenuated", "dropped out",
+                                               "dead", "too near"};
   std::string text;
   for (size_t i = 1; i < kCauseCount; ++i)
     if (counters.causes[i] > 0) text += (text.empty() ? "" : ", ") + grouped(counters.causes[i]) + " " + kWords[i];
