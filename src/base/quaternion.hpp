@@ -27,6 +27,11 @@ inline bool isZero(const Quaternion& q) {
   return q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0;
 }
 
+/// Whether two quaternions are the same numbers; their bits may differ, as those of 0 and -0 do.
+inline bool isSame(const Quaternion& a, const Quaternion& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
+}
+
 /// Returns a quaternion of the same direction whose squared length neither overflows nor underflows. Unless it is
 /// extremely long or short, that is the quaternion itself, so that the usual ones keep their bits. One of length 0
 /// stays.

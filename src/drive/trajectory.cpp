@@ -17,9 +17,8 @@ constexpr double kLongestBend = 0.5;  ///< seconds of a turn before and after a 
 
 /// Whether two poses are the same numbers; their bits may differ, as those of 0 and -0 do.
 bool equal(const Pose& a, const Pose& b) {
-  const auto& [p, q] = a;
-  const auto& [r, s] = b;
-  return p.x == r.x && p.y == r.y && p.z == r.z && q.x == s.x && q.y == s.y && q.z == s.z && q.w == s.w;
+  const Vec3 &p = a.position, &q = b.position;
+  return p.x == q.x && p.y == q.y && p.z == q.z && isSame(a.orientation, b.orientation);
 }
 
 std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::optional<double> yawBefore = {}) {

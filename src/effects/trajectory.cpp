@@ -64,8 +64,7 @@ Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
   const Vec3 &p = a.pose.position, &q = b.pose.position;
   const Quaternion &from = a.pose.orientation, &to = b.pose.orientation;
   // An orientation between two equal ones has the same numbers, so what stands does not move by rounding.
-  const bool turns = from.x != to.x || from.y != to.y || from.z != to.z || from.w != to.w;
-  return {p + share * (q - p), turns ? slerp(from, to, share) : from};
+  return {p + share * (q - p), isSame(from, to) ? from : slerp(from, to, share)};
 }
 
 Vec3 velocityAt(const SensorMotion& motion, double time) {
