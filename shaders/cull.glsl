@@ -96,20 +96,19 @@ Window windowOf(vec3 low, vec3 high) {
 }
 
 // Returns the first column of a window and the column after its last one. If the window continues behind the sensor's
-// last column with column 0, the second number is larger than the number of columns.
+// last column with column 0, the second number is larger than the number of columns. The first column exists even if
+// the bounds of a box are NaN, which a device may convert to any number.
 uvec2 columnsOf(Window window) {
   int unwrapped = whole(ceil(window.from - BESIDE));
-  uint from = wrapColumn(unwrapped);
+  uint from = min(wrapColumn(unwrapped), frame.columns - 1);
   return uvec2(from, uint(whole(floor(window.to)) + int(from) - unwrapped + 1));
 }
 
-// True if a window has at most `most` beams, all in places of a grid. The answer is false if NaN bounds of a box have
-// led to a column that does not exist.
+// True if a window has at most `most` beams, all in places of a grid.
 bool hasFewBeams(Window window, uint most) {
   uvec2 span = columnsOf(window);
   uint columnCount = span.y - span.x;
-  return !LISTED && span.x < frame.columns && columnCount <= most &&
-         columnCount * (window.end - window.first) <= most;
+  return !LISTED && columnCount <= most && columnCount * (window.end - window.first) <= most;
 }
 
 // True if every beam of a window has a hit nearer than `nearest`. Each lane may ask about another window. There is one

@@ -4,7 +4,9 @@
 void store(uint slot, Projected projected, Box box, uint material) {
   projectedA.at[slot] = projected.a;
   bool moves = MOTION && projected.moves;
-  projectedB.at[slot] = vec4(projected.b.xyz, moves ? -projected.b.w : projected.b.w);
+  // The sign is set as a bit, because the range may be 0, and a device may take -0 for 0.
+  uint range = floatBitsToUint(projected.b.w) | (moves ? 0x80000000u : 0u);
+  projectedB.at[slot] = vec4(projected.b.xyz, uintBitsToFloat(range));
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
   if (VIEWS) projectedViews.at[slot] = view;

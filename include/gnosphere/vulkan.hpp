@@ -75,6 +75,10 @@ struct AdoptedDevice {
   uint32_t queueFamily = 0;
   /// The requirements that the device was created with: requirementsOf(), less the features that the caller left off.
   Requirements enabled;
+  /// Whether the device was created with VK_KHR_shader_subgroup_uniform_control_flow and its feature. Where the
+  /// physical device offers them, they are worth enabling: without them Vulkan does not promise that the lanes of a
+  /// subgroup run together again after a branch, on which the kernels rely.
+  bool uniformControlFlow = false;
   Allocator allocator;  ///< if empty, buffers share memory from vkAllocateMemory()
 };
 

@@ -82,8 +82,8 @@ bool areEqual(const vulkan::Requirements& a, const vulkan::Requirements& b) {
 
 bool isSame(const Adopted& known, const gno_vulkan_adopted_device& given, const vulkan::Requirements& enabled) {
   const auto members = [](const gno_vulkan_adopted_device& of) {
-    return std::tie(of.get_instance_proc_addr, of.instance, of.physical_device, of.device, of.queue_family, of.allocate,
-                    of.release, of.user);
+    return std::tie(of.get_instance_proc_addr, of.instance, of.physical_device, of.device, of.queue_family,
+                    of.uniform_control_flow, of.allocate, of.release, of.user);
   };
   return members(known.given) == members(given) && areEqual(known.enabled, enabled);
 }
@@ -110,6 +110,7 @@ DeviceChoice deviceOf(const gno_vulkan_adopted_device& given) {
   adopted.device = device.device;
   adopted.queueFamily = device.queue_family;
   adopted.enabled = enabled;
+  adopted.uniformControlFlow = device.uniform_control_flow != VK_FALSE;
   adopted.allocator = allocatorOf(device);
   const DeviceChoice choice = vulkan::adopt(adopted);
   known.push_back({device, enabled, choice.adopted});

@@ -65,6 +65,11 @@ DeviceChoice adopt(const AdoptedDevice& device) {
   need(needed.subgroupSizeControl.subgroupSizeControl, enabled.subgroupSizeControl.subgroupSizeControl,
        "subgroupSizeControl");
   const InstanceFunctions vk = functionsOf(device.getInstanceProcAddr, device.instance);
+  if (device.uniformControlFlow &&
+      !offers(vk, device.physicalDevice, VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME))
+    refuse(
+        "cannot have AdoptedDevice::uniformControlFlow, because its physical device "
+        "lacks " VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME);
   uint32_t count = 0;
   vk.vkGetPhysicalDeviceQueueFamilyProperties(device.physicalDevice, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);

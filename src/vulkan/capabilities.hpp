@@ -59,8 +59,9 @@ struct Capabilities {
   FullSubgroups subgroups;
   bool int64Atomics = false;
   bool float64 = false;
-  /// Lanes that have parted meet again as soon as the source says so: VK_KHR_shader_subgroup_uniform_control_flow. On a
-  /// device of the caller it stays off. Without it the kernels rely on what every driver so far has done.
+  /// Lanes that have parted meet again as soon as the source says so: VK_KHR_shader_subgroup_uniform_control_flow. Of a
+  /// device of the caller AdoptedDevice::uniformControlFlow tells it. Without it the kernels rely on what every driver
+  /// so far has done.
   bool uniformControlFlow = false;
   bool exportsMemory = false;       ///< storage buffers can be handed out as file descriptors
   bool keepsSpecialFloats = false;  ///< shaders may ask that -0, NaN and infinity keep their meaning

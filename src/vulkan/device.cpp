@@ -82,6 +82,7 @@ Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : a
     const Requirements& enabled = adopted_->enabled;
     capabilities_.int64Atomics = enabled.features.shaderInt64 && enabled.features12.shaderBufferInt64Atomics;
     capabilities_.float64 = enabled.features.shaderFloat64;
+    capabilities_.uniformControlFlow = adopted_->uniformControlFlow;
     vk_ = functionsOf(instanceFunctions_.vkGetDeviceProcAddr, adopted_->device);
   } else {
     instance_ = std::make_unique<ApiInstance>(validation);

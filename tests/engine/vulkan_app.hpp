@@ -24,6 +24,7 @@ class VulkanApp {
   explicit VulkanApp(const std::string& name = "", PFN_vkGetInstanceProcAddr lookUp = nullptr,
                      const std::vector<std::string>& extensions = {})
       : wanted_(extensions) {
+    wanted_.push_back(VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME);
     loader_ = dlopen("libvulkan.so.1", RTLD_NOW);
     REQUIRE(loader_);
     get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_, "vkGetInstanceProcAddr"));
@@ -292,6 +293,15 @@ class VulkanApp {
     features12.timelineSemaphore = VK_TRUE;
     VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
     adopted_.enabled.addTo(&features.features, &features12, &sizes);
+    VkPhysicalDeviceShaderSubgroupUniformControlFlowFeaturesKHR uniform = {
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_FEATURES_KHR};
+    chooseExtensions();
+    if (has(VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME)) {
+      VkPhysicalDeviceFeatures2 offered = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &uniform, {}};
+      instanceFunctions_.vkGetPhysicalDeviceFeatures2(adopted_.physicalDevice, &offered);
+      adopted_.uniformControlFlow = uniform.shaderSubgroupUniformControlFlow != VK_FALSE;
+      sizes.pNext = &uniform;
+    }
     const float priority = 1;
     VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
     queue.queueCount = 1;
@@ -299,7 +309,6 @@ class VulkanApp {
     VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    chooseExtensions();
     std::vector<const char*> names;
     for (const std::string& extension : extensions_) names.push_back(extension.c_str());
     info.enabledExtensionCount = static_cast<uint32_t>(names.size());
