@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A storage buffer with its own memory, and copies between it and the host.
+// A storage buffer with its own memory.
 #pragma once
 
 #include <span>
@@ -96,32 +96,6 @@ class Buffer {
   bool coherent_ = true;
   uint64_t bytes_ = 0;
   const char* name_ = "";
-};
-
-/// Copies between the host and device buffers while the device does not use them, through a staging buffer with one
-/// submission per 16 MiB, or per `mostBytes` if that is less.
-class Transfer {
- public:
-  Transfer(const Device& device, uint64_t mostBytes);
-
-  /// Allocates what write() to this buffer needs.
-  void prepareWrite(const Buffer& buffer) {
-    if (!buffer.mapped()) staging(false);
-  }
-  void write(Buffer& buffer, uint64_t place, std::span<const std::byte> data);
-  void read(const Buffer& buffer, uint64_t place, std::span<std::byte> data);
-  /// Copies the first bytes of a buffer to another one, on the device.
-  void copy(const Buffer& from, const Buffer& to, uint64_t bytes);
-
- private:
-  Buffer& staging(bool read);
-  void copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
-
-  const Device* device_;
-  uint64_t mostBytes_;
-  DeviceHandle<VkCommandPool> pool_;
-  DeviceHandle<VkFence> fence_;
-  Buffer written_, read_;  // made at their first use
 };
 
 }  // namespace gnosphere::vulkan

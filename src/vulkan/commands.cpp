@@ -62,6 +62,7 @@ void Commands::cut() {
 }
 
 void Commands::begin(uint32_t stamps) {
+  wait();
   makeRoom(stamps);
   open(0);
   vk_.vkCmdResetQueryPool(commands_.handle(), queries_.get(), 0, stampLimit_);
@@ -101,19 +102,21 @@ void Commands::wait() {
   if (!pending_) return;
   const VkFence fence = fence_.get();
   const VkResult result = waitForFence();
-  pending_ = result == VK_TIMEOUT;
+  // A wait that fails for another reason, such as a lack of memory, does not tell that the device has ended its work.
+  pending_ = result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST;
   if (result == VK_ERROR_DEVICE_LOST) refuseLost();
-  if (result == VK_TIMEOUT)
-    throw Error(ErrorCode::device,
-                "the device '" + device_.capabilities().info.name + "' did not end a scan in time" + progress());
-  check(result, "vkWaitForFences");
+  if (pending_) {
+    const std::string why = result == VK_TIMEOUT ? "did not end its work in time"
+                                                 : std::string("cannot be waited for, ") + resultName(result);
+    throw Error(ErrorCode::device, "the device '" + device_.capabilities().info.name + "' " + why + progress());
+  }
   VK(vk_.vkResetFences(device_.handle(), 1, &fence));
 }
 
 void Commands::refuseLost() const {
   throw Error(
       ErrorCode::device,
-      "the device '" + device_.capabilities().info.name + "' was lost while it scanned" + progress() +
+      "the device '" + device_.capabilities().info.name + "' was lost at its work" + progress() +
           "; this simulator is of no more use, a new one may be. Drivers end work that takes them seconds: less "
           "work at a time may help (tuning.max_submission_work, fewer beams or sub-rays)");
 }

@@ -20,8 +20,8 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  /// Begins the recording, which writes up to `stamps` timestamps; wait() must have been called for the previous
-  /// submission. Commands of an earlier recording that were not submitted are dropped.
+  /// Begins the recording, which writes up to `stamps` timestamps, after wait() for the previous submission. Commands
+  /// of an earlier recording that were not submitted are dropped.
   void begin(uint32_t stamps);
   CommandBuffer& buffer() { return commands_; }
   /// Both write a timestamp: start() where the first stage starts, finished() where a part of `stage` ends. Time before
@@ -35,7 +35,7 @@ class Commands {
   /// Ends the recording and submits it to the queue.
   void submit();
   /// Waits until the submission is done; returns at once if it has been waited for already. Throws Error(device) that
-  /// names the last stage that ended if the device is lost, or does nothing for very long.
+  /// names the last stage that ended if the device is lost, does nothing for very long, or cannot be waited for.
   void wait();
   /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
   /// has no timestamps.

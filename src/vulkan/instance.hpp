@@ -12,6 +12,9 @@
 
 namespace gnosphere::vulkan {
 
+/// Returns the name of a result, such as "VK_ERROR_DEVICE_LOST".
+const char* resultName(VkResult result);
+
 /// Throws Error with the call, the name of its result and the place, which is that of the caller: clang 14 has no
 /// std::source_location. Callers use the macro VK().
 void check(VkResult result, const char* call, const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE());

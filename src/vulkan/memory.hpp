@@ -10,6 +10,7 @@
 
 #include "base/room.hpp"
 #include "vulkan/command_buffer.hpp"
+#include "vulkan/transfer.hpp"
 
 namespace gnosphere::vulkan {
 

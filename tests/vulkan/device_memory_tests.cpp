@@ -7,9 +7,9 @@
 
 #include "problem.hpp"
 #include "support.hpp"
-#include "vulkan/buffer.hpp"
 #include "vulkan/device_functions.hpp"
 #include "vulkan/result_ring.hpp"
+#include "vulkan/transfer.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -42,8 +42,8 @@ TEST_CASE("small buffers share allocations, and give them back") {
   vulkan::Device device({}, vulkanOptions().validation);
   heaps = {device.vk()};
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
-  vulkan::Transfer transfer(device, device.maxBufferBytes());
   {
+    vulkan::Transfer transfer(device, device.maxBufferBytes());
     std::vector<vulkan::Buffer> buffers;
     for (uint32_t i = 0; i < 300; ++i) {
       buffers.emplace_back(device, "numbers", 1000 + 7 * i, MemoryKind::device);
@@ -68,7 +68,6 @@ TEST_CASE("small buffers share allocations, and give them back") {
     }
     CHECK(heaps.allocations <= 4);
   }
-  transfer = vulkan::Transfer(device, device.maxBufferBytes());
   CHECK(device.blocks().count() == 0);
   CHECK_NOTHROW(device.throwOnMessages());
 }
