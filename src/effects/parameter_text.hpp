@@ -57,7 +57,9 @@ std::string allowedText(const Parameter<Owner>& parameter) {
               [](const ChoiceParameter<Owner>& choice) { return listed(choice.words); },
               [](const FlagParameter<Owner>&) { return std::string("true or false"); },
               [](const TextParameter<Owner>&) { return std::string("a text"); },
-              [](const IndicesParameter<Owner>& list) { return std::string("a list of ") + list.noun + " indices"; },
+              [](const IndicesParameter<Owner>& list) {
+                return std::string("a list of ") + list.noun + " indices, as [0, 3]";
+              },
               [](const BoxesParameter<Owner>&) {
                 return std::string("a list of {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}");
               }},

@@ -176,8 +176,9 @@ TEST_CASE("values of a wrong type are refused with the right type") {
   refused(R"({"divergence": {"sub_rays": 1.5}})", "divergence.sub_rays must be a whole number, 1..1261, is 1.5");
   refused(R"({"sensor-motion": {"deskew": 1}})", "sensor-motion.deskew must be true or false, is 1");
   refused(R"({"angle-noise": {"at": "points"}})", "angle-noise.at must be beam or point, is \"points\"");
-  refused(R"({"drop-out": {"dead_beams": 3}})", "drop-out.dead_beams must be a list of beam indices, is 3");
-  refused(R"({"drop-out": {"dead_beams": [-3]}})", "drop-out.dead_beams must be a list of beam indices, is -3");
+  refused(R"({"drop-out": {"dead_beams": 3}})", "drop-out.dead_beams must be a list of beam indices, as [0, 3], is 3");
+  refused(R"({"drop-out": {"dead_beams": [-3]}})",
+          "drop-out.dead_beams must be a list of beam indices, as [0, 3], is -3");
   refused(R"({"volumes": {"boxes": {}}})",
           "volumes.boxes must be a list of {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}, is {}");
   refused(R"({"volumes": {"boxes": [3]}})",

@@ -146,7 +146,8 @@ TEST_CASE("an assignment that is wrong names the nearest options, or the values"
   refused<S>("tuning.keep_still=2", "tuning.keep_still must be true or false, is 2");
   refused<S>("tuning.max_buffer_bytes=-1",
              "tuning.max_buffer_bytes must be a whole number, 0..18446744073709551615, is -1");
-  refused<SensorRequest>("ignored_instances=3", "ignored_instances must be a list of instance indices, is 3");
+  refused<SensorRequest>("ignored_instances=3",
+                         "ignored_instances must be a list of instance indices, as [0, 3], is 3");
 }
 
 TEST_CASE("the accuracies are in the order of the enum, and the C interface has them") {
