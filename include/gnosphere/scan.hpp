@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -224,8 +225,9 @@ struct Scan {
   size_t beamCount() const { return ranges.size() / returns; }
   /// Returns whether the entry is a return from a surface.
   bool hit(size_t entry) const { return triangles[entry] != kNoTriangle; }
-  /// Returns whether the entry is a return, from a surface or from the medium.
-  bool returned(size_t entry) const { return ranges[entry] == ranges[entry]; }
+  /// Returns whether the entry is a return, from a surface or from the medium: its range is not NaN, of which the bits
+  /// tell, since a caller may be compiled with -ffast-math, for which there is no NaN.
+  bool returned(size_t entry) const { return std::bit_cast<uint32_t>(ranges[entry]) << 1 <= 0xff000000; }
 
  private:
   friend class ScanColumns;
