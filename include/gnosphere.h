@@ -28,8 +28,10 @@
  * the simulator whose call the other one is in, because both would wait for ever.
  *
  * Processes: one that was forked makes its own simulators, and calls of its parent's are errors, except destroying
- * them. It ends by _exit(), because with Mesa's lavapipe exit() waits for threads that only its parent has. dlclose()
- * leaves the library in the process.
+ * them. Its parent must fork while no other thread makes or destroys a simulator, because Vulkan's loader and drivers
+ * then hold locks that are never free in the forked process; nor may another thread be in a call with a scene, sensor,
+ * scan or other object that the forked process uses. It ends by _exit(), because with Mesa's lavapipe exit() waits for
+ * threads that only its parent has. dlclose() leaves the library in the process.
  *
  * Units: metres, seconds and radians, unless a name says otherwise. Frames are right-handed: x forward, y left, z up.
  */

@@ -59,6 +59,8 @@ void useLocale(Locale locale);
 
 std::string machineName();
 uint32_t processNumber();
+/// From now on, each fork of this process calls `before` first, and `after` in both processes when it is done.
+void atFork(void (*before)(), void (*after)());
 
 /// Opens a shared library, which stays open; null if it cannot be opened. With `ownSymbols` the library uses its own
 /// copy of what another library of the process has, too.

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fnmatch.h>
 #include <locale.h>
+#include <pthread.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -116,6 +117,10 @@ std::string machineName() {
 
 uint32_t processNumber() {
   return static_cast<uint32_t>(::getpid());
+}
+
+void atFork(void (*before)(), void (*after)()) {
+  ::pthread_atfork(before, after, after);
 }
 
 // The sanitizers end a process that asks for symbols of its own.

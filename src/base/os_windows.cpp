@@ -182,6 +182,9 @@ uint32_t processNumber() {
   return GetCurrentProcessId();
 }
 
+// There is no fork on Windows.
+void atFork(void (*)(), void (*)()) {}
+
 void* openLibrary(const std::string& file, bool) {
   return LoadLibraryW(pathOf(file).c_str());
 }

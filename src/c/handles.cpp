@@ -6,6 +6,8 @@
 #include <new>
 #include <unordered_map>
 
+#include "base/os.hpp"
+
 namespace gnosphere::c {
 namespace {
 
@@ -40,9 +42,13 @@ struct Table {
   }
 };
 
-// Never destroyed, because other threads may still call the library while the process ends.
+// Never destroyed, because other threads may still call the library while the process ends. A fork waits for the lock,
+// which the forked process then finds free.
 Table& table() {
-  static Table* const theTable = new Table;
+  static Table* const theTable = [] {
+    os::atFork([] { table().mutex.lock(); }, [] { table().mutex.unlock(); });
+    return new Table;
+  }();
   return *theTable;
 }
 

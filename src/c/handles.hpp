@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/maker_process.hpp"
 #include "c/structs.hpp"
 
 namespace gnosphere::c {
@@ -64,11 +65,18 @@ GNO_HELD(gno_simulator, SimulatorObject, "simulator")
 GNO_HELD(gno_scan, ScanObject, "scan")
 GNO_HELD(gno_batch, BatchObject, "batch")
 
+/// A simulator, or what works with one: threads of the process that has made it work for it.
+template <class T>
+concept HasSimulator = requires(T& object) {
+  object.simulator;
+};
+
 /// An object with the lock that its calls wait for.
 template <class T>
 struct Object {
   explicit Object(T from) : value(std::move(from)) {}
   T value;
+  const MakerProcess maker;
   std::recursive_mutex mutex;
   size_t users = 0;  ///< calls that call functions of the caller, which must not change the object meanwhile
 };
@@ -87,10 +95,20 @@ void release(uintptr_t handle) noexcept;
 template <class Handle>
 using Shared = std::shared_ptr<Object<typename Held<Handle>::Type>>;
 
+/// As find(), also for an object of another process.
 template <class Handle>
-Shared<Handle> find(Handle handle) {
+Shared<Handle> findAnyones(Handle handle) {
   return std::static_pointer_cast<Object<typename Held<Handle>::Type>>(
       find(Held<Handle>::kName, reinterpret_cast<uintptr_t>(handle)));
+}
+
+/// Returns the object of a handle, but not a simulator of another process. The check comes before the object's lock: if
+/// another thread had the lock at a fork, the lock is never free in the forked process, which lacks that thread.
+template <class Handle>
+Shared<Handle> find(Handle handle) {
+  Shared<Handle> object = findAnyones(handle);
+  if constexpr (HasSimulator<typename Held<Handle>::Type>) object->maker.check();
+  return object;
 }
 
 /// Access to the object of a handle, for as long as this lives.

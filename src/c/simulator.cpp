@@ -213,7 +213,7 @@ gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, siz
 
 gno_status gno_simulator_destroy(gno_simulator simulator) {
   return guard([&] {
-    { Idle idle(simulator); }
+    if (!findAnyones(simulator)->maker.isParent()) Idle{simulator};
     destroy(simulator);
   });
 }

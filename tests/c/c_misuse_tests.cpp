@@ -7,7 +7,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -181,6 +183,61 @@ TEST_CASE("C: a process that was forked is told to make simulators of its own, a
   REQUIRE(waitpid(child, &status, 0) == child);
   CHECK(status == 0);
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+}
+
+TEST_CASE("C: a forked process does not wait for a call of its parent, in which another thread was at the fork") {
+  Wall wall;
+  gno_simulator simulator = nullptr;
+  REQUIRE(wall.create(simulator) == GNO_OK);
+  struct Receiving {
+    std::promise<void> begun, mayEnd;
+  } receiving;
+  std::thread scanning([&] {
+    const gno_shot shot = gno_shot_init();
+    const auto receive = [](size_t, gno_scan, void* user) -> int32_t {
+      auto& to = *static_cast<Receiving*>(user);
+      to.begun.set_value();
+      to.mayEnd.get_future().wait();
+      return 0;
+    };
+    CHECK(gno_simulator_scan_all(simulator, &shot, 1, receive, &receiving) == GNO_OK);
+  });
+  receiving.begun.get_future().wait();
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(10);
+    const gno_shot shot = gno_shot_init();
+    gno_scan scan = nullptr;
+    int wrong = gno_simulator_scan(simulator, &shot, &scan) != GNO_INVALID_ARGUMENT;
+    wrong += gno_simulator_destroy(simulator) != GNO_OK;
+    wrong += gno_simulator_destroy(simulator) != GNO_INVALID_ARGUMENT;  // the handle is gone
+    _exit(wrong);
+  }
+  receiving.mayEnd.set_value();
+  scanning.join();
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+}
+
+TEST_CASE("C: a forked process finds its handles, whatever other threads did with theirs at the fork") {
+  const gno_scene scene = sceneWithWall();
+  std::jthread busy([](const std::stop_token& stop) {
+    gno_effects effects = nullptr;
+    while (!stop.stop_requested()) gno_effects_set_seed(effects, 1);  // looks for the handle, which is null
+  });
+  for (int i = 0; i < 200; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(10);
+      _exit(gno_scene_validate(scene) != GNO_OK);
+    }
+    int status = -1;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    REQUIRE(status == 0);
+  }
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
 TEST_CASE("C: a struct that would end within a pointer or a number is refused") {

@@ -33,7 +33,7 @@ const std::map<std::string, Names> kRooms = {
     {"eval", {"base", "sensor/beams.hpp", "scan/columns.hpp", "output"}},
     {"ros2", {"base", "scan/fields.hpp", "sensor/beams.hpp"}},
     // These two stand on the public headers.
-    {"c", {}},
+    {"c", {"base"}},
     {"rgl", {"base"}},
     {"drive",
      {"base", "sensor/beams.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp", "scene/coarse_positions.hpp",
