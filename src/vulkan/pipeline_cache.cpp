@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <utility>
 
 #include "base/file.hpp"
 #include "base/os.hpp"
@@ -64,7 +65,8 @@ std::string hex(const uint8_t* bytes, size_t count) {
 
 }  // namespace
 
-PipelineCache::PipelineCache(const Device& device, const std::string& setting) : device_(device) {
+PipelineCache::PipelineCache(const Device& device, const std::string& setting)
+    : device_(device), lacksFolder_(setting.empty() && cacheFolder(setting).empty()) {
   VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id, {}};
   device.instanceFunctions().vkGetPhysicalDeviceProperties2(device.physical(), &properties);
@@ -97,6 +99,8 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
     file_.clear();
     if (warn) warn("compiled kernels are not kept, each start compiles them again: " + reason);
   };
+  if (std::exchange(lacksFolder_, false))
+    return fail("neither XDG_CACHE_HOME nor HOME is an absolute path; name a folder by the option 'cache'");
   if (file_.empty()) return;
   if (const std::string problem = shaders_ ? shaders_->problem() : ""; !problem.empty()) return fail(problem);
   size_t size = 0;

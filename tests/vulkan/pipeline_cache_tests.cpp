@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "folder.hpp"
 #include "support.hpp"
@@ -26,6 +28,19 @@ Scan scanWith(const std::string& cache) {
   TestOptions options = vulkanOptions();
   options.cache = cache;
   return scanOf(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), {}, options);
+}
+
+// Works with these values of XDG_CACHE_HOME and HOME, or without them if they are null. Mesa's own folder stays,
+// because filling it is slow.
+void inEnvironment(const char* cache, const char* home, const std::function<void()>& work) {
+  const std::string oldCache = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+  const std::string oldHome = std::getenv("HOME") ? std::getenv("HOME") : "";
+  setenv("MESA_SHADER_CACHE_DIR", (oldCache.empty() ? oldHome + "/.cache" : oldCache).c_str(), 0);
+  cache ? setenv("XDG_CACHE_HOME", cache, 1) : unsetenv("XDG_CACHE_HOME");
+  home ? setenv("HOME", home, 1) : unsetenv("HOME");
+  work();
+  oldCache.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", oldCache.c_str(), 1);
+  setenv("HOME", oldHome.c_str(), 1);
 }
 
 // Returns the file of pipelines in a folder after a scan.
@@ -107,25 +122,35 @@ TEST_CASE("a missing or read-only folder for pipelines is not an error") {
 TEST_CASE("the default folder follows the XDG specification") {
   needVulkan();
   const Folder folder;
-  const auto with = [&](const char* cache, const char* home, const std::function<void()>& work) {
-    const std::string oldCache = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
-    const std::string oldHome = std::getenv("HOME") ? std::getenv("HOME") : "";
-    setenv("MESA_SHADER_CACHE_DIR", (oldCache.empty() ? oldHome + "/.cache" : oldCache).c_str(),
-           0);  // unchanged, because filling it is slow
-    cache ? setenv("XDG_CACHE_HOME", cache, 1) : unsetenv("XDG_CACHE_HOME");
-    home ? setenv("HOME", home, 1) : unsetenv("HOME");
-    work();
-    oldCache.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", oldCache.c_str(), 1);
-    setenv("HOME", oldHome.c_str(), 1);
-  };
   const std::string home = folder / "home", cache = folder / "cache";
-  with(cache.c_str(), home.c_str(), [] { scanWith(""); });
+  inEnvironment(cache.c_str(), home.c_str(), [] { scanWith(""); });
   (void)storedIn(folder / "cache" / "gnosphere");
   CHECK(!fs::exists(folder / "home" / ".cache" / "gnosphere"));
-  with("relative", home.c_str(), [] { scanWith(""); });
+  inEnvironment("relative", home.c_str(), [] { scanWith(""); });
   CHECK(fs::exists(folder / "home" / ".cache" / "gnosphere"));
   CHECK(!fs::exists("relative/gnosphere"));
-  with(nullptr, nullptr, [] { scanWith(""); });
+}
+
+TEST_CASE("without a folder of the user it is told once that kernels are not kept, and how they are") {
+  needVulkan();
+  std::vector<std::string> warnings;
+  const auto scan = [&](const std::string& cache) {
+    vulkan::destroyIdleDevices();
+    TestOptions options = vulkanOptions();
+    options.cache = cache;
+    options.warn = [&](const std::string& text) { warnings.push_back(text); };
+    Simulator simulator = makeSimulator(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), options);
+    for (int i = 0; i < 2; ++i) (void)simulator.scan({});
+  };
+  inEnvironment(nullptr, nullptr, [&] { scan("off"); });
+  CHECK(warnings.empty());
+  inEnvironment(nullptr, nullptr, [&] { scan(""); });
+  inEnvironment("relative", "relative", [&] { scan(""); });
+  REQUIRE(warnings.size() == 2);
+  for (const std::string& text : warnings) {
+    CHECK(text.starts_with("compiled kernels are not kept"));
+    CHECK(text.find("name a folder by the option 'cache'") != std::string::npos);
+  }
 }
 
 }  // namespace gnosphere::test
