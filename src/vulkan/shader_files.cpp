@@ -2,6 +2,7 @@
 #include "vulkan/shader_files.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMostBinaryBytes = 16 << 20;  // of a binary; larger than any seen so far
-constexpr size_t kMostFiles = 1024;              // some 60 MB; a sensor with its effects has about 15
+constexpr uint64_t kMostBinaryBytes = 16 << 20;      // of a binary; larger than any seen so far
+constexpr size_t kMostFiles = 1024;                  // some 60 MB; a sensor with its effects has about 15
+constexpr auto kRefreshed = std::chrono::hours(24);  // how often the time of a file that is in use is written
 
 // Returns a name that differs between drivers, their versions and the widths for which they compile.
 std::string driverName(const Device& device) {
@@ -28,6 +30,33 @@ std::string driverName(const Device& device) {
   hasher.add(std::string_view(properties.properties.deviceName));
   hasher.add(std::string_view(device.capabilities().info.driver));
   return hasher.hex();
+}
+
+// Returns what a file begins with that has this name and this binary. Drivers may crash on the binary of another
+// kernel.
+std::string sealOf(const std::string& name, const std::string& binary) {
+  Hasher hasher;
+  hasher.add(std::string_view(name));
+  hasher.add(std::string_view(binary));
+  return hasher.hex();
+}
+
+// Reads the binary of a file. Throws an Error if there is none, or another one than its name says.
+std::string readBinary(const fs::path& file) {
+  const std::string content = readWholeFile(file, kMostBinaryBytes);
+  const size_t seal = std::min(content.size(), sealOf({}, {}).size());
+  std::string binary = content.substr(seal);
+  if (binary.size() < VK_UUID_SIZE || content.compare(0, seal, sealOf(file.filename().string(), binary)) != 0)
+    throw Error(ErrorCode::format, "this is not the binary of the kernel");
+  return binary;
+}
+
+// Gives a file that is in use the time of now, because removeOldest() removes those that were not used for long.
+void refresh(const fs::path& file) {
+  std::error_code failed;
+  const auto now = fs::file_time_type::clock::now();
+  if (const auto time = fs::last_write_time(file, failed); !failed && now - time > kRefreshed)
+    fs::last_write_time(file, now, failed);
 }
 
 }  // namespace
@@ -44,13 +73,14 @@ DeviceHandle<VkShaderEXT> ShaderFiles::make(const std::string& digest, const VkS
   };
   try {
     // Vulkan wants it aligned to 16 bytes, which memory of the heap is.
-    const std::string binary = readWholeFile(folder_ / digest, kMostBinaryBytes);
-    if (binary.size() < VK_UUID_SIZE) throw Error(ErrorCode::format, "no binary is so short");
+    const std::string binary = readBinary(folder_ / digest);
     VkShaderCreateInfoEXT kept = create;
     kept.codeType = VK_SHADER_CODE_TYPE_BINARY_EXT;
     kept.codeSize = binary.size();
     kept.pCode = binary.data();
-    return made(kept);
+    DeviceHandle<VkShaderEXT> shader = made(kept);
+    refresh(folder_ / digest);
+    return shader;
   } catch (const Error&) {  // there is no file yet, or the driver rejects it
   }
   DeviceHandle<VkShaderEXT> shader = made(create);
@@ -67,6 +97,7 @@ void ShaderFiles::keep(const std::string& digest, VkShaderEXT shader) const {
   fs::create_directories(folder_, ignored);
   try {
     AtomicFile file(folder_ / digest);
+    file.write(sealOf(digest, binary));
     file.write(binary);
     file.commit();
   } catch (const Error& error) {

@@ -10,8 +10,9 @@
 
 namespace gnosphere::vulkan {
 
-/// Keeps the binary of each kernel in a file of its own. A file that cannot be read or written is no error: its kernel
-/// is then compiled again. Several threads and processes may use a folder at once.
+/// Keeps the binary of each kernel in a file of its own, which begins with a hash of its name and the binary. A file
+/// that cannot be read or written, or has another hash, is no error: its kernel is then compiled again. Several threads
+/// and processes may use a folder at once.
 class ShaderFiles {
  public:
   /// Keeps the binaries of the device's driver in a folder below `parent`.
@@ -32,7 +33,8 @@ class ShaderFiles {
   mutable std::string problem_;
 };
 
-/// Removes the oldest files of a folder if it has more than `most`, until it has three quarters of them.
+/// If a folder has more than `most` files, removes those that were not used for the longest time, to a day, until it
+/// has three quarters of them.
 void removeOldest(const std::filesystem::path& folder, size_t most);
 
 }  // namespace gnosphere::vulkan

@@ -119,6 +119,36 @@ TEST_CASE("a damaged binary is compiled anew and replaced") {
   replaces(good + '\0');
 }
 
+TEST_CASE("the binary of another kernel is not given to the driver") {
+  needVulkan();
+  const Folder folder;
+  Process process(folder / "kept");
+  for (const Kernel kernel : kSome) (void)process.typeOf(kernel);
+  const auto files = binariesIn(folder / "kept");
+  REQUIRE(files.size() == 2);
+  const std::string one = bytesOf(files[0]), other = bytesOf(files[1]);
+  put(files[0], other);
+  put(files[1], one);
+  Process later(folder / "kept");
+  for (const Kernel kernel : kSome) CHECK(later.typeOf(kernel) == VK_SHADER_CODE_TYPE_SPIRV_EXT);
+  CHECK((bytesOf(files[0]) == one));
+  CHECK((bytesOf(files[1]) == other));
+}
+
+TEST_CASE("a binary that is used gets a new time, once a day") {
+  needVulkan();
+  const Folder folder;
+  (void)Process(folder / "kept").typeOf(Kernel::prefix_sum);
+  const fs::path file = binariesIn(folder / "kept").at(0);
+  const auto now = fs::file_time_type::clock::now();
+  for (const int hours : {2, 48}) {
+    INFO("hours " << hours);
+    fs::last_write_time(file, now - std::chrono::hours(hours));
+    CHECK(Process(folder / "kept").typeOf(Kernel::prefix_sum) == VK_SHADER_CODE_TYPE_BINARY_EXT);
+    CHECK((fs::last_write_time(file) >= now) == (hours > 24));
+  }
+}
+
 TEST_CASE("a module that cannot be specialised becomes a shader object with its constants") {
   needVulkan();
   const Folder folder;
