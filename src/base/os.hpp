@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,15 @@ using Locale = void*;
 /// useLocale().
 Locale useClassicLocale();
 void useLocale(Locale locale);
+
+/// The processors on which this thread may run, at least one. The system may have more.
+unsigned processorCount();
+
+/// Calls `start`, whose new threads take no signals but those of faults of their own, which the program's handlers may
+/// want to report.
+void withoutSignals(const std::function<void()>& start);
+/// Gives this thread a name, which debuggers and lists of threads show. The system may cut it after 15 letters.
+void nameThread(const char* name);
 
 std::string machineName();
 uint32_t processNumber();

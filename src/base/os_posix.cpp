@@ -4,14 +4,18 @@
 #include <fnmatch.h>
 #include <locale.h>
 #include <pthread.h>
+#include <sched.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <initializer_list>
+#include <thread>
 
 #include "base/os.hpp"
 
@@ -107,6 +111,31 @@ Locale useClassicLocale() {
 
 void useLocale(Locale locale) {
   ::uselocale(static_cast<locale_t>(locale));
+}
+
+unsigned processorCount() {
+  cpu_set_t processors;
+  if (::sched_getaffinity(0, sizeof processors, &processors) != 0)  // there are more than a set has
+    return std::max(1u, std::thread::hardware_concurrency());
+  return static_cast<unsigned>(CPU_COUNT(&processors));
+}
+
+void withoutSignals(const std::function<void()>& start) {
+  sigset_t blocked, before;
+  ::sigfillset(&blocked);
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS}) ::sigdelset(&blocked, fault);
+  ::pthread_sigmask(SIG_BLOCK, &blocked, &before);
+  try {
+    start();
+  } catch (...) {
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    throw;
+  }
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+void nameThread(const char* name) {
+  ::pthread_setname_np(::pthread_self(), name);
 }
 
 std::string machineName() {

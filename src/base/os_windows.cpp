@@ -8,6 +8,8 @@
 #include <locale.h>
 #include <shellapi.h>
 
+#include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
@@ -15,6 +17,7 @@
 #include <memory>
 #include <regex>
 #include <system_error>
+#include <thread>
 
 #include "base/os.hpp"
 #include "base/path.hpp"
@@ -177,6 +180,21 @@ std::string machineName() {
   GetComputerNameExW(ComputerNameDnsHostname, name, &size);
   return utf8(name);
 }
+
+unsigned processorCount() {
+  DWORD_PTR ofProcess = 0, ofSystem = 0;
+  if (!GetProcessAffinityMask(GetCurrentProcess(), &ofProcess, &ofSystem) || ofProcess == 0)  // in several groups
+    return std::max(1u, std::thread::hardware_concurrency());
+  return static_cast<unsigned>(std::popcount(ofProcess));
+}
+
+// Windows sends no signals to threads.
+void withoutSignals(const std::function<void()>& start) {
+  start();
+}
+
+// The compilers for Windows that build the library do not declare its function for names.
+void nameThread(const char*) {}
 
 uint32_t processNumber() {
   return GetCurrentProcessId();

@@ -12,14 +12,29 @@
 #include <utility>
 #include <vector>
 
+#include "base/os.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
 
-/// Number of threads that this machine runs at once, at least one. Cached, because the C library opens a file for it.
+/// Number of threads that the first thread to ask may run at once, at least one; later threads get the same number.
 inline unsigned threadCount() {
-  static const unsigned count = std::max(1u, std::thread::hardware_concurrency());
+  static const unsigned count = os::processorCount();
   return count;
+}
+
+/// Starts a thread of the library, in which no handler of the program's signals runs. Throws std::system_error if the
+/// system cannot start it.
+template <typename Work>
+std::jthread newThread(Work work) {
+  std::jthread thread;
+  os::withoutSignals([&] {
+    thread = std::jthread([work = std::move(work)]() mutable {
+      os::nameThread("gnosphere");
+      work();
+    });
+  });
+  return thread;
 }
 
 /// Returns the message about threads that the system cannot start. `name` says what the threads do.
@@ -32,9 +47,9 @@ inline std::string noMoreThreads(const std::string& name, const std::system_erro
 /// Starts a thread that its caller cannot do without. If the system cannot start it, throws an Error that says what the
 /// thread does, which is `name`.
 template <typename Work>
-std::thread startThread(const std::string& name, Work work) {
+std::jthread startThread(const std::string& name, Work work) {
   try {
-    return std::thread(std::move(work));
+    return newThread(std::move(work));
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::outOfMemory, noMoreThreads(name, error));
   }
@@ -80,7 +95,7 @@ void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
   {
     std::vector<std::jthread> others;
     try {
-      for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back([&] { runs(); });
+      for (uint64_t k = 1; k < threads && k * run < count; ++k) others.push_back(newThread([&] { runs(); }));
     } catch (const std::system_error&) {
     } catch (const std::bad_alloc&) {
     }

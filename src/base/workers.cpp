@@ -9,13 +9,14 @@ Workers::~Workers() {
     ends_ = true;
   }
   wanted_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();  // each ends first
 }
 
 // Calls `work` on this thread and on at most `others` more. A thread that wakes after this one is done takes no part.
 void Workers::together(uint64_t others, const std::function<void()>& work) {
   try {
-    while (threads_.size() < others) threads_.emplace_back([this] { takeWork(); });
+    threads_.reserve(others);  // a thread that has begun always finds its place
+    while (threads_.size() < others) threads_.push_back(newThread([this] { takeWork(); }));
   } catch (const std::system_error&) {
   } catch (const std::bad_alloc&) {
   }

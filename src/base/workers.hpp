@@ -42,7 +42,7 @@ class Workers {
   const std::function<void()>* work_ = nullptr;
   uint64_t toTake_ = 0, atWork_ = 0;  ///< threads that may still take part, and threads that do
   bool ends_ = false;
-  std::vector<std::thread> threads_;
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace gnosphere

@@ -108,7 +108,7 @@ class FrameQueue {
   std::deque<FrameRecord> empty_, waiting_;
   bool ended_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace gnosphere::drive

@@ -187,7 +187,7 @@ class Publisher::Queue {
   std::deque<Message> waiting_;
   PublisherCounts counts_;
   bool sending_ = false, ended_ = false;
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 Publisher::Publisher(MessageType type, const std::string& topic, const PublisherOptions& options)

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work shared among threads, and simulators in several threads.
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <new>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "base/os.hpp"
 #include "base/threads.hpp"
 #include "base/workers.hpp"
 #include "no_more_threads.hpp"
@@ -58,6 +64,48 @@ TEST_CASE("workers share work that no thread could do alone") {
       while (there < 3) std::this_thread::yield();
     });
   }
+}
+
+TEST_CASE("the processors are those on which the thread may run, not those of the machine") {
+  std::thread([] {
+    cpu_set_t all, one;
+    REQUIRE(::sched_getaffinity(0, sizeof all, &all) == 0);
+    CHECK(os::processorCount() == static_cast<unsigned>(CPU_COUNT(&all)));
+    CPU_ZERO(&one);
+    for (int i = 0; i < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++i)
+      if (CPU_ISSET(i, &all)) CPU_SET(i, &one);
+    REQUIRE(::sched_setaffinity(0, sizeof one, &one) == 0);
+    CHECK(os::processorCount() == 1);
+  }).join();
+}
+
+TEST_CASE("threads of the library have a name and take no signals of the program, which its own threads keep") {
+  sigset_t before, after;
+  ::pthread_sigmask(SIG_BLOCK, nullptr, &before);
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<int> there = 0;
+  const auto look = [&](uint64_t = 0, uint64_t = 0) {
+    ++there;
+    while (there < 2) std::this_thread::yield();
+    if (std::this_thread::get_id() == caller) return;
+    sigset_t blocked;
+    ::pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+    for (const int signal : {SIGTERM, SIGINT, SIGALRM, SIGUSR1, SIGCHLD}) CHECK(::sigismember(&blocked, signal) == 1);
+    for (const int fault : {SIGSEGV, SIGBUS, SIGFPE}) CHECK(::sigismember(&blocked, fault) == 0);
+    char name[16] = {};
+    ::pthread_getname_np(::pthread_self(), name, sizeof name);
+    CHECK(std::string(name) == "gnosphere");
+  };
+  inRuns(2, 1, 2, look);
+  there = 0;
+  Workers().inRuns(2, 1, 2, look);
+  there = 1;
+  startThread("a test", look).join();
+  const NoMoreThreads none;
+  CHECK_THROWS_AS(startThread("a test", look), Error);
+  ::pthread_sigmask(SIG_BLOCK, nullptr, &after);
+  for (const int signal : {SIGTERM, SIGINT, SIGALRM})
+    CHECK(sigismember(&before, signal) == sigismember(&after, signal));
 }
 
 TEST_CASE("an exception of the work ends all threads and is thrown by inRuns()") {
