@@ -12,7 +12,8 @@ namespace gnosphere {
 /// that the call was right but could not be carried out.
 enum class ErrorCode { invalidArgument, file, format, device, outOfMemory };
 
-/// The only exception that the library throws. Its message is one sentence that names the cause and the remedy.
+/// The exception of the library, which throws no other one but std::bad_alloc, where the host's memory is at its end.
+/// Its message is one sentence that names the cause and the remedy.
 class GNOSPHERE_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

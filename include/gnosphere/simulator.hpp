@@ -295,9 +295,11 @@ struct AddedScene {
 /// Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; the index of a
 /// removed object is given to the next one added.
 ///
-/// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. One thread at a time
-/// may use a simulator; several simulators may be used by several threads at once. Simulators that one thread makes
-/// on one device share its queue and the kernels that are compiled for it.
+/// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. So does one that
+/// throws std::bad_alloc, for want of host memory: any call may, wherever Error(outOfMemory) is named. One thread at a
+/// time may use a simulator; several simulators may be used by several threads at once. Simulators that one thread
+/// makes on one device share its queue and the kernels that are compiled for it. A simulator that was moved to another
+/// variable cannot be called any more: calls throw Error(invalidArgument).
 class GNOSPHERE_API Simulator {
  public:
   /// Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Throws

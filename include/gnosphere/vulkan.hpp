@@ -158,7 +158,8 @@ struct RecordedScan {
 /// recorded with it before must have completed. All commands go to one queue, in the order in which they were recorded.
 class GNOSPHERE_API Recorder {
  public:
-  /// The simulator must outlive the recorder, and has one recorder at a time; copies of a recorder are the same one.
+  /// The simulator must outlive the recorder, must not be moved meanwhile, and has one recorder at a time; copies of a
+  /// recorder are the same one.
   /// `framesInFlight` is 1 to 16. Throws Error(invalidArgument) if the simulator has another recorder, if the device is
   /// not an adopted one, or for another number of frames.
   Recorder(Simulator& simulator, size_t framesInFlight = 2);

@@ -32,9 +32,13 @@ void leaveToParent(std::unique_ptr<T>& object) {
   if (object && object->maker().isParent()) static_cast<void>(object.release());
 }
 
-/// Returns an object for a call of it, after MakerProcess::check().
+/// Returns an object for a call of it, after MakerProcess::check(). Throws Error(invalidArgument), too, if the object
+/// has been moved elsewhere.
 template <class T>
 T& ofThisProcess(const std::unique_ptr<T>& object) {
+  if (!object)
+    throw Error(ErrorCode::invalidArgument,
+                "the simulator, or what belongs to one, was moved to another variable; use that one");
   object->maker().check();
   return *object;
 }

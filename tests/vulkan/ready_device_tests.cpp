@@ -88,6 +88,22 @@ TEST_CASE("a device that fails is not taken over") {
   CHECK(simulator.scan({}).counters.hits == 200);
 }
 
+TEST_CASE("a simulator that was moved to another variable says so, and can get a new one") {
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  const auto make = [&] { return makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), options); };
+  Simulator simulator = make();
+  Simulator other(std::move(simulator));
+  Scan scan;
+  const std::function<void()> calls[] = {[&] { simulator.scanInto({}, scan); }, [&] { (void)simulator.plan(); },
+                                         [&] { (void)simulator.memory(); }, [&] { simulator.removeInstance(0); },
+                                         [&] { simulator.removeSensor(0); }};
+  for (const auto& call : calls) CHECK_THROWS_WITH(call(), ContainsSubstring("was moved to another variable"));
+  CHECK(other.scan({}).counters.hits == 200);
+  simulator = make();
+  CHECK(simulator.scan({}).counters.hits == 200);
+}
+
 TEST_CASE("a process that was forked makes simulators, also in place of those of its parent") {
   needVulkan();
   const auto make = [] {
