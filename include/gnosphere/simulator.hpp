@@ -316,9 +316,11 @@ class GNOSPHERE_API Simulator {
   /// Error(invalidArgument) for a pose that is not finite or an unknown sensor, Error(device) or Error(outOfMemory) if
   /// the device fails.
   Scan scan(const Pose& pose, size_t sensor = 0);
-  /// Makes one scan of a shot, with motion, weather and frame number, into an existing Scan. Its arrays are reused, so
-  /// nothing is allocated once they have their size. Throws as scan() does, and Error(invalidArgument) for weather that
-  /// is not planned (see SensorRequest::variableWeather). If the device fails or memory runs out, the result is empty.
+  /// Makes one scan of a shot, with motion, weather and frame number, into an existing Scan, whose arrays are reused.
+  /// No device memory is allocated once the device's lists have their size; of host memory each call takes and gives
+  /// back what describes the shot, such as a table of the columns' motion. Throws as scan() does, and
+  /// Error(invalidArgument) for weather that is not planned (see SensorRequest::variableWeather). If the device fails
+  /// or memory runs out, the result is empty.
   void scanInto(const Shot& shot, Scan& result);
   /// Makes many scans, each with the same result as scanInto(), pipelined: while the host receives one scan, the device
   /// works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling thread. The

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
 
 #include "base/limits.hpp"
 
@@ -107,14 +110,16 @@ std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Sho
   }
   if (motions.empty()) return arrays;
   const std::vector<gpu::InstanceMotion> instances = motionsOf(motions, entries);
-  std::vector<gpu::ColumnMotion> columns;
+  ArrayContent columns = {gpu::Array::columnMotions, 0, {}};  // the largest: 147 kB of a head with 1,025 columns
   std::vector<gpu::MotionBounds> bounds;
   for (const ShotMotion& motion : motions) {
-    columns.insert(columns.end(), motion.tables.columns.begin(), motion.tables.columns.end());
+    const auto bytes = std::as_bytes(std::span(motion.tables.columns));
+    columns.content.insert(columns.content.end(), bytes.begin(), bytes.end());
     bounds.push_back(motion.tables.bounds);
     bounds.back().instances = !instances.empty();  // the same for all views, since a subgroup may work on several
   }
-  arrays.push_back(arrayOf(gpu::Array::columnMotions, columns));
+  columns.bytes = columns.content.size();
+  arrays.push_back(std::move(columns));
   arrays.push_back(arrayOf(gpu::Array::motion, bounds));
   arrays.push_back(arrayOf(gpu::Array::instanceMotions, instances));
   const ShotMotion& first = motions[0];  // meshes are not deformed during several shots

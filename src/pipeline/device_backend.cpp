@@ -18,6 +18,7 @@ namespace {
 float shellHintOf(const Scan& scan) {
   constexpr size_t kSamples = 2048, kLeast = 64;
   std::vector<float> ranges;
+  ranges.reserve(2 * kSamples);
   // An odd step meets all columns of a grid.
   for (size_t i = 0; i < scan.ranges.size(); i += scan.ranges.size() / kSamples | 1)
     if (scan.ranges[i] > 0) ranges.push_back(scan.ranges[i]);
