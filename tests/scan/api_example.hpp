@@ -8,6 +8,7 @@
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <numbers>
+#include <span>
 
 using namespace gnosphere;
 
@@ -93,6 +94,23 @@ void thickeningFog(Simulator& simulator, const std::function<void(const Scan&)>&
     use(scan);
     ++shot.frame;  // other random numbers
   }
+}
+
+/// Scans shots of each kind, of each sensor, with what may come into the scene, so that their kernels are compiled.
+void warmUp(Simulator& simulator, std::span<const Shot> shots, uint32_t leaves, uint32_t glass) {
+  const auto scan = [&] {
+    Scan result;
+    for (const Shot& shot : shots)
+      for (int i = 0; i < 3; ++i) simulator.scanInto(shot, result);
+  };
+  scan();
+  const size_t tree = simulator.addInstance(leaves, {}, 0, 99);
+  scan();
+  const size_t window = simulator.addInstance(glass, {}, 0, 99);
+  scan();
+  simulator.removeInstance(tree);
+  scan();
+  simulator.removeInstance(window);
 }
 
 /// The mean intensity of the returns.
