@@ -63,12 +63,20 @@ void DriveReader::actors() {
   }
 }
 
-/// Checks the name of a sensor or of the inertial unit.
+/// Checks the name of a sensor or of the inertial unit. Data sets are exchanged, so it must suit every system.
 void DriveReader::checkName(const std::string& name, const std::string& path) {
   const auto isPlain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
   if (!std::all_of(name.begin(), name.end(), isPlain))
     refuse(path + ".name", "must have letters, digits, _ and - only, is " + shown(json(name)));
-  if (!names_.insert(name).second) refuse(path + ".name", inQuotes(name) + " is there twice");
+  if (namesDevice(name))
+    refuse(path + ".name",
+           inQuotes(name) + " is the name of a device on Windows, where no folder can have it; choose another name");
+  const auto [other, isNew] = names_.emplace(lower(name), name);
+  if (!isNew && other->second == name) refuse(path + ".name", inQuotes(name) + " is there twice");
+  if (!isNew && other->second != name)
+    refuse(path + ".name", inQuotes(name) + " differs from " + inQuotes(other->second) +
+                               " by capital letters alone, so Windows and macOS have one folder for both; choose "
+                               "another name");
 }
 
 void DriveReader::imu() {

@@ -16,12 +16,18 @@ namespace {
 constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
 constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
 
+/// The folder that a name means on systems that take capital and small letters for the same. "a/" is "a".
+fs::path foldedFolder(const std::string& name) {
+  const fs::path folder = pathOf(lower(name)).lexically_normal();
+  return folder.filename().empty() ? folder.parent_path() : folder;
+}
+
 }  // namespace
 
-/// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs.
+/// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs. Data sets
+/// are exchanged, so it must do so on every system.
 void DriveReader::checkFolder(const std::string& name, const std::string& path) {
-  fs::path folder = pathOf(name).lexically_normal();
-  if (folder.filename().empty()) folder = folder.parent_path();  // "a/" is "a"
+  const fs::path folder = foldedFolder(name);
   const std::string top = folder.begin()->string();
   if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
       top == "classes.json")
@@ -29,9 +35,13 @@ void DriveReader::checkFolder(const std::string& name, const std::string& path) 
   const auto holds = [](const fs::path& outer, const fs::path& inner) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
   };
-  for (const fs::path& other : folders_)
-    if (holds(other, folder) || holds(folder, other)) refuse(path, "another output writes there, too");
-  folders_.push_back(folder);
+  for (const std::string& other : folders_)
+    if (holds(foldedFolder(other), folder) || holds(folder, foldedFolder(other)))
+      refuse(path, "another output writes there, too, to " + inQuotes(other) +
+                       "; folders whose names differ by capital letters alone are one on Windows and macOS");
+  if (std::ranges::any_of(folder, [](const fs::path& part) { return namesDevice(part.string()); }))
+    refuse(path, inQuotes(name) + " has the name of a device on Windows, where no folder can have it");
+  folders_.push_back(name);
 }
 
 /// Returns the sensors that an output writes: those that it lists, or else all, or the first where its format has one.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -100,8 +101,8 @@ class DriveReader {
   Drive drive_;
   std::vector<std::string> mistakes_, classNames_, modelNames_;
   StandingActors standing_;
-  std::set<std::string> names_;                 // of the sensors and the inertial unit
-  std::vector<std::filesystem::path> folders_;  // of the outputs
+  std::map<std::string, std::string> names_;  // of the sensors and the inertial unit, by the same in small letters
+  std::vector<std::string> folders_;          // of the outputs
 };
 
 /// Reads a list of three numbers.

@@ -99,6 +99,28 @@ TEST_CASE("a mistake in a drive file is told with its path, what is expected and
   checkRefused(changed("/ego", {{"trajectory", {{"waypoints", {waypoint(0, 0, 0, 0)}}}}}), {"duration: is missing"});
 }
 
+TEST_CASE("names that are one on Windows and macOS, or that Windows keeps for devices, are refused on every system") {
+  checkRefused(changed("/sensors/1/name", "TOP"),
+               {"sensors[1].name: 'TOP' differs from 'top' by capital letters alone", "Windows and macOS"});
+  for (const char* device : {"con", "NUL", "prn", "Aux", "com1", "LPT9"})
+    checkRefused(changed("/sensors/1/name", device),
+                 {"sensors[1].name: '" + std::string(device) + "' is the name of a device on Windows"});
+  for (const char* name : {"com0", "com10", "console", "nul-1", "lpt"}) {
+    INFO(name);
+    CHECK(DriveFolder().read(changed("/sensors/1/name", name)).sensors.size() == 2);
+  }
+  Json two = changed("/outputs/1", {{"format", "npy"}, {"folder", "clouds/NPY"}});
+  two["outputs"][0]["folder"] = "Clouds";
+  checkRefused(two, {"outputs[1].folder: another output writes there, too, to 'Clouds'"});
+  two["outputs"][1]["folder"] = "CLOUDS/";
+  checkRefused(two, {"outputs[1].folder: another output writes there, too, to 'Clouds'"});
+  for (const char* own : {"Manifest", "OBJECTS.json"})
+    checkRefused(changed("/outputs/0/folder", own), {"outputs[0].folder: must be a folder in the output folder"});
+  for (const char* device : {"Nul", "clouds/com1", "aux.d/clouds"})
+    checkRefused(changed("/outputs/0/folder", device),
+                 {"outputs[0].folder: '" + std::string(device) + "' has the name of a device on Windows"});
+}
+
 TEST_CASE("all mistakes are told at once") {
   Json json = smallDrive();
   json["rat"] = 3;
