@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "base/utf8.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -57,7 +58,8 @@ std::string readable(const json::exception& problem) {
   return what.substr(bracket == what.npos ? 0 : bracket + 2);
 }
 
-json parseStrict(std::string_view text, const std::string& source) {
+json parseStrict(std::string_view bytes, const std::string& source) {
+  const std::string_view text = textOfFile(bytes, source);
   std::vector<std::set<std::string>> keys;  // keys so far of each open object
   const auto refuseTwins = [&](int, json::parse_event_t event, json& parsed) {
     if (event == json::parse_event_t::object_start) keys.emplace_back();

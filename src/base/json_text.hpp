@@ -27,9 +27,9 @@ Json parseJson(std::string_view text, bool throws = true);
 /// Returns the part of a message of the library that people understand.
 std::string readable(const nlohmann::json::exception& problem);
 
-/// Parses a text as JSON. Throws Error(format) for invalid JSON, for JSON that nests too deep, and for
+/// Parses a file as JSON. Throws Error(format) for invalid JSON, for JSON that nests too deep, and for
 /// duplicate keys, whose meaning JSON leaves open.
-nlohmann::json parseStrict(std::string_view text, const std::string& source);
+nlohmann::json parseStrict(std::string_view bytes, const std::string& source);
 
 /// Returns the text of a value, in one line or with `indent` spaces per level. Invalid UTF-8 in strings is replaced.
 template <typename Json>

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "gnosphere/error.hpp"
+
 namespace gnosphere {
 
 /// Number of bytes of the character at the start of a text that is not empty, or 0 if these bytes are no UTF-8.
@@ -38,6 +40,15 @@ inline std::string toUtf8(std::string_view text) {
     text.remove_prefix(length > 0 ? length : 1);
   }
   return result;
+}
+
+/// Returns the text of a file, without a mark of UTF-8. Every reader of text calls this. Throws Error(format) if the
+/// file begins with a mark of UTF-16, as what `>` writes in Windows PowerShell does.
+inline std::string_view textOfFile(std::string_view bytes, const std::string& name) {
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    throw Error(ErrorCode::format, name + ": is text in UTF-16; save it as UTF-8");
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  return bytes;
 }
 
 }  // namespace gnosphere

@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "base/text.hpp"
+#include "base/utf8.hpp"
 #include "drive/number_list.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/trajectory.hpp"
@@ -35,13 +36,13 @@ struct Line {
 };
 
 /// Calls use(line) for every line that has more than blanks and a comment, which it does not get. Lines end as those of
-/// any system, and a byte order mark is no part of the first one.
+/// any system.
 template <typename Use>
 void eachLine(const std::filesystem::path& file, const Use& use) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  const std::string text = readWholeFile(file, kLargestFile);
+  const std::string bytes = readWholeFile(file, kLargestFile);
+  const std::string_view text = textOfFile(bytes, file.string());
   size_t number = 0;
-  for (size_t at = text.starts_with(kMark) ? kMark.size() : 0; at < text.size();) {
+  for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find_first_of("\r\n", at), text.size());
     std::string_view line(text.data() + at, end - at);
     line = line.substr(0, line.find('#'));

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/file.hpp"
+#include "base/utf8.hpp"
 #include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
@@ -210,7 +211,7 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
   CloudTable table;
   table.source = source;
   table.bytes = std::move(bytes);
-  size_t position = 0;
+  size_t position = table.bytes.size() - textOfFile(table.bytes, source).size();
   std::string_view line;
   if (!nextLine(table.bytes, position, line)) table.refuse("is empty, a CSV cloud starts with the names of its fields");
   for (std::string_view name : splitWords(line)) table.columns.push_back({std::string(name)});

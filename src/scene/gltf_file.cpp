@@ -417,7 +417,7 @@ void checkVersion(const Json& json, const Source& source) {
 
 GltfFile parseGltf(Bytes bytes, const Source& source) {
   const bool isGlb = bytes.size() >= 4 && word(bytes, 0) == kGlbMagic;
-  const Container container = isGlb ? splitGlb(bytes, source) : Container{text(bytes), {}};
+  const Container container = isGlb ? splitGlb(bytes, source) : Container{textOf(bytes, source), {}};
 
   GltfFile file;
   std::string stripped;

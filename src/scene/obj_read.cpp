@@ -90,10 +90,9 @@ Material toMaterial(const tinyobj::material_t& from) {
   return material;
 }
 
-/// Returns a material library in the words that tinyobjloader knows: without a mark of UTF-8, with three values of each
-/// colour, which may state one for all, and without the option of `d`.
+/// Returns a material library in the words that tinyobjloader knows: with three values of each colour, which may state
+/// one for all, and without the option of `d`.
 std::string withPlainWords(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   std::string result;
   while (!text.empty()) {
     const std::string_view line = takeLine(text);
@@ -155,7 +154,7 @@ class Libraries {
     } catch (const Error&) {
       return false;
     }
-    const std::string text = withPlainWords({reinterpret_cast<const char*>(bytes.data.get()), bytes.size});
+    const std::string text = withPlainWords(textOf(bytes, {source_.name + ": " + inQuotes(name), {}}));
     MemoryBuffer buffer(text);
     std::istream stream(&buffer);
     std::vector<tinyobj::material_t> materials;
@@ -224,8 +223,6 @@ struct Faces {
 };
 
 void checkText(std::string_view text, const Source& source) {
-  const auto starts = [&](std::string_view mark) { return text.starts_with(mark); };
-  if (starts("\xFF\xFE") || starts("\xFE\xFF")) source.fail("the OBJ file is UTF-16; save it as UTF-8");
   if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
 }
 
@@ -278,7 +275,7 @@ Mesh meshOf(const Object& object, const Mesh& whole) {
 }  // namespace
 
 Scene readObj(Bytes bytes, const Source& source) {
-  std::string_view text = textOf(bytes);
+  std::string_view text = textOf(bytes, source);
   checkText(text, source);
   std::string joined;
   if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos) {

@@ -34,7 +34,7 @@ constexpr std::array<size_t, 8> kPlySizes = {1, 1, 2, 2, 4, 4, 4, 8};
 
 class PlyReader {
  public:
-  PlyReader(Bytes bytes, const Source& source) : rest_(textOf(bytes)), source_(source) {
+  PlyReader(Bytes bytes, const Source& source) : rest_(textOf(bytes, source)), source_(source) {
     const size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
     if (rest_.substr(end, 1) == "\r" && rest_.substr(end, 2) != "\r\n") lineEnd_ = '\r';
   }

@@ -67,11 +67,9 @@ inline void turnAround(std::vector<uint32_t>& indices) {
   for (size_t i = 0; i + 2 < indices.size(); i += 3) std::swap(indices[i + 1], indices[i + 2]);
 }
 
-/// The text of a file, without a mark of UTF-8.
-inline std::string_view textOf(Bytes bytes) {
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
+/// The text of a file, without a mark of UTF-8. Throws Error(format) if it is in UTF-16.
+inline std::string_view textOf(Bytes bytes, const Source& source) {
+  return textOfFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, source.name);
 }
 
 /// Returns the scene of a file that has one mesh and no materials.

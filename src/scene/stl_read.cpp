@@ -72,7 +72,7 @@ bool is(std::string_view word, std::string_view keyword) {
 }
 
 Scene readTextStl(Bytes bytes, const Source& source) {
-  std::string_view rest = textOf(bytes);
+  std::string_view rest = textOf(bytes, source);
   StlMesh mesh(bytes.size() / 200);
   size_t triangles = 0, corners = 0;
   bool ended = false;
@@ -115,7 +115,7 @@ Scene readStl(Bytes bytes, const Source& source) {
     triangles = count;
     if (bytes.size() == kStlHeader + triangles * kStlTriangle) return readBinaryStl(bytes, triangles);
   }
-  std::string_view text = textOf(bytes);
+  std::string_view text = textOf(bytes, source);
   const bool isText = text.substr(0, kStlHeader).find('\0') == text.npos;
   if (isText && is(nextWord(text), "solid")) return readTextStl(bytes, source);
   if (bytes.size() < kStlHeader) source.fail("it is not STL: it is too short and does not begin with 'solid'");

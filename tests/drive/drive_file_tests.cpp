@@ -16,6 +16,7 @@ using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
+using namespace std::string_literals;
 
 namespace {
 
@@ -119,6 +120,18 @@ TEST_CASE("names that are one on Windows and macOS, or that Windows keeps for de
   for (const char* device : {"Nul", "clouds/com1", "aux.d/clouds"})
     checkRefused(changed("/outputs/0/folder", device),
                  {"outputs[0].folder: '" + std::string(device) + "' has the name of a device on Windows"});
+}
+
+TEST_CASE("a drive and its trajectories in UTF-16 are refused with what to do") {
+  const DriveFolder folder;
+  const std::string drive = "\xff\xfe{\0}\0"s, tum =
+                                                   "\xfe\xff\0"
+                                                   "0"s;
+  const auto read = [&] { drive::readDrive(put(folder / "drive.json", drive)); };
+  CHECK_THAT(problemOf(read, ErrorCode::format), ContainsSubstring("drive.json: is text in UTF-16; save it as UTF-8"));
+  put(folder / "ego.tum", tum);
+  CHECK_THROWS_WITH(drive::readTrajectory(folder / "ego.tum", "tum", {}),
+                    ContainsSubstring("ego.tum: is text in UTF-16; save it as UTF-8"));
 }
 
 TEST_CASE("all mistakes are told at once") {

@@ -201,6 +201,9 @@ TEST_CASE("duplicate keys and invalid JSON are refused") {
   CHECK_THROWS_MATCHES(read(R"({"fog": {"visibility": 1e999}})"), Error,
                        Catch::Matchers::MessageMatches(ContainsSubstring("r.json: is not JSON: number overflow")));
   CHECK_THROWS_AS(read(""), Error);
+  CHECK_THROWS_MATCHES(
+      read(std::string("\xff\xfe{\0}\0", 6)), Error,
+      Catch::Matchers::MessageMatches(ContainsSubstring("r.json: is text in UTF-16; save it as UTF-8")));
 }
 
 TEST_CASE("values set in C++ are checked like values read from JSON") {

@@ -126,6 +126,7 @@ TEST_CASE("a stated reflectance is that of a Lambertian surface, unless the row 
 
 TEST_CASE("an invalid table is refused") {
   const Folder folder;
+  refused(folder, "t.json", std::string("\xfe\xff\0[\0]", 6), "is text in UTF-16; save it as UTF-8");
   refused(folder, "t.json", "[]", "is neither {\"materials\"");
   refused(folder, "t.json", R"({"materials": [], "version": 1})", "holds more than 'materials'");
   refused(folder, "t.json", R"({"materials": [3]})", "a material must be an object, is 3");

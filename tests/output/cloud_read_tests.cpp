@@ -239,6 +239,14 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
   CHECK_THAT(problemOf(folder / "d.csv"), ContainsSubstring("empty"));
 }
 
+TEST_CASE("a CSV cloud may begin with the mark of UTF-8, and one in UTF-16 is refused") {
+  const Folder folder;
+  std::ofstream(folder / "a.csv") << "\xef\xbb\xbfx,y,z,range\n1,2,2,9\n";
+  CHECK(readCloud(folder / "a.csv").points == std::vector<float>{1, 2, 2});
+  std::ofstream(folder / "b.csv") << std::string("\xff\xfex\0,\0", 6);
+  CHECK_THAT(problemOf(folder / "b.csv"), ContainsSubstring("b.csv: is text in UTF-16; save it as UTF-8"));
+}
+
 TEST_CASE("errors of reading name the file") {
   const Folder folder;
   CHECK_THROWS_WITH(readCloud(folder / "none.pcd"), ContainsSubstring("none.pcd: cannot be read: No such file"));

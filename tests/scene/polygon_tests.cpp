@@ -224,7 +224,10 @@ TEST_CASE("OBJ keeps nan and infinity") {
 
 TEST_CASE("invalid OBJ is an error, and one without faces is a scene without triangles") {
   CHECK_THAT(loadFailure("a.obj", ""), ContainsSubstring("a.obj': the file is empty"));
-  CHECK_THAT(loadFailure("a.obj", std::string("\xFF\xFEv\0 \0", 6)), ContainsSubstring("is UTF-16; save it as UTF-8"));
+  CHECK_THAT(loadFailure("a.obj", std::string("\xFF\xFEv\0 \0", 6)),
+             ContainsSubstring("is text in UTF-16; save it as UTF-8"));
+  CHECK_THAT(loadFailure("a.gltf", std::string("\xFF\xFE{\0}\0", 6)),
+             ContainsSubstring("a.gltf': is text in UTF-16; save it as UTF-8"));
   CHECK_THAT(loadFailure("a.obj", std::string("v 0 0 0\0\n", 9)), ContainsSubstring("it holds binary data"));
   CHECK_THAT(loadFailure("a.obj", "v 0 0\n"), ContainsSubstring("vertex 1 of the OBJ file has ''"));
   CHECK_THAT(loadFailure("a.obj", "v 0 0 x\n"), ContainsSubstring("vertex 1 of the OBJ file has 'x'"));

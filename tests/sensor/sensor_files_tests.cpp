@@ -40,7 +40,7 @@ TEST_CASE("the content decides the family, and a name that belies it is refused"
                                    "C\0h\0",
                                    6),
                        "utf16.csv"),
-             ContainsSubstring("is text in UTF-16"));
+             ContainsSubstring("is text in UTF-16; save it as UTF-8"));
   const std::string raw = problemOf("Channel,Elevation,Azimuth\n1,\x01\xc3\x28,3\n", "a.csv");
   CHECK(raw.find_first_of("\x01\xc3") == raw.npos);
   CHECK_THAT(raw, ContainsSubstring("expected is a number"));

@@ -16,6 +16,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "base/utf8.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -120,8 +121,9 @@ double startOfScan(SensorSource& source, const FireTimes& times) {
 
 FireTimes readFireTimes(SensorSource& angles, size_t channels) {
   const std::string bytes = readWholeFile(angles.options.fireTimes, size_t{16} << 20);
-  SensorSource source{bytes, angles.options.fireTimes.string(), angles.options, angles.file};
-  const std::vector<std::string_view> lines = linesOf(bytes);
+  const std::string name = angles.options.fireTimes.string();
+  SensorSource source{textOfFile(bytes, name), name, angles.options, angles.file};
+  const std::vector<std::string_view> lines = linesOf(source.bytes);
   const Layout layout = layoutOf(angles, source, lines);
   Table table{source, channels, {}};
   table.addKinds(layout.kinds.size());

@@ -10,6 +10,7 @@
 #include "base/path.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "base/utf8.hpp"
 #include "base/vector.hpp"
 #include "sensor/beams.hpp"
 #include "sensor/carla_lidars.hpp"
@@ -85,9 +86,9 @@ bool isAnglePairs(std::string_view bytes) {
          std::all_of(cells.begin() + 2, cells.end(), [](std::string_view cell) { return cell.empty(); });
 }
 
-/// Whether the first character that is neither space nor a mark of UTF-8 is one of these.
+/// Whether the first character that is no space is one of these.
 bool beginsWith(std::string_view bytes, std::string_view characters) {
-  const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  const size_t start = bytes.find_first_not_of(" \t\r\n");
   return start != bytes.npos && characters.find(bytes[start]) != characters.npos;
 }
 
@@ -208,8 +209,6 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
     return family;
   }
   if (source.bytes.empty()) source.refuse("is empty");
-  if (source.bytes.starts_with("\xff\xfe") || source.bytes.starts_with("\xfe\xff"))
-    source.refuse("is text in UTF-16: save it as UTF-8");
   if (isXml(source.bytes)) {
     SensorSource xml = source;
     refuseXml(xml);
@@ -341,17 +340,18 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   SensorFileOptions settings = options;
   Sensor from;
   if (!options.head.empty()) from = builtinSensor(options.head);
-  SensorSource source{bytes, name, settings, file};
+  // Matrices are the only binary files that may begin with any bytes.
+  SensorSource source{isRayMatrices(bytes) ? bytes : textOfFile(bytes, name), name, settings, file};
   json root = json::value_t::discarded;
   std::string problem;
-  if (beginsAsJson(bytes) || (!bytes.empty() && endingOf(name) == ".json")) try {
-      root = parseJson(bytes);
+  if (beginsAsJson(source.bytes) || (!source.bytes.empty() && endingOf(name) == ".json")) try {
+      root = parseJson(source.bytes);
     } catch (const json::exception& error) {
       problem = readable(error);
     }
   const Family& family = familyOf(source, root, problem);
   file.family = family.name;
-  SensorSource asked{bytes, name, options, file};
+  SensorSource asked{source.bytes, name, options, file};
   checkOptions(asked, family);
   const bool completes = !options.head.empty() && (family.options & head);
   if (completes && settings.columns == 0) settings.columns = from.columns;

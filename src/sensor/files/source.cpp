@@ -135,7 +135,6 @@ void setBeams(SensorSource& source, BeamList list) {
 }
 
 std::vector<std::string_view> linesOf(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   std::vector<std::string_view> lines;
   while (!text.empty()) {
     const size_t end = std::min(text.find('\n'), text.size());
