@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -25,7 +24,7 @@ namespace gnosphere {
 inline std::string readWholeFile(const std::filesystem::path& file, uint64_t maxBytes = UINT64_MAX) {
   const auto refuse = [&] {
     const int reason = errno;
-    throw Error(ErrorCode::file, file.string() + ": cannot be read: " + std::strerror(reason));
+    throw Error(ErrorCode::file, file.string() + ": cannot be read: " + os::reasonText(reason));
   };
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(os::openFile(file, "rb"), std::fclose);
   if (!stream) refuse();
@@ -138,10 +137,7 @@ class AtomicFile {
   void unlock() {
     if (lock_ >= 0) os::closeFile(std::exchange(lock_, -1));
   }
-  void removePart() const {
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
-  }
+  void removePart() const { os::removeFile(part_); }
   // Opens .NAME.part, unless another process or user has it, or something else has the name, or the name would be too
   // long, or the file system has no locks.
   // The lock is kept until the file has been renamed, so that nobody writes over it before. The name is made first,
@@ -150,7 +146,7 @@ class AtomicFile {
     part_ = place_.file.parent_path() / ((std::filesystem::path(".") += place_.file.filename()) += ".part");
     stream_ = os::openPart(part_, false);
     const auto isOneOf = [](int reason, auto... others) { return ((reason == others) || ...); };
-    if (!stream_ && !isOneOf(errno, ENAMETOOLONG, EISDIR, ELOOP, ENXIO, EACCES, EPERM)) refuse(errno);
+    if (!stream_ && !isOneOf(errno, ENAMETOOLONG, EISDIR, ELOOP, ENXIO, EACCES, EPERM, EBUSY)) refuse(errno);
     if (!stream_) return false;
     lock_ = os::descriptorOf(stream_);
     const os::Lock lock = lock_ >= 0 ? os::lockFile(lock_, false) : os::Lock::absent;
@@ -174,12 +170,18 @@ class AtomicFile {
     }
   }
   [[noreturn]] void refuse(int reason) const {
+    std::string text = file_.string() + ": cannot be written: " + os::reasonText(reason);
     const std::filesystem::path folder = place_.file.parent_path();
-    std::error_code ignored;
-    const bool absent = reason == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored);
-    throw Error(ErrorCode::file,
-                file_.string() + ": cannot be written: " + std::strerror(reason) +
-                    (absent ? "; there is no folder '" + folder.string() + "', so make it first" : std::string()));
+    const auto lacks = [&](const std::filesystem::path& place) {
+      std::error_code ignored;
+      return reason == ENOENT && !place.empty() && !std::filesystem::exists(place, ignored);
+    };
+    const std::string drive = folder.root_name().string();  // of Windows
+    if (drive.ends_with(':') && lacks(folder.root_path()))
+      text += "; there is no drive '" + drive + "'";
+    else if (lacks(folder))
+      text += "; there is no folder '" + folder.string() + "', so make it first";
+    throw Error(ErrorCode::file, text);
   }
 
   std::filesystem::path file_;
@@ -196,7 +198,7 @@ inline void checkWritable(const std::filesystem::path& file) {
   if (!writePlaceOf(file).inPlace) {
     const AtomicFile probe(file);
   } else if (!os::isWritable(file)) {
-    throw Error(ErrorCode::file, file.string() + ": cannot be written: " + std::strerror(errno));
+    throw Error(ErrorCode::file, file.string() + ": cannot be written: " + os::reasonText(errno));
   }
 }
 

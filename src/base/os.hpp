@@ -22,11 +22,17 @@ std::FILE* openPart(const std::filesystem::path& file, bool isEmpty);
 /// Gives an open file the permissions of another one, as far as the system lets.
 void copyPermissions(const std::filesystem::path& file, std::FILE* to);
 
-/// Whether a file, pipe or device can be written.
+/// Whether a file, pipe or device can be written or replaced.
 bool isWritable(const std::filesystem::path& file);
 
 /// Gives a file another name; a file that has it is replaced.
 bool renameFile(const std::filesystem::path& file, const std::filesystem::path& name);
+
+/// Removes a file, if that is possible.
+void removeFile(const std::filesystem::path& file);
+
+/// The words for a reason that one of these functions has just left in errno.
+std::string reasonText(int reason);
 
 /// The content of an open file reaches the disk. Returns true, too, if the file system cannot promise this.
 bool synchronise(std::FILE* stream);

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <initializer_list>
 #include <thread>
 
@@ -53,6 +54,14 @@ bool isWritable(const std::filesystem::path& file) {
 
 bool renameFile(const std::filesystem::path& file, const std::filesystem::path& name) {
   return std::rename(file.c_str(), name.c_str()) == 0;
+}
+
+void removeFile(const std::filesystem::path& file) {
+  ::unlink(file.c_str());
+}
+
+std::string reasonText(int reason) {
+  return std::strerror(reason);
 }
 
 // File systems that cannot promise this, and pipes and devices, say so by EINVAL or ENOTSUP.

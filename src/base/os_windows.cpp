@@ -21,32 +21,78 @@
 
 #include "base/os.hpp"
 #include "base/path.hpp"
+#include "base/text.hpp"
 
 namespace gnosphere::os {
 namespace {
 
-/// Sets errno to the reason why a function of Windows has failed.
-void noteReason() {
-  const DWORD reason = GetLastError();
-  errno = reason == ERROR_SHARING_VIOLATION
-              ? EACCES
-              : std::error_code(static_cast<int>(reason), std::system_category()).default_error_condition().value();
+constexpr DWORD kShareAll = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+
+thread_local DWORD lastReason = 0;  // of noteReason()
+
+/// Sets errno to the reason why a function of Windows has failed. Reasons that the C library has no number for are EIO,
+/// and reasonText() then has the words of Windows.
+void noteReason(DWORD reason) {
+  lastReason = reason;
+  switch (reason) {
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND: errno = ENOENT; break;
+    case ERROR_FILE_EXISTS:
+    case ERROR_ALREADY_EXISTS: errno = EEXIST; break;
+    case ERROR_DISK_FULL:
+    case ERROR_HANDLE_DISK_FULL: errno = ENOSPC; break;
+    case ERROR_ACCESS_DENIED: errno = EACCES; break;
+    case ERROR_SHARING_VIOLATION: errno = EBUSY; break;
+    case ERROR_FILENAME_EXCED_RANGE: errno = ENAMETOOLONG; break;
+    case ERROR_TOO_MANY_OPEN_FILES: errno = EMFILE; break;
+    case ERROR_NOT_ENOUGH_MEMORY: errno = ENOMEM; break;
+    case ERROR_WRITE_PROTECT: errno = EROFS; break;
+    default: errno = EIO;
+  }
 }
 
 HANDLE handleOf(Descriptor file) {
   return reinterpret_cast<HANDLE>(_get_osfhandle(file));
 }
 
+/// Returns a text in UTF-8. Halves of surrogate pairs, which names of files may have, become U+FFFD.
 std::string utf8(const wchar_t* text) {
-  return std::filesystem::path(text).string();
+  const int size = WideCharToMultiByte(CP_UTF8, 0, text, -1, nullptr, 0, nullptr, nullptr);
+  std::string result(static_cast<size_t>(std::max(size, 1)), '\0');
+  WideCharToMultiByte(CP_UTF8, 0, text, -1, result.data(), size, nullptr, nullptr);
+  result.pop_back();  // the zero at the end
+  return result;
+}
+
+/// The words of Windows for a reason, without the full stop.
+std::string wordsOf(DWORD reason) {
+  wchar_t words[512] = L"";
+  FormatMessageW(FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr, reason, 0, words, 512, nullptr);
+  const std::string text = utf8(words);
+  return std::string(trimmed(text, " .\r\n")) + " (Windows' error " + std::to_string(reason) + ")";
+}
+
+/// Calls a function of Windows that renames, removes or opens `file`, and again for 1.5 s if another program has it
+/// open, as virus scanners and indexers have new files for a moment. A folder or a read-only file is not waited for.
+template <typename Call>
+bool patiently(const std::filesystem::path& file, const Call& call) {
+  for (DWORD pause = 12;; pause *= 2) {  // ms
+    if (call()) return true;
+    const DWORD reason = GetLastError(), attributes = GetFileAttributesW(file.c_str());
+    const bool stays = attributes != INVALID_FILE_ATTRIBUTES &&
+                       (attributes & (FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DIRECTORY)) != 0;
+    const bool mayPass = reason == ERROR_SHARING_VIOLATION || (reason == ERROR_ACCESS_DENIED && !stays);
+    if (!mayPass || pause > 768) return noteReason(reason), false;
+    Sleep(pause);
+  }
 }
 
 /// The C library's functions open files that nobody else may rename or remove, so they are opened by Windows.
 Descriptor openShared(const std::filesystem::path& file, DWORD access, DWORD disposition, int flags) {
-  constexpr DWORD kShare = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
-  const HANDLE handle = CreateFileW(file.c_str(), access, kShare, nullptr, disposition, FILE_ATTRIBUTE_NORMAL, nullptr);
+  const HANDLE handle =
+      CreateFileW(file.c_str(), access, kShareAll, nullptr, disposition, FILE_ATTRIBUTE_NORMAL, nullptr);
   if (handle == INVALID_HANDLE_VALUE) {
-    noteReason();
+    noteReason(GetLastError());
     std::error_code ignored;
     if (errno == EACCES && std::filesystem::is_directory(file, ignored)) errno = EISDIR;
     return -1;
@@ -87,13 +133,27 @@ std::FILE* openPart(const std::filesystem::path& file, bool isEmpty) {
 
 void copyPermissions(const std::filesystem::path&, std::FILE*) {}
 
+// A file that another program has open, and shares no removal of, cannot be replaced.
 bool isWritable(const std::filesystem::path& file) {
-  return _waccess(file.c_str(), 2) == 0;
+  if (_waccess(file.c_str(), 2) != 0) return false;
+  return patiently(file, [&] {
+    const HANDLE opened =
+        CreateFileW(file.c_str(), DELETE, kShareAll, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+    return opened != INVALID_HANDLE_VALUE && CloseHandle(opened);
+  });
 }
 
 bool renameFile(const std::filesystem::path& file, const std::filesystem::path& name) {
-  if (MoveFileExW(file.c_str(), name.c_str(), MOVEFILE_REPLACE_EXISTING)) return true;
-  return noteReason(), false;
+  return patiently(name, [&] { return MoveFileExW(file.c_str(), name.c_str(), MOVEFILE_REPLACE_EXISTING); });
+}
+
+void removeFile(const std::filesystem::path& file) {
+  patiently(file, [&] { return DeleteFileW(file.c_str()); });
+}
+
+std::string reasonText(int reason) {
+  if (reason == EBUSY) return "another program has it open";
+  return reason == EIO && lastReason != 0 ? wordsOf(lastReason) : std::strerror(reason);
 }
 
 bool synchronise(std::FILE* stream) {
@@ -118,8 +178,7 @@ Lock lockFile(Descriptor file, bool wait) {
 
 // The name lies in the folder in which the file was made, and so on the same volume.
 bool isNamed(Descriptor opened, const std::filesystem::path& file) {
-  constexpr DWORD kShare = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
-  const HANDLE named = CreateFileW(file.c_str(), 0, kShare, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+  const HANDLE named = CreateFileW(file.c_str(), 0, kShareAll, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
   if (named == INVALID_HANDLE_VALUE) return false;
   BY_HANDLE_FILE_INFORMATION one, other;
   const bool same = GetFileInformationByHandle(handleOf(opened), &one) && GetFileInformationByHandle(named, &other) &&
@@ -208,7 +267,7 @@ void* openLibrary(const std::string& file, bool) {
 }
 
 std::string libraryProblem() {
-  return std::system_category().message(static_cast<int>(GetLastError()));
+  return wordsOf(GetLastError());
 }
 
 void* symbolOf(void* library, const char* name) {
@@ -236,7 +295,8 @@ unsigned terminalColumns(std::FILE* stream) {
 }
 
 void prepareProgram(int& argc, char**& argv) {
-  SetConsoleOutputCP(CP_UTF8);
+  static const UINT kBefore = GetConsoleOutputCP();  // the console belongs to the shell, too
+  if (kBefore != 0 && SetConsoleOutputCP(CP_UTF8)) std::atexit([] { SetConsoleOutputCP(kBefore); });
   for (std::FILE* stream : {stdin, stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);
   static std::vector<std::string> texts;
   static std::vector<char*> arguments;

@@ -6,13 +6,21 @@
 #include <string_view>
 
 #include "base/text.hpp"
+#include "base/utf8.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 
 /// The path that a text in UTF-8 names. The constructor of std::filesystem::path takes a text in the encoding of the
-/// system, which is another one on Windows.
+/// system, which is another one on Windows. There, a text that is not UTF-8 names no file and is an
+/// Error(invalidArgument); elsewhere a name may have any bytes.
 inline std::filesystem::path pathOf(std::string_view text) {
-  return std::u8string(text.begin(), text.end());
+  try {
+    return std::u8string(text.begin(), text.end());
+  } catch (const std::filesystem::filesystem_error&) {
+    throw Error(ErrorCode::invalidArgument,
+                "the name of a file '" + toUtf8(text) + "' is not in UTF-8, in which names are given");
+  }
 }
 
 /// Whether Windows takes a file or folder of this name for a device. Capital letters, blanks and an ending make no

@@ -40,8 +40,8 @@ std::jthread newThread(Work work) {
 /// Returns the message about threads that the system cannot start. `name` says what the threads do.
 inline std::string noMoreThreads(const std::string& name, const std::system_error& error) {
   return name + " cannot be started (" + error.code().message() +
-         "): end other programs, or raise the limits of processes and of memory (ulimit -u and -v, TasksMax of "
-         "systemd, or pids and memory of the container)";
+         "): end other programs, or raise the limits of processes and of memory (on Linux ulimit -u and -v, "
+         "TasksMax of systemd, or pids and memory of the container)";
 }
 
 /// Starts a thread that its caller cannot do without. If the system cannot start it, throws an Error that says what the

@@ -57,7 +57,7 @@ FileBytes readFile(const fs::path& file) {
   if (!fs::is_regular_file(status)) failFile(file, "it is not a regular file");
 
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(os::openFile(file, "rb"), &std::fclose);
-  if (!stream) failFile(file, std::strerror(errno));
+  if (!stream) failFile(file, os::reasonText(errno));
   const uintmax_t size = fs::file_size(file, problem);
   if (problem) failFile(file, problem.message());
   FileBytes bytes;

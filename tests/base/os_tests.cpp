@@ -62,6 +62,27 @@ TEST_CASE("a name in UTF-8 is that of the file") {
   CHECK(file.filename().string() == "Größe 測量.txt");
 }
 
+TEST_CASE("a file is removed, and a reason has words") {
+  const test::Folder folder;
+  const std::filesystem::path file = folder.path() / "file";
+  std::ofstream(file) << "content";
+  os::removeFile(file);
+  CHECK(!std::filesystem::exists(file));
+  os::removeFile(file);  // a file that is not there is no problem
+  CHECK(!os::openFile(file, "rb"));
+  CHECK(os::reasonText(errno) == "No such file or directory");
+}
+
+TEST_CASE("a path has a name in UTF-8, and a name of a device is known by any capitals and ending") {
+#ifdef _WIN32
+  CHECK_THROWS_AS(pathOf("Gr\xf6\xdf.glb"), Error);
+#else
+  CHECK(pathOf("Gr\xf6\xdf.glb").string() == "Gr\xf6\xdf.glb");
+#endif
+  for (const char* device : {"con", "Nul", "AUX.txt", "prn ", "COM1", "lpt9.d"}) CHECK(namesDevice(device));
+  for (const char* name : {"", "console", "com0", "com10", "lpt", "a.nul", "top"}) CHECK(!namesDevice(name));
+}
+
 TEST_CASE("a name fits a pattern") {
   CHECK(os::fits("car*", "car 7"));
   CHECK(!os::fits("car*", "a car"));
