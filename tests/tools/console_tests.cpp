@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers and names as the command line prints them, and the times at which a run tells how far it is.
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <numbers>
 
+#include "base/file.hpp"
 #include "base/quaternion.hpp"
 #include "console.hpp"
 #include "drive/pose_math.hpp"
+#include "folder.hpp"
 #include "pose_text.hpp"
 
 using namespace gnosphere::cli;
@@ -39,6 +46,22 @@ TEST_CASE("lines break at blanks, and those behind the first begin further right
   CHECK(wrapped("one two three", 8, 2) == "one\n  two\n  three");
   CHECK(wrapped("one indivisible word", 5) == "one\nindivisible\nword");
   CHECK(wrapped("one\ntwo three\n", 20) == "one\ntwo three\n");
+}
+
+TEST_CASE("lines and tables reach a file at once, also where the standard output is buffered in blocks") {
+  const gnosphere::test::Folder folder;
+  const std::filesystem::path file = folder.path() / "out";
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool isReady = std::freopen(file.c_str(), "w", stdout) && std::setvbuf(stdout, nullptr, _IOFBF, 4096) == 0;
+    say("label", "text");
+    printTable({{"a", "b"}}, 1);
+    _exit(isReady ? 0 : 1);  // which leaves out what is still in the buffer
+  }
+  int status = 1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+  CHECK(gnosphere::readWholeFile(file) == "label      text\na  b\n");
 }
 
 TEST_CASE("the angles of a pose are those of drive files") {

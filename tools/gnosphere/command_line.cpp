@@ -183,7 +183,8 @@ int runCommandLine(int argc, char** argv) {
       addCommand(app, "view", "Make an HTML page that shows clouds", addView),
   };
   rememberCommand(argc, argv);
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that a file shows each line of a long run at once
+  // A file shows each line of a long run at once. Windows has no buffering by lines, so say() and tables flush.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

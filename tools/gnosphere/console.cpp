@@ -121,6 +121,7 @@ std::string wrapped(const std::string& text, size_t columns, size_t indent) {
 
 void say(const char* label, const std::string& text) {
   std::printf("%-10s %s\n", label, printable(text).c_str());
+  std::fflush(stdout);
 }
 
 namespace {
@@ -228,6 +229,7 @@ void printTable(const std::vector<TableRow>& given, size_t leftColumns) {
     }
     std::printf("%s\n", line.c_str());
   }
+  std::fflush(stdout);
 }
 
 void printMarkdown(const std::vector<TableRow>& rows) {
@@ -242,6 +244,7 @@ void printMarkdown(const std::vector<TableRow>& rows) {
     std::printf("%s\n", line.c_str());
     if (r == 0) std::printf("%s\n", rule.c_str());
   }
+  std::fflush(stdout);
 }
 
 }  // namespace gnosphere::cli
