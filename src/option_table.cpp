@@ -145,7 +145,7 @@ std::vector<Option<S>> makeSimulatorTable() {
        machine},
       {text<&S::cache>("cache",
                        "Folder in which compiled kernels are kept. If empty, it is \"gnosphere\" in $XDG_CACHE_HOME "
-                       "or ~/.cache; if \"off\", kernels are not kept."),
+                       "or ~/.cache, and on Windows in %LOCALAPPDATA%; if \"off\", kernels are not kept."),
        machine},
       {flag<&S::validation>("validation",
                             "Turns the Vulkan validation layer on; its messages are errors of the device."),

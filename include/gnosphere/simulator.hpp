@@ -192,8 +192,8 @@ struct SimulatorOptions {
   std::optional<AccuracyParts> accuracyParts;  ///< if given, replaces `accuracy`
   ReflectingFaces faces = ReflectingFaces::material;
   MaterialTable materials;  ///< reflectances by name; they override the scene's materials
-  /// Folder in which compiled kernels are kept. If empty, it is "gnosphere" in $XDG_CACHE_HOME or ~/.cache; if "off",
-  /// kernels are not kept.
+  /// Folder in which compiled kernels are kept. If empty, it is "gnosphere" in $XDG_CACHE_HOME or ~/.cache, and on
+  /// Windows in %LOCALAPPDATA%; if "off", kernels are not kept.
   std::string cache;
   /// Receives a sentence about a problem that is no error, for example that compiled kernels cannot be kept. The
   /// function is called on the thread that calls the simulator, and must not call the simulator. The library itself
