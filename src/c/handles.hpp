@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/maker_process.hpp"
+#include "base/path.hpp"
 #include "c/structs.hpp"
 
 namespace gnosphere::c {
@@ -234,12 +235,7 @@ gno_status guard(Body body) noexcept {
 
 /// The path of an argument that names a file, in UTF-8.
 inline std::filesystem::path fileOf(const char* file) {
-  const std::string_view text = &the(file, "file");
-  try {
-    return std::u8string(text.begin(), text.end());
-  } catch (const std::filesystem::filesystem_error&) {  // on Windows, where a name is converted
-    throw Error(ErrorCode::invalidArgument, "the name of a file is not in UTF-8, in which names are given");
-  }
+  return pathOf(&the(file, "file"));
 }
 
 /// Runs the body of a function that makes an object: writes the handle that make() returns to a place of the caller,
