@@ -23,17 +23,24 @@ inline unsigned threadCount() {
   return count;
 }
 
-/// Starts a thread of the library, in which no handler of the program's signals runs. Throws std::system_error if the
-/// system cannot start it.
+/// Whether handlers of the program's signals run in a thread. A thread that calls functions of the program takes
+/// signals, because such a function may raise a signal, or start a process, which inherits the thread's mask.
+enum class Signals { blocked, taken };
+
+/// Starts a thread of the library. Throws std::system_error if the system cannot start it.
 template <typename Work>
-std::jthread newThread(Work work) {
+std::jthread newThread(Work work, Signals signals = Signals::blocked) {
   std::jthread thread;
-  os::withoutSignals([&] {
+  const auto start = [&] {
     thread = std::jthread([work = std::move(work)]() mutable {
       os::nameThread("gnosphere");
       work();
     });
-  });
+  };
+  if (signals == Signals::blocked)
+    os::withoutSignals(start);
+  else
+    start();
   return thread;
 }
 
@@ -47,9 +54,9 @@ inline std::string noMoreThreads(const std::string& name, const std::system_erro
 /// Starts a thread that its caller cannot do without. If the system cannot start it, throws an Error that says what the
 /// thread does, which is `name`.
 template <typename Work>
-std::jthread startThread(const std::string& name, Work work) {
+std::jthread startThread(const std::string& name, Work work, Signals signals = Signals::blocked) {
   try {
-    return newThread(std::move(work));
+    return newThread(std::move(work), signals);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::outOfMemory, noMoreThreads(name, error));
   }

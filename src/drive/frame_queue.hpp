@@ -20,7 +20,9 @@ class FrameQueue {
  public:
   explicit FrameQueue(std::function<void(FrameRecord&)> write) : write_(std::move(write)) {
     empty_.resize(3);
-    thread_ = startThread("a drive: the thread that writes or publishes frames", [this] { loop(); });
+    // The thread calls RunOptions::progress, a function of the program.
+    thread_ = startThread(
+        "a drive: the thread that writes or publishes frames", [this] { loop(); }, Signals::taken);
   }
   /// Frames that wait are dropped.
   ~FrameQueue() {
