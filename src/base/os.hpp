@@ -31,7 +31,7 @@ bool renameFile(const std::filesystem::path& file, const std::filesystem::path& 
 /// Removes a file, if that is possible.
 void removeFile(const std::filesystem::path& file);
 
-/// The words for a reason that one of these functions has just left in errno.
+/// Returns the words for a reason that a function of this file has just left in errno.
 std::string reasonText(int reason);
 
 /// The content of an open file reaches the disk. Returns true, too, if the file system cannot promise this.
@@ -64,7 +64,7 @@ using Locale = void*;
 Locale useClassicLocale();
 void useLocale(Locale locale);
 
-/// The processors on which this thread may run, at least one. The system may have more.
+/// Returns the number of processors on which this thread may run, at least one. The system may have more.
 unsigned processorCount();
 
 /// Calls `start`, whose new threads take no signals but those of faults of their own, which the program's handlers may

@@ -43,7 +43,7 @@ inline std::string toUtf8(std::string_view text) {
 }
 
 /// Returns the text of a file, without a mark of UTF-8. Every reader of text calls this. Throws Error(format) if the
-/// file begins with a mark of UTF-16, as what `>` writes in Windows PowerShell does.
+/// file begins with a mark of UTF-16, as files do that `>` writes in Windows PowerShell.
 inline std::string_view textOfFile(std::string_view bytes, const std::string& name) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     throw Error(ErrorCode::format, name + ": is text in UTF-16; save it as UTF-8");

@@ -9,7 +9,7 @@ Workers::~Workers() {
     ends_ = true;
   }
   wanted_.notify_all();
-  threads_.clear();  // each ends first
+  threads_.clear();  // the destructor of a std::jthread waits for its end
 }
 
 // Calls `work` on this thread and on at most `others` more. A thread that wakes after this one is done takes no part.

@@ -66,7 +66,8 @@ GNO_HELD(gno_simulator, SimulatorObject, "simulator")
 GNO_HELD(gno_scan, ScanObject, "scan")
 GNO_HELD(gno_batch, BatchObject, "batch")
 
-/// A simulator, or what works with one: threads of the process that has made it work for it.
+/// A simulator, or an object that refers to one, such as a recorder. Threads of the process that has made it work for
+/// it.
 template <class T>
 concept HasSimulator = requires(T& object) {
   object.simulator;

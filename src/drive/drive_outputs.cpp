@@ -16,7 +16,7 @@ namespace {
 constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
 constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
 
-/// The folder that a name means on systems that take capital and small letters for the same. "a/" is "a".
+/// Returns the folder that a name means on systems that take capital and small letters for the same. "a/" is "a".
 fs::path foldedFolder(const std::string& name) {
   const fs::path folder = pathOf(lower(name)).lexically_normal();
   return folder.filename().empty() ? folder.parent_path() : folder;

@@ -12,7 +12,7 @@
 
 namespace gnosphere::vulkan {
 
-/// Returns the name of a result, such as "VK_ERROR_DEVICE_LOST".
+/// Returns the name of a VkResult, such as "VK_ERROR_DEVICE_LOST".
 const char* resultName(VkResult result);
 
 /// Throws Error with the call, the name of its result and the place, which is that of the caller: clang 14 has no

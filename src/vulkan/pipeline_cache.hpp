@@ -29,15 +29,15 @@ class PipelineCache {
   VkPipelineCache handle() const { return cache_.get(); }
   /// The files of kernels that are shader objects; null if kernels are pipelines.
   const ShaderFiles* shaders() const { return shaders_ ? &*shaders_ : nullptr; }
-  /// Writes the file if pipelines were compiled that it does not have. If that or a file of a shader object failed, or
-  /// if this user has no folder for them, `warn` is called once.
+  /// Writes the file if pipelines were compiled that it does not have. If writing it or the file of a shader object
+  /// failed, or if this user has no folder for such files, `warn` is called once.
   void save(const std::function<void(const std::string& message)>& warn);
 
  private:
   const Device& device_;
   std::mutex mutex_;
   std::filesystem::path file_;  // empty if kernels are not kept
-  bool lacksFolder_;            // true if they would be kept, but nothing tells where, and nobody was told yet
+  bool lacksFolder_;            // true if no folder is known in which to keep kernels, and nobody was told yet
   std::string stored_;          // the driver's data in the file
   DeviceHandle<VkPipelineCache> cache_;
   std::optional<ShaderFiles> shaders_;

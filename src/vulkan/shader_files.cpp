@@ -32,7 +32,7 @@ std::string driverName(const Device& device) {
   return hasher.hex();
 }
 
-// Returns what a file begins with that has this name and this binary. Drivers may crash on the binary of another
+// Returns the hash with which a file begins, of its name and the binary. Drivers may crash on the binary of another
 // kernel.
 std::string sealOf(const std::string& name, const std::string& binary) {
   Hasher hasher;
@@ -51,7 +51,7 @@ std::string readBinary(const fs::path& file) {
   return binary;
 }
 
-// Gives a file that is in use the time of now, because removeOldest() removes those that were not used for long.
+// Gives a file that is in use the time of now, because removeOldest() removes files that were not used for long.
 void refresh(const fs::path& file) {
   std::error_code failed;
   const auto now = fs::file_time_type::clock::now();

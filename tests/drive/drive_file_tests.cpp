@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
-#include <cmath>
 
-#include "drive/pose_math.hpp"
 #include "drive/ros.hpp"
 #include "drive/schedule.hpp"
 #include "drive/schema_check.hpp"
@@ -33,19 +31,6 @@ Json changed(const std::string& pointer, const Json& value) {
   json[Json::json_pointer(pointer)] = value;
   return json;
 }
-
-void checkPose(const Pose& pose, const Vec3& position, const Quaternion& turn, double within = 1e-9) {
-  const auto& [p, q] = pose;
-  const double sign = q.x * turn.x + q.y * turn.y + q.z * turn.z + q.w * turn.w < 0 ? -1 : 1;
-  const double got[] = {p.x, p.y, p.z, sign * q.x, sign * q.y, sign * q.z, sign * q.w};
-  const double wanted[] = {position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w};
-  for (int i = 0; i < 7; ++i) {
-    INFO("number " << i << " of the pose");
-    CHECK_THAT(got[i], WithinAbs(wanted[i], within));
-  }
-}
-
-const double kHalf = std::sqrt(0.5);
 
 }  // namespace
 
@@ -226,179 +211,6 @@ TEST_CASE("classes of materials: by the longest pattern, else as the file states
   checkRefused(json, {"models.cube.materials.lawn: ", "'gras' is unknown"});
 }
 
-TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory") {
-  const drive::Trajectory way({{1, {{0, 0, 0}, {}}}, {3, {{4, -2, 1}, {0, 0, kHalf, kHalf}}}});
-  checkPose(way.at(1.5), {1, -0.5, 0.25}, {0, 0, std::sin(M_PI / 16), std::cos(M_PI / 16)}, 1e-12);
-  checkPose(way.at(0), {0, 0, 0}, {});
-  checkPose(way.at(9), {4, -2, 1}, {0, 0, kHalf, kHalf});
-  CHECK(way.covers(3));
-  CHECK_FALSE(way.covers(3.01));
-  CHECK(way.movesWithin(2.9, 9));
-  CHECK_FALSE(way.movesWithin(3, 9));
-}
-
-TEST_CASE("every kind of trajectory file is read as its makers define it") {
-  const Folder folder;
-  const auto read = [&](const std::string& name, const std::string& bytes, const std::string& format,
-                        const drive::TrajectoryFileOptions& options = {}) {
-    return drive::readTrajectory(put(folder / name, bytes), format, options);
-  };
-  const auto tum = read("a.tum", "# t x y z qx qy qz qw\n1.5 1 2 3 0 0 0.70710678 0.70710678 9 9\n", "tum");
-  REQUIRE(tum.size() == 1);
-  CHECK(tum[0].time == 1.5);
-  checkPose(tum[0].pose, {1, 2, 3}, {0, 0, kHalf, kHalf});
-
-  const auto euroc = read("a.csv", "#t,p,q\n1403715273262142976,1,2,3,0.70710678,0.70710678,0,0,7,7\n", "euroc");
-  CHECK_THAT(euroc[0].time, WithinAbs(1403715273.262142976, 1e-6));
-  checkPose(euroc[0].pose, {1, 2, 3}, {kHalf, 0, 0, kHalf});
-
-  const auto nuscenes = read("ego_pose.json",
-                             R"([{"token":"b","timestamp":2500000,"rotation":[0,0,0,1],"translation":[4,5,6]},
-                                 {"token":"a","timestamp":1500000,"rotation":[1,0,0,0],"translation":[1,2,3]}])",
-                             "nuscenes");
-  REQUIRE(nuscenes.size() == 2);
-  CHECK(nuscenes[0].time == 1.5);
-  checkPose(nuscenes[0].pose, {1, 2, 3}, {});
-  checkPose(nuscenes[1].pose, {4, 5, 6}, {0, 0, 1, 0});
-
-  // A camera that moves 2 m ahead, 1 m to the right and 3 m down, and turns left by a quarter: about its -y.
-  drive::TrajectoryFileOptions times;
-  times.times = put(folder / "times.txt", "0\n0.1\n");
-  const auto kitti = read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 1 0 1 0 3 1 0 0 2\n", "kitti", times);
-  REQUIRE(kitti.size() == 2);
-  CHECK(kitti[1].time == 0.1);
-  checkPose(kitti[0].pose, {0, 0, 0}, {});
-  checkPose(kitti[1].pose, {2, -1, -3}, {0, 0, kHalf, kHalf});
-
-  // CARLA's y points to the right: a vehicle that drives to larger y turns right.
-  const auto carla = read("ego.csv", "0,0,1,0.05\n0,1,1,0.1\n0,2,1,0.15\n0,2,1,0.2\n0,2,1,0.25\n", "carla");
-  const auto along = drive::Trajectory::alongWay(carla);
-  for (const auto& stamp : along.stamps()) checkPose({{}, stamp.pose.orientation}, {0, 0, 0}, {0, 0, -kHalf, kHalf});
-  checkPose(along.at(0.15), {0, -2, 1}, {0, 0, -kHalf, kHalf});
-
-  drive::TrajectoryFileOptions route;
-  route.route = "7";
-  route.speed = 2;
-  const std::string xml =
-      "<routes><route id='3'><waypoints><position x='0' y='0' z='0'/></waypoints></route><route "
-      "id='7'><waypoints><position x='0' y='0' z='0'/><position x='0' y='-4' z='0'/></waypoints>"
-      "</route></routes>";
-  const auto carlaRoute = read("r.xml", xml, "carla-route", route);
-  REQUIRE(carlaRoute.size() == 2);
-  CHECK(carlaRoute[1].time == 2);
-  checkPose(drive::Trajectory::alongWay(carlaRoute).at(2), {0, 4, 0}, {0, 0, kHalf, kHalf});
-
-  CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
-  CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
-  for (const char* sbet : {"a.SBET", "sbet_mission 1.out"})
-    CHECK_THROWS_WITH(read(sbet, std::string(136, '\0'), "tum"), ContainsSubstring("SBET is read by Python"));
-  CHECK(read("sbet.tum", "0 1 2 3 0 0 0 1\n", "tum").size() == 1);
-  for (const char* sheared : {"2 0 0 0 0 0.5 0 0 0 0 1 0\n", "1 0.9 0 0 0 1 0 0 0 0 1 0\n"})
-    CHECK_THROWS_WITH(read("p.txt", sheared, "kitti", times), ContainsSubstring("is no rotation and translation"));
-  CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
-                    ContainsSubstring("has 2 times for the 1"));
-  CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "euroc"), ContainsSubstring("line 1 is not t,x,y,z,qw"));
-  CHECK_THROWS_WITH(read("p.txt", "99999999999999999999,1,2,3,1,0,0,0\n", "euroc"),
-                    ContainsSubstring("line 1 has a time that is not nanoseconds"));
-  CHECK_THROWS_WITH(read("a.tum", "0 0 0 0 0 0 0 2\n", "tum"), ContainsSubstring("length is not 1"));
-}
-
-TEST_CASE("times of trajectories are moved, cut and turned along the way as asked for") {
-  const DriveFolder folder;
-  put(folder / "ego.tum", "100 0 0 0 0 0 0 1\n101 0 1 0 0 0 0 1\n102 0 2 0 0 0 0 1\n103 0 3 0 0 0 0 1\n");
-  const auto read = [&](const Json& trajectory) {
-    Json json = smallDrive();
-    json["ego"]["trajectory"] = trajectory;
-    return folder.read(json).ego;
-  };
-  const auto cut = read({{"file", "ego.tum"}, {"from", 101}, {"to", 102.5}, {"begin", -1}, {"shift", {0, 0, 2}}});
-  REQUIRE(cut.stamps().size() == 2);
-  CHECK(cut.begin() == -1);
-  checkPose(cut.at(0), {0, 2, 2}, {});
-  checkPose(read({{"file", "ego.tum"}, {"heading", true}}).at(101), {0, 1, 0}, {0, 0, kHalf, kHalf});
-
-  put(folder / "twice.tum", "1 0 0 0 0 0 0 1\n2 5 0 0 0 0 0 1\n2 6 0 0 0 0 0 1\n3 7 0 0 0 0 0 1\n");
-  Json json = quietDrive();
-  json["ego"]["trajectory"] = {{"file", "twice.tum"}};
-  json["actors"] = Json::array();
-  const drive::Drive twice = folder.read(json);
-  CHECK(twice.ego.stamps().size() == 3);
-  CHECK(twice.ego.at(2).position.x == 5);
-  REQUIRE(twice.warnings.size() == 1);
-  CHECK_THAT(twice.warnings[0], ContainsSubstring("ego.trajectory: 1 poses have the time of the pose before"));
-}
-
-TEST_CASE("an actor looks along its way between waypoints, turns around them, and keeps its direction while standing") {
-  const DriveFolder folder;
-  const auto yawOf = [&](const Json& waypoints) {
-    Json json = smallDrive();
-    json["actors"][0]["trajectory"] = {{"waypoints", waypoints}};
-    const drive::Trajectory trajectory = folder.read(json).actors[0].trajectory;
-    return [trajectory](double time) { return 180 / M_PI * drive::yawPitchRollOf(trajectory.at(time).orientation)[0]; };
-  };
-  const auto bend = yawOf({waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)});
-  for (const double time : {0.0, 1.0, 1.49}) CHECK_THAT(bend(time), WithinAbs(0, 1e-9));
-  CHECK_THAT(bend(1.75), WithinAbs(-22.5, 1e-9));
-  CHECK_THAT(bend(2), WithinAbs(-45, 1e-9));
-  for (const double time : {2.5, 3.0, 4.0}) CHECK_THAT(bend(time), WithinAbs(-90, 1e-9));
-
-  const auto stop = yawOf({waypoint(0, 0, 0, 0), waypoint(1, 10, 0, 0), waypoint(3, 10, 0, 0), waypoint(4, 10, 10, 0)});
-  for (const double time : {0.5, 1.0, 2.0, 3.0}) CHECK_THAT(stop(time), WithinAbs(0, 1e-9));
-  CHECK_THAT(stop(3.5), WithinAbs(90, 1e-9));
-
-  // A pose with an angle of its own: the actor turns all the way to it.
-  Json given = {waypoint(0, 0, 0, 0), waypoint(2, 10, 0, 0), waypoint(4, 20, 0, 0)};
-  given[2]["yaw_deg"] = 40;
-  CHECK_THAT(yawOf(given)(3), WithinAbs(20, 1e-9));
-
-  // Waypoints are cut before the vehicle is turned along what is left, and those that are turned count once.
-  const auto ego = [&](Json trajectory) {
-    trajectory["waypoints"] = {waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)};
-    Json json = smallDrive();
-    json["ego"]["trajectory"] = trajectory;
-    return folder.read(json).ego;
-  };
-  checkPose(ego({{"from", 1}, {"begin", 0}}).at(0), {0, -5, 0}, {0, 0, -kHalf, kHalf});
-  checkPose(ego({{"to", 3}}).at(4), {0, -5, 0}, {});
-  CHECK_THAT(drive::yawPitchRollOf(ego({{"heading", true}}).at(1.75).orientation)[0], WithinAbs(-M_PI / 8, 1e-9));
-  // Waypoints that are cut tell the direction of a vehicle that stands.
-  put(folder / "stop.csv", "0,0,0,0\n0,-5,0,1\n0,-5,0,2\n0,-5,0,3\n5,-5,0,4\n");
-  const auto stopped = [&](double from, double to) {
-    Json json = smallDrive();
-    json["ego"]["trajectory"] = {{"file", "stop.csv"}, {"format", "carla"}, {"from", from}, {"to", to}};
-    json["duration"] = 1;
-    return folder.read(json).ego;
-  };
-  checkPose(stopped(2, 3).at(2.5), {0, 5, 0}, {0, 0, kHalf, kHalf});
-  checkPose(stopped(3, 3).at(3), {0, 5, 0}, {0, 0, kHalf, kHalf});
-  checkPose(stopped(2, 9).at(2.5), {0, 5, 0}, {0, 0, kHalf, kHalf});
-  checkPose(stopped(2, 9).at(4), {5, 5, 0}, {});
-
-  // Along a circle with ten waypoints a second the yaw is that of its tangent.
-  constexpr double kRadius = 10, kRate = 0.5;  // m, rad/s
-  Json circle = Json::array();
-  for (int i = 0; i <= 40; ++i)
-    circle.push_back(waypoint(0.1 * i, kRadius * std::sin(0.1 * kRate * i), -kRadius * std::cos(0.1 * kRate * i), 0));
-  const auto around = yawOf(circle);
-  for (double time = 0.2; time < 3.8; time += 0.013)
-    CHECK_THAT(around(time), WithinAbs(180 / M_PI * kRate * time, 1e-3));
-  Json json = smallDrive();
-  json["ego"]["trajectory"] = {{"waypoints", circle}};
-  json["duration"] = 1;
-  const drive::Trajectory way = folder.read(json).ego;
-  for (double time = 0.2; time < 3.8; time += 0.05)
-    CHECK_THAT(lengthOf(way.ratesAt(time).acceleration), WithinAbs(kRadius * kRate * kRate, 0.01));
-  // Between waypoints that are far apart the rates are those of the poses.
-  const drive::Trajectory sparse = ego({{"heading", true}});
-  for (const double time : {0.0, 0.7, 1.3, 2.7, 4.0}) {
-    const auto rates = sparse.ratesAt(time);
-    CHECK_THAT(lengthOf(rates.velocity - (time < 2 ? Vec3{10, 0, 0} : Vec3{0, -10, 0})), WithinAbs(0, 1e-9));
-    CHECK_THAT(lengthOf(rates.acceleration), WithinAbs(0, 1e-9));
-    CHECK_THAT(lengthOf(rates.turnRate), WithinAbs(0, 1e-9));
-  }
-  CHECK_THAT(sparse.ratesAt(2).turnRate.z, WithinAbs(-M_PI / 2, 1e-6));
-}
-
 TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -537,20 +349,6 @@ TEST_CASE("a bag has names and times that ROS 2 knows") {
   checkRefused(json, {"epoch: leads to times from "});
 }
 
-TEST_CASE("lines of trajectories end as those of any system, and may have comments and blanks") {
-  const Folder folder;
-  const std::string pose = " 1 2 3 0 0 0 1", next = "2" + pose;
-  for (const std::string end : {"\n", "\r\n", "\r"}) {
-    const std::string text =
-        "\xef\xbb\xbf# t x y z qx qy qz qw" + end + "1" + pose + " # here" + end + end + next + end;
-    const auto stamps = drive::readTrajectory(put(folder / "a.tum", text), "tum", {});
-    REQUIRE(stamps.size() == 2);
-    CHECK(stamps[1].time == 2);
-  }
-  const auto euroc = drive::readTrajectory(put(folder / "a.csv", " 1000000000 , 1, 2, 3, 1, 0, 0, 0\n"), "euroc", {});
-  CHECK(euroc.at(0).time == 1);
-}
-
 TEST_CASE("weather is linear between entries, and may jump") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -569,25 +367,6 @@ TEST_CASE("weather is linear between entries, and may jump") {
   CHECK(at(9).rainRate == 10);
   json.erase("weather");
   CHECK_FALSE(folder.read(json).weatherAt(0));
-}
-
-TEST_CASE("yaws that are half a turn or more apart are warned of, because a vehicle turns the shorter way") {
-  const DriveFolder folder;
-  Json json = quietDrive();
-  const auto warnings = [&](const std::vector<double>& yaws) {
-    Json waypoints = Json::array();
-    for (size_t i = 0; i < yaws.size(); ++i) {
-      waypoints.push_back(waypoint(static_cast<double>(i), 0, 0, 0));
-      waypoints.back()["yaw_deg"] = yaws[i];
-    }
-    json["ego"]["trajectory"]["waypoints"] = waypoints;
-    return folder.read(json).warnings;
-  };
-  CHECK(warnings({0, 179, 350}).empty());
-  const std::vector<std::string> longer = warnings({0, 90, 360, 0});
-  REQUIRE(longer.size() == 1);
-  CHECK_THAT(longer[0], ContainsSubstring("ego.trajectory.waypoints[2].yaw_deg: is 270 degrees from the one before") &&
-                            ContainsSubstring("by -90 degrees") && ContainsSubstring("2 waypoints"));
 }
 
 TEST_CASE("frames of ROS 2 have the names that the drive file states") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The folder of a drive: files that are complete, files that are made again, and two runs at once.
+#include <signal.h>
+
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
 #include <functional>
@@ -146,4 +148,19 @@ TEST_CASE("a run that ends after another one has finished the same drive leaves 
   checkSameFiles(folder / "whole", folder / "out");
   CHECK_FALSE(fs::exists(folder / "out/mcap/chunks"));
   CHECK_FALSE(fs::exists(folder / "out/osi/parts"));
+}
+
+TEST_CASE("the thread that calls progress takes the signals of the program, which may raise them or start processes") {
+  const DriveFolder folder;
+  drive::RunOptions options = optionsFor(folder / "out");
+  size_t calls = 0, blocking = 0;
+  options.progress = [&](uint64_t, uint64_t) {
+    sigset_t blocked;
+    ::pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+    ++calls;
+    blocking += ::sigismember(&blocked, SIGINT) == 1;
+  };
+  CHECK(drive::run(folder.read(driveWith({{{"format", "pcd"}}})), options).finished);
+  CHECK(calls > 0);
+  CHECK(blocking == 0);
 }

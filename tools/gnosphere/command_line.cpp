@@ -42,7 +42,7 @@ class HelpFormatter : public CLI::Formatter {
       }
     }(*this);
   }
-  /// Versions differ in how many empty lines come between the parts.
+  /// The versions of CLI11 differ in the number of empty lines between the parts of the help.
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
     std::string text = Formatter::make_help(app, std::move(name), mode);
     for (size_t at; (at = text.find("\n\n\n")) != text.npos;) text.erase(at, 1);
