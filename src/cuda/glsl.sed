@@ -22,6 +22,12 @@ s/^Words64 words64 = Words64\(words\);/uint64_t* words64 = reinterpret_cast<uint
 s/^layout\(constant_id = [0-9]+\) const (\w+) (\w+) = [^;]*;/GNO_OPTION(\1, \2);/
 s/^shared (\w+) (\w+)\[([^]]+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
 s/^(const|GNO_CONST) /static constexpr /
+/^(float|uint|vec2) \w+\[\w+\](, \w+\[\w+\])*;/{
+  s/^(\w+) (\w+)\[(\w+)\]/GNO_PRIVATE_ARRAY(\1, \2, \3)/
+  :next
+  s/^(GNO_PRIVATE_ARRAY\((\w+), .*\)), (\w+)\[(\w+)\]/\1; GNO_PRIVATE_ARRAY(\2, \3, \4)/
+  tnext
+}
 
 # Functions; a class needs no forward declarations.
 /^\w+ \w+\([^)]*\);$/d

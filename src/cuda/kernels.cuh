@@ -35,6 +35,15 @@
 #else
 #define EACH_RAY(do_) GNO_LOOP_OF_RAYS(do_)
 #endif
+
+// Declares an array of an invocation. An array whose index is a variable lies in memory. As a member it would force nvcc to
+// keep the whole stage in memory, without a constant option and without a value in a register, so it lies apart.
+#ifdef __CUDACC__
+#define GNO_PRIVATE_ARRAY(type_, name_, count_) \
+  type_* const name_ = reinterpret_cast<type_*>(takeMemory(sizeof(type_) * (count_)))
+#else
+#define GNO_PRIVATE_ARRAY(type_, name_, count_) type_ name_[count_]
+#endif
 #define INT64_ATOMICS
 #define FLOAT64
 #define GNO_OPTION(type_, name_) const type_ name_ = job.options.name_
@@ -98,11 +107,27 @@ struct FootprintPass {
 
 #ifdef __CUDACC__
 
+// One invocation of a stage, with the memory of its private arrays.
+struct Invocation {
+  static constexpr uint kPrivateBytes = 0;  // of all private arrays of the stage
+
+  const Job& job;
+  char* memory;     // that no array has yet
+  const char* end;  // of the memory
+
+  GNO_DEVICE char* takeMemory(uint bytes) {
+    memory += bytes;
+    if (memory > end) __trap();  // kPrivateBytes is too small; otherwise the compiler removes this line
+    return memory - bytes;
+  }
+};
+
 template <typename Stage, typename Known>
 __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_constant__ Job given) {
   Job job = given;
   Known::fix(job.options);
-  Stage{job}.main();
+  alignas(16) char memory[Stage::kPrivateBytes + 1];
+  Stage{{job, memory, memory + Stage::kPrivateBytes}}.main();
 }
 
 template <typename Stage, typename Known>
@@ -112,10 +137,14 @@ void launchAs(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
 
 #else
 
+struct Invocation {
+  const Job& job;
+};
+
 // The host compiles each stage once, and reads the options that are known as it reads the others.
 template <typename Stage>
 void run(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
-  runWorkgroups(workgroupsX, workgroupsY, [&job] { Stage{job}.main(); });
+  runWorkgroups(workgroupsX, workgroupsY, [&job] { Stage{{job}}.main(); });
 }
 
 template <typename Stage, typename Known>
@@ -141,81 +170,70 @@ void launch(const Job& job, uint32_t workgroupsX, uint32_t workgroupsY) {
                      : launchAs<Stage, Moving<Known, 0>>(job, workgroupsX, workgroupsY);
 }
 
-struct beam_frames {
-  const Job& job;
+struct beam_frames : Invocation {
 #include "glsl/beam_frames.comp"
 };
 
-struct project_groups {
-  const Job& job;
+struct project_groups : Invocation {
 #include "glsl/project_groups.comp"
 };
 
-struct project_clusters {
-  const Job& job;
+struct project_clusters : Invocation {
 #include "glsl/project_clusters.comp"
 };
 
-struct project_triangles {
-  const Job& job;
+struct project_triangles : Invocation {
 #include "glsl/project_triangles.comp"
 };
 
 template <uint RAYS>
-struct bin {
-  const Job& job;
-  GNO_DEVICE explicit bin(const Job& given) : job(given) {}
+struct bin : Invocation {
+  static constexpr uint kPrivateBytes = 8 * RAYS;
+  GNO_DEVICE explicit bin(const Invocation& given) : Invocation(given) {}
 #include "glsl/bin.comp"
 };
 
-struct prefix_sum {
-  const Job& job;
+struct prefix_sum : Invocation {
 #include "glsl/prefix_sum.comp"
 };
 
-struct resolve {
-  const Job& job;
+struct resolve : Invocation {
 #include "glsl/resolve.comp"
 };
 
-struct effects_strays {
-  const Job& job;
+struct effects_strays : Invocation {
 #include "glsl/effects_strays.comp"
 };
 
 // CUDA leaves all sub-rays of a beam to one thread, so it has no SPREAD_RAYS. tools/gpus asks for it, and the tests by
 // GNO_SPREAD_RAYS, the number of sub-rays of footprints whose lanes have two places each.
 template <uint RAYS, uint SPREAD_RAYS = 0>
-struct effects_footprint {
-  const Job& job;
-  GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // the arrays of hits stay unset
+struct effects_footprint : Invocation {
+  static constexpr uint kPrivateBytes = 4 * (13 + 5 * kMaxLayers) * RAYS;
+  GNO_DEVICE explicit effects_footprint(const Invocation& given) : Invocation(given) {}  // the arrays of hits stay unset
 #include "glsl/effects_footprint.comp"
 };
 
-struct effects_panes {
-  const Job& job;
+struct effects_panes : Invocation {
+  static constexpr uint kPrivateBytes = 4 * 4 * kMaxLayers;
 #include "glsl/effects_panes.comp"
 };
 
-struct effects {
-  const Job& job;
+struct effects : Invocation {
 #include "glsl/effects.comp"
 };
 
 // Only Vulkan devices read and write buffers of the caller; the tests run these kernels on the host.
 #ifdef GNO_CALLERS_BUFFERS
-struct records {
-  const Job& job;
+struct records : Invocation {
 #include "glsl/records.comp"
 };
 #define OUTSIDE_OF_SCANS
-struct fit_clusters {
-  const Job& job;
+struct fit_clusters : Invocation {
 #include "glsl/fit_clusters.comp"
 };
 
-struct place_instances {
-  const Job& job;
+struct place_instances : Invocation {
 #include "glsl/place_instances.comp"
 };
 #undef OUTSIDE_OF_SCANS
