@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import warnings
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from conftest import REPOSITORY
 
 import gnosphere
 from gnosphere import adapter, primitives, robotics
-from gnosphere.robotics.resources import Resources
+from gnosphere.robotics.resources import Resources, parse_xml
 from gnosphere.robotics.robot_scene import Parts
 
 NONE = gnosphere.Effects.none()
@@ -651,6 +652,40 @@ def test_sdf_in_a_circle_is_refused(tmp_path):
     )
     with pytest.raises(ValueError, match="b.sdf: the pose of 'x' is relative to itself"):
         robotics.load(tmp_path / "b.sdf")
+
+
+def test_models_of_sdf_that_double_are_refused(tmp_path):
+    twice = "<sdf><model name='m'><include><uri>m{0}.sdf</uri></include><include><uri>m{0}.sdf</uri></include></model></sdf>"
+    for number in range(16):
+        (tmp_path / f"m{number}.sdf").write_text(twice.format(number + 1))
+    (tmp_path / "m16.sdf").write_text("<sdf><model name='m'/></sdf>")
+    with pytest.raises(ValueError, match="more than 10,000 models are included"):
+        quiet(tmp_path / "m0.sdf")
+
+
+def test_models_of_sdf_that_are_nested_too_deep_are_refused(tmp_path):
+    (tmp_path / "m.sdf").write_text("<sdf>" + "<model name='m'>" * 3000 + "</model>" * 3000 + "</sdf>")
+    with pytest.raises(ValueError, match="nested too deep"):
+        quiet(tmp_path / "m.sdf")
+
+
+@pytest.mark.parametrize("name", ["robot", "é:robot"])  # the second has a prefix that nobody declares
+def test_the_time_of_comments_before_a_robot_does_not_double_with_each(tmp_path, name):
+    text = "<!--a-->" * 60 + f"<{name} name='r'><link name='l'/></{name}>"
+    (tmp_path / "m.urdf").write_text(text, encoding="utf-8")
+    if name == "robot":
+        assert parse_xml(tmp_path / "m.urdf").tag == "robot"
+    else:
+        with pytest.raises(ET.ParseError):
+            parse_xml(tmp_path / "m.urdf")
+
+
+def test_archives_are_no_meshes(tmp_path):
+    (tmp_path / "bomb.zip").write_bytes(b"PK")
+    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape="<mesh><uri>bomb.zip</uri></mesh>", sensor=""))
+    with pytest.warns(UserWarning, match="bomb.zip is of no kind that is read"):
+        assert robotics.load(tmp_path / "m.sdf").frames == []
+
 
 
 def test_sdf_against_links_of_bullet():

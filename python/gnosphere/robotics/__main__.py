@@ -33,7 +33,7 @@ def main() -> int:
         if given.output:
             gno.write_glb(found.scene, given.output)
     except (OSError, ValueError, ImportError, gno.Error) as error:
-        print(f"gnosphere.robotics: {error}", file=sys.stderr)
+        print(f"gnosphere.robotics: {shown(error)}", file=sys.stderr)
         return 1
     return 0
 
@@ -45,17 +45,22 @@ def describe(found: RobotScene) -> None:
     if not box.empty():
         print("from", *(f"{value:.3f}" for value in box.min), "to", *(f"{value:.3f}" for value in box.max), "m")
     for name, (low, high) in found.joint_limits.items():
-        print(f"joint {name}: {'any position' if math.isinf(low) and math.isinf(high) else f'{low:g} to {high:g}'}")
+        print(f"joint {shown(name)}: {'any position' if math.isinf(low) and math.isinf(high) else f'{low:g} to {high:g}'}")
     for number, mounted in enumerate(found.sensors):
         rate = f", {mounted.rate:g} scans a second" if mounted.rate else ""
-        print(f"lidar {mounted.name}: {mounted.sensor.beam_count():,} beams{rate}")
+        print(f"lidar {shown(mounted.name)}: {mounted.sensor.beam_count():,} beams{rate}")
         print(
-            f"  on {mounted.frame} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}"
+            f"  on {shown(mounted.frame)} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}"
         )
     for what in found.assumed:
-        print(f"assumed: {what}")
+        print(f"assumed: {shown(what)}")
     for what, count in found.left_out.items():
-        print(f"left out: {what} ({count})")
+        print(f"left out: {shown(what)} ({count})")
+
+
+def shown(text: object) -> str:
+    """A text that may come from a file, with a question mark for each character that a terminal would obey."""
+    return "".join(letter if letter.isprintable() else "?" for letter in str(text))
 
 
 def listed(values: Iterable[float]) -> str:

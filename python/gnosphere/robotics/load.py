@@ -61,6 +61,8 @@ def load(
         frames, limits = module.read(path, parts, resources, collisions)
     except (ValueError, ET.ParseError) as error:
         raise ValueError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise ValueError(f"{path}: elements or frames are nested too deep") from error
     result = RobotScene(parts, frames, joints or {}, limits)
     adapter.warn_left_out(os.fspath(path), parts.left_out)
     return result

@@ -155,7 +155,9 @@ def _read_ours(path: Path) -> Iterator[Piece]:
 
 
 def _read_with_trimesh(path: Path) -> Iterator[Piece]:
-    """Collada and whatever else trimesh reads. Its up axis is not applied, as in Gazebo and RViz."""
+    """Collada and OFF. The up axis of Collada is not applied, as in Gazebo and RViz."""
+    if path.suffix.lower() not in (".dae", ".off"):  # trimesh would unpack archives, too, to any size
+        raise ValueError(f"{path.name} is of no kind that is read: {', '.join((*OURS, '.dae', '.off'))}")
     try:
         import trimesh
     except ImportError as error:
@@ -183,13 +185,18 @@ def _read_with_trimesh(path: Path) -> Iterator[Piece]:
         yield Piece(triangles, node, getattr(material, "name", "") or "", given)
 
 
-_BEFORE_ROOT = re.compile(rb"(?:\s|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^>]*>)*<[\w.:-]+", re.DOTALL)
+# Each of these texts ends at its first end, so that a search cannot try others: the time of that would double with each.
+_COMMENT, _INSTRUCTION = rb"<!--(?:(?!-->).)*-->", rb"<\?(?:(?!\?>).)*\?>"
+_BEFORE_DECLARATION = re.compile(rb"\A(?:\s|" + _COMMENT + rb")+(?=<\?xml)", re.DOTALL)
+_BEFORE_ROOT = re.compile(
+    rb"(?:\s|" + _COMMENT + rb"|" + _INSTRUCTION + rb"|<!DOCTYPE[^>]*>)*<[\w.:-]+", re.DOTALL
+)
 
 
 def parse_xml(path: Path) -> ET.Element:
     """The outermost element of a file. Robots' own parsers forgive comments before the XML declaration, a zero at the
     end and prefixes that nobody declares, and so files have them."""
-    data = re.sub(rb"\A(?:\s|<!--.*?-->)+(?=<\?xml)", b"", path.read_bytes().rstrip(b" \t\r\n\0"), flags=re.DOTALL)
+    data = _BEFORE_DECLARATION.sub(b"", path.read_bytes().rstrip(b" \t\r\n\0"))
     try:
         return ET.fromstring(data)
     except ET.ParseError as error:

@@ -69,12 +69,15 @@ class Parts:
         self.sensors.append(MountedSensor(unique, sensor, frame, local, rate))
 
 
-def unique_name(name: str, taken: Container[str]) -> str:
-    """A name that is not taken: the given one, or else "NAME 2", "NAME 3" and so on."""
-    unique, count = name, 1
+def unique_name(name: str, taken: Container[str], last: Optional[dict[str, int]] = None) -> str:
+    """A name that is not taken: the given one, or else "NAME 2", "NAME 3" and so on. `last` keeps the last number of
+    each name, from which the search goes on, since many things may have one name."""
+    unique, count = name, (last or {}).get(name, 1)
     while unique in taken:
         count += 1
         unique = f"{name} {count}"
+    if last is not None:
+        last[name] = count
     return unique
 
 

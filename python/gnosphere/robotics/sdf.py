@@ -17,6 +17,8 @@ from .robot_scene import Kinematics, Matrix, Mimic, Parts, unique_name
 from .sdf_kinematics import Joint, Tree
 from .xml_lidars import number, numbers, pose_of
 
+MOST_INCLUDES = 10_000
+"""Of a file, with those of the models that it includes."""
 ENDLESS = 1000.0
 """Metres: half the size of the plane of a collision, which has no end; that of a visual has a size."""
 
@@ -41,6 +43,7 @@ class Reader:
         self.parts, self.resources, self.collisions = parts, resources, collisions
         self.tree = Tree(parts)
         self._files: dict[int, Path] = {}  # of included models, by the identity of their elements
+        self._included_count = 0
 
     def expand(self, element: ET.Element, files: tuple[Path, ...]) -> None:
         """Puts models in place of <include>, everywhere below an element, and lets all have names of their own."""
@@ -58,11 +61,12 @@ class Reader:
         """Gives other names to things of a model or world whose names are taken; who names them means the first."""
         for tags in (("link", "model", "frame"), ("joint",)):
             taken: set[str] = set()
+            last: dict[str, int] = {}
             for child in element:
                 if child.tag not in tags:
                     continue
                 name = child.get("name", "")
-                unique = unique_name(name, taken)
+                unique = unique_name(name, taken, last)
                 taken.add(unique)
                 child.set("name", unique)
                 if unique != name:
@@ -76,6 +80,9 @@ class Reader:
             return None
         if origin in files:
             raise ValueError(f"{origin} includes itself")
+        self._included_count += 1
+        if self._included_count > MOST_INCLUDES:
+            raise ValueError(f"more than {MOST_INCLUDES:,} models are included, the last one from {files[-1]}")
         model = _modern(parse_xml(origin)).find("model")
         if model is None:
             self.parts.leave_out(f"{origin.name}, which has no <model>")
