@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
+#include "sensor/catalogue_mid360.hpp"
 
 namespace gnosphere {
 namespace {
@@ -180,6 +181,7 @@ std::vector<CatalogueHead> listHeads() {
   std::vector<CatalogueHead> heads;
   for (const PrismHead& head : kPrismHeads)
     heads.push_back({head.name, head.product, {"10Hz"}, head.source, head.remarks, head.rangeAt10Percent});
+  heads.push_back(mid360Head());
   heads.push_back(kZones);
   return heads;
 }
@@ -187,7 +189,7 @@ std::vector<CatalogueHead> listHeads() {
 Sensor listHead(const std::string& name) {
   for (const PrismHead& head : kPrismHeads)
     if (head.name == name) return prismSensor(head);
-  return zonesSensor();
+  return name == kZones.name ? zonesSensor() : mid360Sensor();
 }
 
 }  // namespace gnosphere

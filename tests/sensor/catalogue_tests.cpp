@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/file.hpp"
+#include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 #include "sensor/beams.hpp"
@@ -336,6 +337,40 @@ TEST_CASE("heads of turning prisms have the field of view and the rate of their 
     }
     CHECK(std::abs(left - right - sheet.horizontal) < 0.3);
     CHECK(std::abs(up - down - sheet.vertical) < 0.2);
+  }
+}
+
+TEST_CASE("the Mid-360 has the directions of Livox's table") {
+  const Sensor sensor = builtinSensor("Mid-360");
+  CHECK(sensor.patterns.size() == 40);
+  double down = 1, up = -1;
+  for (const BeamList& list : sensor.patterns) {
+    CHECK(list.size() == 20000);
+    for (const Vec3& d : list.directions) {
+      CHECK_FALSE(std::abs(lengthOf(d) - 1) > 1e-12);
+      down = std::min(down, d.z), up = std::max(up, d.z);
+    }
+  }
+  // mid360.csv of Livox's simulation plug-in, MIT: its least and greatest elevation, and some of its 800,000 rows.
+  const double degree = std::numbers::pi / 180;
+  CHECK(std::abs(std::asin(down) + 7.2123 * degree) < 0.11 * degree);
+  CHECK(std::abs(std::asin(up) - 52.164 * degree) < 0.11 * degree);
+  const struct {
+    size_t row;
+    double azimuth, elevation;
+  } rows[] = {{0, 268.99, 52.162},      {1, 269, 49.175},         {2, 269, 46.419},         {3, 269, 43.848},
+              {5000, 91.984, 17.768},   {12345, 158.56, 4.34},    {19999, 180.11, 47.532},  {20000, 185.17, 47.943},
+              {123456, 75.738, 26.751}, {333333, 237.35, 10.819}, {456789, 16.555, 29.386}, {600001, 180.05, 47.754},
+              {777777, 104.74, 36.037}, {799999, 33.069, 49.939}};
+  for (const auto& row : rows) {
+    INFO(row.row);
+    const BeamList& list = sensor.patterns[row.row / 20000];
+    const double across = std::cos(row.elevation * degree);
+    const Vec3 expected = {across * std::cos(row.azimuth * degree), across * std::sin(row.azimuth * degree),
+                           std::sin(row.elevation * degree)};
+    CHECK(lengthOf(list.directions[row.row % 20000] - expected) < 0.11 * degree);
+    CHECK(list.rings[row.row % 20000] == row.row % 4);
+    CHECK(std::abs(list.times[row.row % 20000] - double(row.row % 20000 / 4) * 20e-6) < 1e-12);
   }
 }
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Livox Mid-360.
+#pragma once
+
+#include "gnosphere/sensor.hpp"
+
+namespace gnosphere {
+
+CatalogueHead mid360Head();
+/// Returns its sensor, without its name.
+Sensor mid360Sensor();
+
+}  // namespace gnosphere
