@@ -13,7 +13,7 @@ cli::Json rowJson(const AccuracyRow& row) {
   error["any_owner_error_max_m"] = rounded(row.error.hitErrorMax);
   return {{"name", row.name},
           {"time_ms", medianJson(row.time())},
-          {"ratio_to_standard", rounded(row.ratio)},
+          {"ratio_to_standard", rounded(row.ratio.median)},
           {"error", error}};
 }
 
@@ -42,7 +42,7 @@ Report accuracy(Session& session) {
   for (const auto& [name, rows] : {std::pair("settings", &found.settings), std::pair("parts", &found.parts)}) {
     for (const AccuracyRow& row : *rows) {
       report.more[name].push_back(rowJson(row));
-      table.rows.push_back({row.name, cli::bareMs(row.time().median), cli::formatted("%.2f", row.ratio),
+      table.rows.push_back({row.name, cli::bareMs(row.time().median), cli::formatted("%.2f", row.ratio.median),
                             cli::grouped(row.error.missed), cli::grouped(row.error.falseHits),
                             cli::grouped(row.error.wrongRange), cli::formatted("%.2g", row.error.hitErrorMax)});
     }

@@ -35,7 +35,7 @@ inline void storeTimes(const std::vector<Timings>& runs, const std::vector<Timin
   }
   row.wallMs = spreadOf(wall);
   row.gpuMs = spreadOf(gpu);
-  row.ratio = spreadOf(ratios).median;
+  row.ratio = spreadOf(ratios);
 }
 
 }  // namespace gnosphere

@@ -77,7 +77,7 @@ TEST_CASE("standard and exact lose no beam of a town, and each part of standard 
     CHECK(row.error.beams == report.beams);
     CHECK(row.nearest[0] == row.error.hits + row.error.tieFalseHits - row.error.tieMissed);
   }
-  CHECK(rowOf(report.settings, "standard").ratio == 1);
+  CHECK(rowOf(report.settings, "standard").ratio.median == 1);
   CHECK(rowOf(report.settings, "paper").error.missed > 0);
   REQUIRE(report.parts.size() == 4);
   CHECK(rowOf(report.parts, "corner bounds").error.missed > 0);
@@ -87,7 +87,9 @@ TEST_CASE("standard and exact lose no beam of a town, and each part of standard 
       CHECK(row.wallMs.min <= row.wallMs.p10);
       CHECK(row.wallMs.p10 <= row.wallMs.median);
       CHECK(row.wallMs.median <= row.wallMs.p90);
-      CHECK(row.ratio > 0);
+      CHECK(row.ratio.p10 > 0);
+      CHECK(row.ratio.p10 <= row.ratio.median);
+      CHECK(row.ratio.median <= row.ratio.p90);
     }
   }
 }

@@ -61,7 +61,7 @@ TEST_CASE("more sub-rays are nearer to the reference with many, where footprints
   CHECK(report.footprint == "the sensor states 10 x 10 mrad");
   REQUIRE(report.rows.size() == 3);
   CHECK(report.rows[0].subRays == 0);
-  CHECK(report.rows[0].ratio == 1);
+  CHECK(report.rows[0].ratio.median == 1);
   const SubRayRow &one = report.rows[1], &seven = report.rows[2];
   CHECK(one.subRays == 1);
   CHECK(one.beams == 600);  // the room is closed

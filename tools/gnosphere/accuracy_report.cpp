@@ -28,7 +28,7 @@ TableRow errorRow(const AccuracyRow& row) {
   const Comparison& e = row.error;
   return {row.name,
           milliseconds(row.time().median),
-          formatted("%.2f", row.ratio),
+          ratioText(row.ratio),
           grouped(e.missed),
           grouped(e.falseHits),
           grouped(e.wrongOwner),
@@ -150,7 +150,7 @@ void printTables(const AccuracyStory& story) {
                       " are ties, which are counted separately");
   if (!report.withoutPaper.empty()) say("paper", "left out: " + report.withoutPaper);
   say("timed", std::string(stamped(report.settings[0]) ? "device time" : "wall time") + ", median of " +
-                   grouped(report.runs) + " runs of each, in turn; ratio to standard, run by run");
+                   grouped(report.runs) + " runs of each, in turn; ratio to standard, run by run (10-90 %)");
   std::printf("\n");
   printErrors(report);
   std::printf(

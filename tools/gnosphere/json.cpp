@@ -103,7 +103,9 @@ Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest) {
                    {"wall_ms", toJson(row.wallMs)},
                    {"gpu_ms", times.empty() ? Json() : toJson(row.gpuMs)},
                    {"stages_ms", times},
-                   {"ratio_to_standard", row.ratio}};
+                   {"ratio_to_standard", row.ratio.median},
+                   {"ratio_p10", row.ratio.p10},
+                   {"ratio_p90", row.ratio.p90}};
   json["error"] = toJson(row.error);
   json["wrong_share"] = row.wrongShare();
   if (nearest) json["nearest_neighbours"] = histogramJson(row.nearest);

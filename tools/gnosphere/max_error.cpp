@@ -12,7 +12,8 @@ namespace {
 /// Enough to find one wrong beam in some thousands; the reference traces as many in a fraction of a second.
 constexpr uint64_t kSample = 20'000;
 constexpr uint32_t kRuns = 7;
-/// Times that differ by less are taken as equal: they may swap ranks from run to run, and the choice must not.
+/// A setting is clearly faster if it is so by more than this in nearly all runs. Other times are taken as equal: they
+/// may swap ranks, and the choice must not.
 constexpr double kNoise = 0.1;
 
 std::string errorOf(const AccuracyRow& row) {
@@ -58,7 +59,8 @@ std::string explain(const AccuracyChoice& choice, const std::vector<AccuracyRow>
     const AccuracyRow& best = *std::min_element(byTime.begin(), byTime.end(), better);
     return formatted("no setting is within %g m from here; the best is %s: ", choice.limit, best.name.c_str()) +
            errorOf(best) +
-           formatted(", at %s a scan, %.2f times standard; ", milliseconds(best.time().median).c_str(), best.ratio) +
+           formatted(", at %s a scan, %.2f times standard; ", milliseconds(best.time().median).c_str(),
+                     best.ratio.median) +
            sampleOf(choice.report);
   }
   text = choice.chosen->name + formatted(", the cheapest within %g m: off by at most ", choice.limit) +
@@ -87,7 +89,7 @@ std::optional<AccuracyRow> cheapestWithin(double limit, const std::vector<Accura
   };
   const auto first = std::ranges::find_if(byTime, within);
   if (first == byTime.end()) return {};
-  return within(standard) && first->ratio > 1 - kNoise ? standard : *first;
+  return within(standard) && first->ratio.p90 > 1 - kNoise ? standard : *first;
 }
 
 void checkMaxError(double limit) {

@@ -27,6 +27,11 @@ inline bool stamped(const RowTimes& row) {
   return row.gpuMs.median > 0;
 }
 
+/// Median and 10th to 90th percentile: 1.66 (0.83-1.90).
+inline std::string ratioText(const Spread& ratio) {
+  return formatted("%.2f (%.2f-%.2f)", ratio.median, ratio.p10, ratio.p90);
+}
+
 template <class Report>
 void sayHead(const Story<Report>& story) {
   const DeviceInfo& device = story.report.device;

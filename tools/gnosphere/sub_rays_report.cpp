@@ -13,7 +13,7 @@ std::string nameOf(const SubRayRow& row) {
 }
 
 TableRow cellsOf(const SubRayRow& row) {
-  TableRow cells = {nameOf(row), milliseconds(row.time().median), formatted("%.2f", row.ratio)};
+  TableRow cells = {nameOf(row), milliseconds(row.time().median), ratioText(row.ratio)};
   if (row.subRays == 0) {
     cells.resize(cells.size() + 8, "-");
     return cells;
@@ -30,7 +30,9 @@ Json rowJson(const SubRayRow& row, uint32_t runs) {
   json["frame"] = {{"runs", runs},
                    {"wall_ms", cli::toJson(row.wallMs)},
                    {"gpu_ms", stamped(row) ? cli::toJson(row.gpuMs) : Json()},
-                   {"ratio_to_clean", row.ratio}};
+                   {"ratio_to_clean", row.ratio.median},
+                   {"ratio_p10", row.ratio.p10},
+                   {"ratio_p90", row.ratio.p90}};
   if (row.subRays == 0) return json;
   json["error"] = {
       {"beams", row.beams},
@@ -64,7 +66,7 @@ void printTables(const SubRaysStory& story) {
   say("compared", grouped(report.beams) + " beams" + (report.sampled ? ", a sample," : "") +
                       formatted(" with %u sub-rays of the double-precision reference", report.truth));
   say("timed", std::string(stamped(report.rows[0]) ? "device time" : "wall time") + ", median of " +
-                   grouped(report.runs) + " runs of each, in turn; ratio to clean, run by run");
+                   grouped(report.runs) + " runs of each, in turn; ratio to clean, run by run (10-90 %)");
   std::printf("\n");
   std::vector<TableRow> rows = {
       {"sub-rays", "time", "ratio", "wrong", "range", "returns", "max m", "99.9 % m", "RMS m", "intensity", "99 %"}};
@@ -74,8 +76,10 @@ void printTables(const SubRaysStory& story) {
       "\nclean: geometry alone; range: share of the beams with a return that is off by more than %g m%s;\n"
       "returns: share of the beams with another number of returns; wrong: share of the beams with either;\n"
       "max, 99.9 %%, RMS: errors of the range, from the nearest return of the reference; intensity, 99 %%: relative\n"
-      "error of the intensity, what half and what 99 %% of the returns do not exceed\n",
-      report.tolerance, " and the noise of the range");
+      "error of the intensity, what half and what 99 %% of the returns do not exceed. Few beams make max and RMS, so "
+      "these\n"
+      "differ from sample to sample\n",
+      report.tolerance, ", or than the standard deviation of the noise if that is more");
 }
 
 std::string jsonOf(const SubRaysStory& story) {

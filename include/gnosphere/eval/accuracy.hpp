@@ -24,8 +24,8 @@ GNOSPHERE_API Spread spreadOf(std::vector<double> values);
 /// Times of one row of a report.
 struct RowTimes {
   Spread wallMs;
-  Spread gpuMs;      ///< all zero if the device has no timestamps
-  double ratio = 1;  ///< time relative to the report's base: the median over the runs of the ratio in each run
+  Spread gpuMs;                 ///< all zero if the device has no timestamps
+  Spread ratio = {1, 1, 1, 1};  ///< over the runs: time relative to that of the report's base in the same run
   /// Returns the device time if it was measured, otherwise the wall time.
   const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };

@@ -34,7 +34,7 @@ struct SubRayReport {
   bool sampled = false;         ///< true if only a sample of the beams was compared
   uint32_t runs = 0;            ///< number of timed runs per row
   uint32_t truth = 0;           ///< sub-rays of the reference
-  double tolerance = 0;         ///< metres; the noise of the range is added to it
+  double tolerance = 0;         ///< metres; it is the standard deviation of range noise where that is more
   std::string footprint;        ///< size of the footprint, as in the plan
   std::vector<SubRayRow> rows;  ///< geometry alone, then the counts in the order in which they were asked for
 };
