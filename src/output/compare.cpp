@@ -55,12 +55,17 @@ double distance(const float* a, const float* b) {
 /// The share of the range by which points may be apart beside the tolerance: the rounding of their coordinates.
 constexpr double kPointRounding = 1e-6;
 
+/// At most so many returns are in both clouds.
+uint64_t mostReturns(const Scan& reference, const Scan& other) {
+  return uint64_t{std::max(reference.beamCount(), other.beamCount())} * std::max(reference.returns, other.returns);
+}
+
 /// The percentile of the errors that is reported: 99.99 %, in ten thousandths.
 constexpr uint64_t kTenThousandths = 9999;
 
 }  // namespace
 
-ComparisonSum::ComparisonSum(uint64_t beams, double tolerance) : tolerance_(tolerance), kept_(beams / 10000 + 1) {
+ComparisonSum::ComparisonSum(uint64_t returns, double tolerance) : tolerance_(tolerance), kept_(returns / 10000 + 1) {
   if (!(tolerance >= 0)) throw Error(ErrorCode::invalidArgument, "the tolerance must be at least 0 m");
 }
 
@@ -156,13 +161,13 @@ Comparison ComparisonSum::result() const {
 }
 
 Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
-  ComparisonSum sum(reference.beamCount(), tolerance);
+  ComparisonSum sum(mostReturns(reference, other), tolerance);
   sum.add(reference, other);
   return sum.result();
 }
 
 FileComparison compareFiles(const CloudFile& reference, const CloudFile& other, double tolerance) {
-  ComparisonSum sum(std::max(reference.scan.beamCount(), other.scan.beamCount()), tolerance);
+  ComparisonSum sum(mostReturns(reference.scan, other.scan), tolerance);
   sum.add(reference, other);
   return {sum.result(), sum.sameOwner()};
 }

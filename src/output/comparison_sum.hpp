@@ -12,9 +12,9 @@ namespace gnosphere {
 /// Accumulates a Comparison over many scans in little memory.
 class ComparisonSum {
  public:
-  /// `beams` is the number of beams in all scans; it decides how many of the largest errors are kept for the
+  /// `returns` is the largest number of returns in all scans: it decides how many of the largest errors are kept for the
   /// percentile.
-  ComparisonSum(uint64_t beams, double tolerance);
+  ComparisonSum(uint64_t returns, double tolerance);
   /// Compares two clouds and adds the comparison; throws as compare() does.
   void add(const Scan& reference, const Scan& other);
   /// Compares the clouds of two files; throws as compareFiles() does.

@@ -282,6 +282,20 @@ TEST_CASE("range errors have a maximum, a 99.99th percentile and a root mean squ
   CHECK(std::abs(result.rangeErrorRms - std::sqrt(21.0 / 20000)) < 1e-15);
 }
 
+TEST_CASE("the 99.99th percentile is that of all returns, of which beams may have several") {
+  Scan reference;
+  reference.columns = 20000;
+  reference.channels = 1;
+  reference.returns = 3;
+  reference.ranges.assign(60000, 64);
+  reference.triangles.assign(60000, 0);
+  reference.instances.assign(60000, 0);
+  Scan other = reference;
+  for (size_t i = 0; i < 10; ++i) other.ranges[1000 * i] = 64.0f + float(i);
+  // Nine errors from 1 to 9 m; rank 59,994 of 60,000 leaves six larger ones.
+  CHECK(compare(reference, other).rangeError9999 == 3);
+}
+
 TEST_CASE("a hit without a range counts as wrong") {
   const Scan reference = street();
   Scan other = reference;
