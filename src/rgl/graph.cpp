@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <set>
 
 #include "base/room.hpp"
@@ -131,10 +132,10 @@ std::mt19937_64 randomSource() {
     char* end = nullptr;
     errno = 0;
     const uint64_t number = std::strtoull(text, &end, 0);
-    if (end == text || *end != '\0' || errno != 0)
+    if (end == text || *end != '\0' || errno != 0 || std::strchr(text, '-') != nullptr)
       log(RGL_LOG_LEVEL_WARN, std::string("GNOSPHERE_RGL_SEED is '") + text +
                                   "', which is no whole number of 64 bits; " + std::to_string(number) + " is used");
-    std::seed_seq fixed{number, ++randomSources};
+    std::seed_seq fixed{number & 0xffffffff, number >> 32, ++randomSources};  // it takes 32 bits of each
     return std::mt19937_64(fixed);
   }
   return std::mt19937_64(seed);

@@ -37,6 +37,9 @@ TEST_CASE("RGL: noise has its mean and deviation, and is the same again with the
   OK(rgl_cleanup());
   place(squareMesh(500), matrix(0, 0, 10));
   CHECK(draw("7") == first);
+  OK(rgl_cleanup());
+  place(squareMesh(500), matrix(0, 0, 10));
+  CHECK(draw("4294967303") != first);  // 7 + 2^32
   CHECK(draw(nullptr) != first);
   OK(rgl_cleanup());
 }
