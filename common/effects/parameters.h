@@ -51,11 +51,15 @@ GNO_CONST uint kMaxEchoes = 6;
 
 // Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.
 struct Particles {
-  vec4 countsNear;  // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
-  vec4 countsFar;   // (5)..(8)
+  vec4 countsNear;     // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
+  vec4 countsFar;      // (5)..(8)
+  vec4 densitiesNear;  // expected number per metre at these ranges
+  vec4 densitiesFar;
   float firstRange, lastRange;
-  float slope;        // 1/m: the share of particles larger than D is exp(-slope * D)
-  float reflectance;  // of a particle, as a Lambertian disc of its diameter
+  float firstDensity;  // 1/m: at the first range
+  float slope;         // 1/m: the share of particles larger than D is exp(-slope * D)
+  float reflectance;   // of a particle, as a Lambertian disc of its diameter
+  float padding0, padding1, padding2;
 };
 
 // All parameters of the effects for one sensor's scan. Units are metres, radians and 1/m; powers are relative to a
@@ -118,7 +122,7 @@ struct Return {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Particles) == 48 && sizeof(EffectParameters) == 256 && sizeof(Optics4) == 32 &&
+static_assert(sizeof(Particles) == 96 && sizeof(EffectParameters) == 352 && sizeof(Optics4) == 32 &&
               sizeof(VolumeBox) == 64);
 }  // namespace gnosphere::gpu
 #endif

@@ -47,40 +47,46 @@ GNO_INLINE float lightAt(float range, uint count) {
   return light;
 }
 
-// Replaces `echo` and its power by a further echo of the medium if that one is stronger.
-GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, uint count, GNO_INOUT(Echo) echo,
+// Replaces `echo` and its power by a further echo of the medium if that one is stronger. Returns true if it is.
+GNO_INLINE bool keepStronger(EffectParameters p, vec3 direction, Echo further, uint count, GNO_INOUT(Echo) echo,
                              GNO_INOUT(float) power) {
-  if (further.range >= kNever) return;
+  if (further.range >= kNever) return false;
   GNO_PRECISE float energy = further.energy * lightAt(further.range, count);
   further.energy = energy;
   GNO_PRECISE float furtherPower = received(further.energy, further.range, depthOf(p, direction, further.range));
-  if (furtherPower <= power) return;
+  if (furtherPower <= power) return false;
   echo = further;
   power = furtherPower;
+  return true;
 }
 
 // Returns the medium's strongest echo nearer than `far`, or one of range kNever. The beam has `count` echoes from
-// surfaces.
-GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far, uint count) {
+// surfaces. `ofParticle` becomes true if the echo is that of a single drop or flake.
+GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far, uint count,
+                           GNO_OUT(bool) ofParticle) {
   Echo echo = noEcho();
   float power = 0.0f;
+  ofParticle = false;
   if (PLANNED(kFog))
     keepStronger(p, direction,
                  scatterEcho(p, p.fogExtinction, p.fogScatter, p.rangeMin, far, draw(p, beam, 0u, kFog),
                              draw(p, beam, 1u, kFog)),
                  count, echo, power);
-  if (PLANNED(kRain))
-    keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), count, echo, power);
-  if (PLANNED(kSnow))
-    keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), count, echo, power);
+  if (PLANNED(kRain) &&
+      keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), count, echo, power))
+    ofParticle = true;
+  if (PLANNED(kSnow) &&
+      keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), count, echo, power))
+    ofParticle = true;
   if (PLANNED(kVolumes))
     for (uint i = 0u; i < p.volumeCount; ++i) {
       VolumeBox box = loadVolume(i);
       vec2 span = withinBox(box, direction, far);
-      keepStronger(p, direction,
-                   scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
-                               draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes)),
-                   count, echo, power);
+      if (keepStronger(p, direction,
+                       scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
+                                   draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes)),
+                       count, echo, power))
+        ofParticle = false;
     }
   return echo;
 }
@@ -125,9 +131,11 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
 }
 
 // True if an echo reaches the receiver and is not dropped; if it is not, `cause` becomes the reason. `number` is that
-// of the echo's random draws.
-GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, uint number, float depth, float power,
+// of the echo's random draws, and `soft` tells whether detection may be soft: it is a step for the echo of a particle,
+// because the table of particles has no weaker ones.
+GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, bool soft, uint number, float depth, float power,
                            GNO_INOUT(uint) cause) {
+  if (!soft) p.softness = 0.0f;
   if (p.hidesNear > 0u && echo.range < p.rangeMin) {
     if (cause == kCauseNoSurface) cause = kCauseTooNear;
     return false;
@@ -180,10 +188,11 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   uint count = works ? echoCount : 0u;
   uint scatterAt = kNone;
   Echo scatter = noEcho();
+  bool ofParticle = false;
   if (PLANNED(kMediumEffects) && works) {
     GNO_PRECISE float far = p.rangeMax;
     if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
-    scatter = mediumEcho(p, beam, direction, far, count);
+    scatter = mediumEcho(p, beam, direction, far, count, ofParticle);
     if (scatter.range < kNever) {
       bool separate = true;
       scatterAt = 0u;
@@ -208,7 +217,8 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
       Echo echo = echoAt(k, scatter, scatterAt);
       float depth = depthOf(p, direction, echo.range);
       float power = received(echo.energy, echo.range, depth);
-      if (isReturned(p, beam, echo, drawOf(k, scatterAt), depth, power, cause)) consider(choice, k, power);
+      bool soft = !(ofParticle && k == scatterAt);
+      if (isReturned(p, beam, echo, soft, drawOf(k, scatterAt), depth, power, cause)) consider(choice, k, power);
     }
 
   uint mode = kModeStrongest;

@@ -70,23 +70,73 @@ GNO_INLINE float rangeOf(Particles particles, uint i) {
   return result;
 }
 
-GNO_INLINE float countAt(Particles particles, uint i) {
-  vec4 counts = i > 4u ? particles.countsFar : particles.countsNear;
+// Returns entry i of a table of which `near` has entries 1..4 and `far` entries 5..8.
+GNO_INLINE float entryOf(float first, vec4 near, vec4 far, uint i) {
+  vec4 values = i > 4u ? far : near;
   uint j = (i - 1u) & 3u;
-  return i == 0u ? 0.0f : j == 0u ? counts.x : j == 1u ? counts.y : j == 2u ? counts.z : counts.w;
+  return i == 0u ? first : j == 0u ? values.x : j == 1u ? values.y : j == 2u ? values.z : values.w;
 }
 
-// Returns the expected number of particles up to a range, by linear interpolation.
+GNO_INLINE float countAt(Particles particles, uint i) {
+  return entryOf(0.0f, particles.countsNear, particles.countsFar, i);
+}
+
+// The expected number of particles between two entries of a table, as a function of the range: an increasing rational
+// function, which has both numbers and both densities of the table (Gregory and Delbourgo, IMA J. Numer. Anal. 2,
+// 1982).
+struct CountBetween {
+  float start, metres;         // m
+  float before, count;         // particles before the start, and from there to the end
+  float slopeStart, slopeEnd;  // densities, as multiples of count / metres
+};
+
+// Returns the part of a table between entries i - 1 and i.
+GNO_INLINE CountBetween countBetween(Particles particles, uint i) {
+  CountBetween part;
+  part.start = rangeOf(particles, i - 1u);
+  part.before = countAt(particles, i - 1u);
+  GNO_PRECISE float metres = rangeOf(particles, i) - part.start;
+  GNO_PRECISE float count = max(countAt(particles, i) - part.before, 1e-30f);
+  GNO_PRECISE float metresPerParticle = quotient(metres, count);
+  GNO_PRECISE float slopeStart =
+      entryOf(particles.firstDensity, particles.densitiesNear, particles.densitiesFar, i - 1u) * metresPerParticle;
+  GNO_PRECISE float slopeEnd =
+      entryOf(particles.firstDensity, particles.densitiesNear, particles.densitiesFar, i) * metresPerParticle;
+  part.metres = metres;
+  part.count = count;
+  part.slopeStart = slopeStart;
+  part.slopeEnd = slopeEnd;
+  return part;
+}
+
+// Returns the expected number of particles up to a range.
 GNO_INLINE float countUpTo(Particles particles, float range) {
-  GNO_PRECISE float count = 0.0f;
-  for (uint k = 1u; k <= kParticleRanges; ++k) {
-    GNO_PRECISE float start = rangeOf(particles, k - 1u);
-    GNO_PRECISE float before = countAt(particles, k - 1u);
-    GNO_PRECISE float after = countAt(particles, k);
-    GNO_PRECISE float share = quotient(range - start, max(rangeOf(particles, k) - start, 1e-30f));
-    if (range > start) count = before + (after - before) * min(share, 1.0f);
-  }
-  return count;
+  uint i = 1u;
+  for (uint k = 1u; k < kParticleRanges; ++k)
+    if (rangeOf(particles, k) < range) i = k + 1u;
+  CountBetween part = countBetween(particles, i);
+  GNO_PRECISE float x = min(max(quotient(range - part.start, max(part.metres, 1e-30f)), 0.0f), 1.0f);
+  GNO_PRECISE float bend = x * (1.0f - x);
+  GNO_PRECISE float above = x * x + part.slopeStart * bend;
+  GNO_PRECISE float below = 1.0f + (part.slopeStart + part.slopeEnd - 2.0f) * bend;
+  GNO_PRECISE float result = part.before + part.count * quotient(above, below);
+  return result;
+}
+
+// Returns the range up to which a number of particles is expected, which is less than that of the whole table.
+GNO_INLINE float rangeWith(Particles particles, float count) {
+  uint i = 1u;
+  for (uint k = 1u; k < kParticleRanges; ++k)
+    if (countAt(particles, k) <= count) i = k + 1u;
+  CountBetween part = countBetween(particles, i);
+  GNO_PRECISE float share = quotient(count - part.before, part.count);
+  GNO_PRECISE float bend = share * (part.slopeStart + part.slopeEnd - 2.0f);
+  GNO_PRECISE float square = 1.0f - part.slopeStart + bend;
+  GNO_PRECISE float linear = part.slopeStart - bend;
+  GNO_PRECISE float root = squareRoot(max(linear * linear + 4.0f * square * share, 0.0f));
+  GNO_PRECISE float x = min(quotient(2.0f * share, max(linear + root, 1e-30f)), 1.0f);
+  GNO_PRECISE float result = part.start + part.metres * x;
+  return result;
 }
 
 // Geometric mean of the horizontal and vertical diameter of the beam at a range, in metres.
@@ -106,20 +156,7 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
   GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
   if (OWN_RANGES && p.rangeMin > particles.firstRange) count += countUpTo(particles, p.rangeMin);
   if (!(count < particles.countsFar.w)) return echo;
-  // The particle lies between entries i - 1 and i. Every entry is compared, because lanes that search end together
-  // anyway.
-  uint i = 1u;
-  GNO_PRECISE float before = 0.0f;
-  GNO_PRECISE float after = countAt(particles, 1u);
-  for (uint k = 1u; k < kParticleRanges; ++k)
-    if (countAt(particles, k) <= count) {
-      i = k + 1u;
-      before = countAt(particles, k);
-      after = countAt(particles, k + 1u);
-    }
-  GNO_PRECISE float share = quotient(count - before, max(after - before, 1e-30f));
-  GNO_PRECISE float start = rangeOf(particles, i - 1u);
-  GNO_PRECISE float range = max(start + (rangeOf(particles, i) - start) * min(share, 1.0f), p.rangeMin);
+  GNO_PRECISE float range = max(rangeWith(particles, count), p.rangeMin);
   if (!(range < far)) return echo;
 
   // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth).

@@ -2,7 +2,6 @@
 #include "effects/particles.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -97,10 +96,15 @@ gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& size
     return sums[below] + (sums[below + 1] - sums[below]) * (step - double(below));
   };
   if (!(ratio > 1) || !(sums.back() > 0)) return particles;
-  std::array<float, gpu::kParticleRanges> counts;
-  for (uint32_t i = 0; i < gpu::kParticleRanges; ++i) counts[i] = float(sumTo(gpu::rangeOf(particles, i + 1)));
-  particles.countsNear = {counts[0], counts[1], counts[2], counts[3]};
-  particles.countsFar = {counts[4], counts[5], counts[6], counts[7]};
+  const auto tableOf = [&](const auto& function, gpu::vec4& near, gpu::vec4& far) {
+    const auto at = [&](uint32_t i) { return float(function(gpu::rangeOf(particles, i))); };
+    near = {at(1), at(2), at(3), at(4)};
+    far = {at(5), at(6), at(7), at(8)};
+  };
+  const auto densityAt = [&](double range) { return particleDensity(p, sizes, range); };
+  tableOf(sumTo, particles.countsNear, particles.countsFar);
+  tableOf(densityAt, particles.densitiesNear, particles.densitiesFar);
+  particles.firstDensity = float(densityAt(first));
   return particles;
 }
 

@@ -38,7 +38,7 @@ DropSizes snowFlakes(double rate);
 /// Expected number of detectable particles per metre of the beam at `range` (metres). `p` gives the beam's spread and
 /// the detection threshold.
 double particleDensity(const gpu::EffectParameters& p, const DropSizes& sizes, double range);
-/// Returns the table of the cumulative sums of particleDensity() over a range window, which is that of all beams.
+/// Returns the table of particleDensity() and of its integral over a range window, which is that of all beams.
 gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& sizes, const RangeWindow& window);
 
 }  // namespace gnosphere

@@ -111,8 +111,10 @@ void Medium::tabulate(Particles& particles) const {
   particles.countError = errors.back() + kUnitRoundoff * all;
   if (!(ratio > 1) || !(all > 0)) return;
   const auto tableTo = [&](size_t end) {
-    Counts counts = {first, rangeAt(static_cast<double>(end)), {}};
+    Counts counts = {first, rangeAt(static_cast<double>(end)), {}, {}};
+    counts.density[0] = density(particles, first).value;
     for (size_t entry = 1; entry <= Counts::kSize; ++entry) {
+      counts.density[entry] = density(particles, counts.rangeOf(entry)).value;
       const double step =
           std::clamp(std::log(counts.rangeOf(entry) / first) / std::log(ratio) * kSteps, 0.0, double{kSteps});
       const size_t below = std::min(static_cast<size_t>(step), kSteps - 1);
@@ -139,16 +141,29 @@ double Medium::Counts::rangeOf(size_t entry) const {
 double Medium::Counts::rangeWith(double count) const {
   size_t entry = 1;
   while (entry < kSize && upTo[entry] <= count) ++entry;
-  const double before = upTo[entry - 1], share = (count - before) / std::max(upTo[entry] - before, 1e-30);
-  return rangeOf(entry - 1) + (rangeOf(entry) - rangeOf(entry - 1)) * std::clamp(share, 0.0, 1.0);
+  const auto [before, between, atStart, atEnd] = partOf(entry);
+  const double share = std::clamp((count - before) / between, 0.0, 1.0);
+  // Solves countUpTo() for the range: square * x^2 + linear * x = share.
+  const double bend = share * (atStart + atEnd - 2), square = 1 - atStart + bend, linear = atStart - bend;
+  const double root = std::sqrt(std::max(linear * linear + 4 * square * share, 0.0));
+  const double x = std::min(2 * share / std::max(linear + root, 1e-30), 1.0);
+  return rangeOf(entry - 1) + (rangeOf(entry) - rangeOf(entry - 1)) * x;
 }
 
 double Medium::Counts::countUpTo(double range) const {
   if (range <= first) return 0;
   size_t entry = 1;
   while (entry < kSize && rangeOf(entry) < range) ++entry;
-  const double before = rangeOf(entry - 1), share = (range - before) / std::max(rangeOf(entry) - before, 1e-30);
-  return upTo[entry - 1] + (upTo[entry] - upTo[entry - 1]) * std::min(share, 1.0);
+  const auto [before, between, atStart, atEnd] = partOf(entry);
+  const double start = rangeOf(entry - 1);
+  const double x = std::min((range - start) / std::max(rangeOf(entry) - start, 1e-30), 1.0), y = 1 - x;
+  return before + between * (x * x + atStart * x * y) / (1 + (atStart + atEnd - 2) * x * y);
+}
+
+Medium::Counts::Part Medium::Counts::partOf(size_t entry) const {
+  const double between = std::max(upTo[entry] - upTo[entry - 1], 1e-30);
+  const double mean = between / (rangeOf(entry) - rangeOf(entry - 1));
+  return {upTo[entry - 1], between, density[entry - 1] / mean, density[entry] / mean};
 }
 
 /// Returns the part of a line inside a box, up to `far`.
@@ -224,6 +239,7 @@ std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& 
     return max(increasing([&](double c) { return counts.rangeWith(c); }, countOf(counts)), nearest);
   };
   Echo echo;
+  echo.ofParticle = true;
   echo.range = rangeOf(particles.counts);
   const Bounded other = rangeOf(particles.others);
   echo.range =

@@ -15,8 +15,9 @@ struct Echo {
   Bounded range;
   Bounded energy = 1;  ///< share of the beam's energy that arrives, times the share that the surface reflects
   double width = 0;
-  Hit hit = {};       ///< the strongest hit if there are several; none: the echo is the medium's
-  Bounded light = 1;  ///< share of the beam's light that nearer surfaces leave
+  Hit hit = {};             ///< the strongest hit if there are several; none: the echo is the medium's
+  Bounded light = 1;        ///< share of the beam's light that nearer surfaces leave
+  bool ofParticle = false;  ///< the medium's, of a single drop or flake
 };
 
 /// Received power relative to a Lambertian target of reflectance 1 at 1 m and normal incidence: the lidar equation for
@@ -41,16 +42,23 @@ class Medium {
                                 const Bounded& far, const std::vector<Echo>& surfaces, bool& doubt) const;
 
  private:
-  /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor, with
-  /// linear interpolation.
+  /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor.
+  /// Between two of them it is the increasing rational function with both numbers and both densities (Gregory and
+  /// Delbourgo 1982).
   struct Counts {
     static constexpr size_t kSize = 8;
+    struct Part {
+      double before, between;  ///< particles before its start, and between its start and end
+      double atStart, atEnd;   ///< densities as multiples of its mean density
+    };
     double first = 0, last = 0;
     std::array<double, kSize + 1> upTo = {};
+    std::array<double, kSize + 1> density = {};  ///< 1/m
 
     double rangeOf(size_t entry) const;
     double rangeWith(double count) const;
     double countUpTo(double range) const;
+    Part partOf(size_t entry) const;  ///< between entry - 1 and entry
   };
   struct Particles {
     double intercept = 0;    ///< 1/m^4: intercept * exp(-slope D) per m^3 and metre of diameter D

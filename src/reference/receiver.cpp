@@ -25,9 +25,9 @@ std::array<Bounded, 2> Receiver::angleError(size_t beam) const {
 
 /// Detection is a step at the threshold, or the logistic function of ln(power / threshold) / softness. A power within a
 /// millionth of the threshold counts as equal to it.
-bool Receiver::detected(const Bounded& power, double chance, bool& doubt) const {
+/// `softness` is 0 for a drop or flake, since the table of particles has no weaker ones.
+bool Receiver::detected(const Bounded& power, double softness, double chance, bool& doubt) const {
   const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
-  const double softness = plan_.effects.detection.softness;
   if (!(power.value > 1e-37)) return false;
   if (!(softness > 0)) return !less(power, threshold * Bounded(0.999999), doubt);
   const Bounded steps = (log(power) - log(threshold)) / given(softness);
@@ -162,11 +162,11 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
     numbered.depth = inMedium ? medium_.depthTo(axis, echo.range) : Bounded(0);
     const Bounded power = received(echo.energy, echo.range, numbered.depth);
     if (inMedium || plan_.has(gpu::kDetection)) {
-      const bool soft = plan_.effects.detection.softness > 0;
-      const double chance = soft ? draws_.uniform(beam, numbered.number, gpu::kDetection) : 0;
-      if (!detected(power, chance, doubt)) {
+      const double softness = echo.ofParticle ? 0 : plan_.effects.detection.softness;
+      const double chance = softness > 0 ? draws_.uniform(beam, numbered.number, gpu::kDetection) : 0;
+      if (!detected(power, softness, chance, doubt)) {
         if (!numbered.isSurface()) continue;
-        const bool inClearAir = inMedium && detected(received(echo.energy, echo.range, 0), chance, doubt);
+        const bool inClearAir = inMedium && detected(received(echo.energy, echo.range, 0), softness, chance, doubt);
         const bool unexplained = result.cause == Cause::noSurface || result.cause == Cause::weak;
         if (inClearAir && unexplained) result.cause = Cause::attenuated;
         if (!inClearAir && result.cause == Cause::noSurface) result.cause = Cause::weak;

@@ -31,7 +31,7 @@ class Receiver {
  private:
   struct Numbered;
 
-  bool detected(const Bounded& power, double chance, bool& doubt) const;
+  bool detected(const Bounded& power, double softness, double chance, bool& doubt) const;
   Bounded unitIntensity(const Echo& echo, const Bounded& depth) const;
   Bounded scaled(const Bounded& unit, const Bounded& range) const;
   std::vector<size_t> chosen(const std::vector<Bounded>& powers, bool& doubt) const;
