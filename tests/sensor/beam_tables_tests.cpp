@@ -77,6 +77,12 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
                  .origins[0]
                  .y,
              WithinAbs(0.002, 1e-12));
+  const Sensor units =
+      readSensorFile("time_ns,azimuth,elevation,range_min_cm,range_max_cm\n0,0,0,50,6000\n250,0,0,50,6000\n", "u.csv")
+          .sensor;
+  CHECK_THAT(timeOf(units, 1), WithinAbs(250e-9, 1e-18));
+  CHECK(rangeWindowOf(units, 1).least == 0.5);
+  CHECK(rangeWindowOf(units, 1).most == 60);
 
   const SensorFile file = readSensorFile(
       "index,azimuth_deg,elevation_deg,origin_x,origin_y,origin_z,range_min,range_max,pattern,foo\n"
@@ -194,6 +200,11 @@ TEST_CASE("NumPy arrays: angles, directions and poses, in either order of bytes 
     CHECK(sensor.direction(0).x == -1);
     checkOrigin(sensor.patterns[0].origins[0], {1, 2, 3});
   }
+  const std::vector<double> columnwise = {0, 0, 1, 0, 1, 0, -1, 0, 0, 1, 2, 3};
+  const Sensor turned =
+      readSensorFile(replaced(npy("<f8", false, {1, 3, 4}, columnwise), "False", "True "), "p.npy").sensor;
+  CHECK(turned.direction(0).x == -1);
+  checkOrigin(turned.patterns[0].origins[0], {1, 2, 3});
   std::vector<double> square = pose;
   square.insert(square.end(), {0, 0, 0, 1});
   CHECK(readSensorFile(npy("<f8", false, {1, 4, 4}, square), "p.npy").sensor.direction(0).x == -1);

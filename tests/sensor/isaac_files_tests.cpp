@@ -3,7 +3,9 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "gnosphere/sensor.hpp"
 #include "sensor/beams.hpp"
@@ -71,6 +73,11 @@ TEST_CASE("Isaac Sim: sectors mask the beams of turning heads, and what they do 
     const SensorFile turning = read(quarter);
     CHECK(turning.sensor.maskedBeams.size() == 2 * 249);  // the columns beyond 90 degrees, of two channels
     CHECK_FALSE(lists(turning.ignored, "AzimuthDeg"));
+    const std::vector<bool> silent = silentBeams(turning.sensor);
+    for (size_t beam = 0; beam < silent.size(); ++beam) {
+      const double head = azimuthDeg(turning.sensor, beam) - (beam < 333 ? 6.5 : -6.5);
+      if (!silent[beam] && std::abs(std::remainder(head, 360)) > 45 + 1e-9) FAIL(head);
+    }
     CHECK_FALSE(lists(read(quarter, "solidState").ignored, "AzimuthDeg"));  // its beams are at 6.5 and -6.5 degrees
     const SensorFile narrow = read("\"" + key + "\": -5, \"" + endKey + "\": 45, ", "solidState");
     CHECK(narrow.sensor.maskedBeams.empty());

@@ -76,6 +76,9 @@ TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan t
   CHECK_THAT(elevationDeg(turning, 1), WithinAbs(-11.75, 1e-12));
   CHECK_THAT(azimuthDeg(turning, 333 + 2), WithinAbs(2 - 2 * 3600.0 / 3333, 1e-12));
   CHECK(ringOf(turning, 333) == 1);
+  // The second emitter of the second state starts 1 cm to the left of its beam.
+  const double azimuth = (-6.5 - 3600.0 / 3333) / kDegrees;
+  checkOrigin(originOf(turning, 333 + 1), {-0.01 * std::sin(azimuth), 0.01 * std::cos(azimuth), 0.066});
 
   const Sensor solid = readSensorFile(replaced(text, "rotary", "solidState"), "i.json").sensor;
   REQUIRE(solid.patterns.size() == 2);
@@ -389,6 +392,9 @@ TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is
   CHECK_THAT(azimuthDeg(sensor, 25), WithinAbs(0, 1e-12));
   CHECK_THAT(azimuthDeg(sensor, 49), WithinAbs(60 - 120 * 0.98, 1e-12));
   CHECK(sensor.rangeMax == 50);
+  // CARLA rounds the points of a laser in a turn to the nearest whole number: 51.25 and 53.75.
+  CHECK(readSensorFile(replaced(kCarla, "4000", "4100"), "objects.json").sensor.columns == 51);
+  CHECK(readSensorFile(replaced(kCarla, "4000", "4300"), "objects.json").sensor.columns == 54);
   CHECK(lists(file.ignored, "spawn_point"));
   CHECK(lists(file.ignored, "dropoff_general_rate, which `--effects FILE` reads"));
   CHECK_FALSE(lists(file.ignored, "noise_stddev"));

@@ -114,6 +114,16 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
   CHECK(lists(file.ignored, "return_order"));
 }
 
+TEST_CASE("Ouster metadata: a head whose connector is at its side, and its least range in centimetres") {
+  std::string text = replaced(kOusterNested, "[-1, 0, 0, 0, 0, -1, 0, 0,", "[0, -1, 0, 0, 1, 0, 0, 0,");
+  text = replaced(text, "\"lidar_mode\"", "\"min_range_threshold_cm\": 30, \"lidar_mode\"");
+  const Sensor sensor = readSensorFile(text, "os.json").sensor;
+  // The matrix turns the lidar's x axis, along which column 0 looks, to the sensor's y axis.
+  CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(90 - 3, 1e-12));
+  checkOrigin(originOf(sensor, 0), {0, 0.0125, 0.03618});
+  CHECK(sensor.rangeMin == 0.3);
+}
+
 TEST_CASE("Ouster metadata: the product has the figures of its head in the catalogue, or of the head that is named") {
   const auto ofProduct = [](const char* product, const SensorFileOptions& options = {}) {
     return readSensorFile(replaced(kOusterNested, "OS-1-2", product), "os.json", options);
@@ -190,6 +200,12 @@ TEST_CASE("Ouster metadata: old firmware states as many angles as the product ha
   CHECK(lists(file.assumed, "lidar_to_sensor_transform"));
   CHECK_THAT(problemOf(text(small, 15, false), "old.json"), ContainsSubstring("has 15 entries, expected are 16"));
   CHECK(readSensorFile(text(R"("prod_line": "OS-1-64", )", 64, false), "old.json").sensor.channels.size() == 64);
+  // The radii are those of default_lidar_origin_to_beam_origin() in ouster-sdk.
+  for (const auto& [line, metres] :
+       {std::pair("OS-0", 0.02767), std::pair("OS-1", 0.015806), std::pair("OS-2", 0.013762)}) {
+    const std::string product = std::string(R"("prod_line": ")") + line + R"(-16", )";
+    checkOrigin(originOf(readSensorFile(text(product, 16, false), "old.json").sensor, 0), {-metres, 0, 0.03618});
+  }
 
   const Sensor unnamed = readSensorFile(text("", 64, true), "old.json").sensor;
   CHECK(unnamed.channels.size() == 64);
@@ -309,6 +325,7 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     CHECK_THAT(sensor.channels[0].timeOffset, WithinAbs(-3.5e-6, 1e-18));
     CHECK_THAT(sensor.channels[1].timeOffset, WithinAbs(-50e-6, 1e-18));
     CHECK_THAT(azimuthDeg(sensor, 360), WithinAbs(-5 + 3600 * 50e-6, 1e-12));
+    CHECK_THAT(read("Channel,fire time/ns\n2,-50\n1,-3\n").sensor.channels[1].timeOffset, WithinAbs(-50e-9, 1e-18));
   }
   SECTION("states") {
     const std::string states = "Operational State,0,0,2\nAzimuth State,0,1,0\n1,-,10,30\n2,0,2.5,1\n";
@@ -431,6 +448,9 @@ TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
   CHECK(timeOf(early.sensor, 0, 0) == 0);
   CHECK_THAT(timeOf(early.sensor, 1200, 1), WithinAbs(11.96e-6, 1e-18));
   CHECK(lists(early.assumed, "4.96 us before its first column"));
+  put(folder / "times.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,500,-4960\n2,0,7000\n");
+  CHECK_THAT(timeOf(readSensorFile(bytes, "atx.dat", {.fireTimes = folder / "times.csv"}).sensor, 0, 0),
+             WithinAbs(5.46e-6, 1e-18));
   put(folder / "times.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,-,500\n2,0,7000\n");
   CHECK_THAT(problemOf(bytes, "atx.dat", {.fireTimes = folder / "times.csv"}),
              ContainsSubstring("channel 1 does not fire"));
