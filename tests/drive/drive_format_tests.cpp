@@ -248,6 +248,9 @@ TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, anno
            has("sample_data", data["prev"])));
     const std::string file = data["filename"];
     CHECK(file.starts_with(data["is_key_frame"] ? "samples/" : "sweeps/"));
+    // By the schema of nuScenes, a sweep points to the sample that follows closest in time; the last ones have none.
+    const Json& sample = byToken["sample" + data["sample_token"].get<std::string>()];
+    CHECK((data["is_key_frame"] || sample["next"] == "" || sample["timestamp"] > data["timestamp"]));
     const std::string points = folder.get("out/nuscenes/" + file);
     REQUIRE(points.size() > 0);
     REQUIRE(points.size() % 20 == 0);
@@ -273,6 +276,36 @@ TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, anno
     CHECK(after < 0.1);
   }
   CHECK(car);
+}
+
+TEST_CASE("nuScenes: of two lidars that see an actor, the one with more points has the box, and the best view counts") {
+  const DriveFolder folder;
+  put(folder / "wall.obj", "v 2 -9 0\nv 2 9 0\nv 2 9 0.5\nv 2 -9 0.5\nf 1 2 3\nf 1 3 4\n");
+  Json json = quietDrive();
+  json["weather"] = Json::array();
+  json["duration"] = 0.1;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  json["scenes"].push_back({{"file", "wall.obj"}, {"class", "ground"}});
+  json["actors"] = {json["actors"][0]};
+  json["actors"][0]["trajectory"]["waypoints"] = {waypoint(0, 8, 0, 0.75), waypoint(1, 13, 0, 0.75)};
+  json["sensors"][0]["sensor"]["columns"] = 720;
+  json["sensors"][0]["effects"] = "auto";
+  // The lower lidar looks over the wall with three of its channels.
+  json["sensors"][1]["mount"] = {{"position", {0, 0, 0.3}}};
+  json["sensors"][1]["sensor"]["elevation_deg"] = {0, 2, 4, 6, 8, 9};
+  json["outputs"] = {{{"format", "nuscenes"}}, {{"format", "boxes"}}};
+  REQUIRE(folder.run(json).finished);
+  const Json top = Json::parse(folder.get("out/boxes/top/000000.jsonl")),
+             side = Json::parse(folder.get("out/boxes/side/000000.jsonl")),
+             notes = Json::parse(folder.get("out/nuscenes/v1.0-drive/sample_annotation.json"));
+  REQUIRE(notes.size() == 1);
+  REQUIRE(top["points"].get<uint64_t>() > side["points"].get<uint64_t>());
+  REQUIRE(top["visibility"] == 1);
+  REQUIRE(side["visibility"].get<double>() < 0.8);
+  REQUIRE(top["world_frame"]["position"] != side["world_frame"]["position"]);
+  CHECK(notes[0]["num_lidar_pts"] == top["points"].get<uint64_t>() + side["points"].get<uint64_t>());
+  CHECK(notes[0]["translation"] == top["world_frame"]["position"]);
+  CHECK(notes[0]["visibility_token"] == "4");
 }
 
 // Offsets of LAS 1.4 R15, table 3 (header), 15 (point data record format 6) and 24 (extra bytes).
@@ -321,6 +354,31 @@ TEST_CASE("LAS 1.4: header, point format 6, and points in the world") {
   }
   CHECK_THAT(at<double>(las, 179), WithinAbs(maxX, 1e-9));
   CHECK_THAT(at<double>(las, 219), WithinAbs(minZ, 1e-9));
+}
+
+TEST_CASE("LAS: the returns of a beam have their number below and their count above") {
+  const DriveFolder folder;
+  MeshBuilder quad;
+  quad.quad({4, -9, -1}, {0, 18, 0}, {0, 0, 6});
+  Scene pane = sceneOf(quad.take());
+  pane.materials.resize(1);
+  pane.materials[0].transmission = 0.5f;
+  writeGlb(pane, folder / "pane.glb");
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["duration"] = 0.1;
+  json["scenes"].push_back({{"file", "pane.glb"}, {"class", "ground"}});
+  json["sensors"][0]["effects"] = {{"returns", {{"count", 2}}}};
+  json["outputs"] = {{{"format", "las"}}};
+  REQUIRE(folder.run(json).finished);
+  const std::string las = folder.get("out/las/top/000000.las");
+  std::map<int, uint64_t> counts;
+  for (size_t p = at<uint32_t>(las, 96); p < las.size(); p += 34) ++counts[at<uint8_t>(las, p + 14)];
+  CHECK(counts.size() == 3);
+  CHECK(counts[0x21] > 0);
+  CHECK(counts[0x22] == counts[0x21]);
+  CHECK(at<uint64_t>(las, 255) == counts[0x11] + counts[0x21]);
+  CHECK(at<uint64_t>(las, 263) == counts[0x22]);
 }
 
 TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose clock is small") {
