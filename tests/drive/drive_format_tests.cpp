@@ -200,6 +200,33 @@ TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
   CHECK_THAT(first[8], WithinAbs(4, 1e-6));
 }
 
+TEST_CASE("KITTI raw data: the turn rates of a vehicle that leans, about its own axes and about level ones") {
+  constexpr double kLean = 0.5, kTurnRate = 0.8;  // rad, rad/s
+  const DriveFolder folder;
+  std::ostringstream poses;
+  for (int i = 0; i <= 20; ++i) {
+    const double half = kTurnRate * i * 0.05 / 2, s = std::sin(half), c = std::cos(half);
+    poses << i * 0.05 << " 0 0 0 " << c * std::sin(kLean / 2) << ' ' << s * std::sin(kLean / 2) << ' '
+          << s * std::cos(kLean / 2) << ' ' << c * std::cos(kLean / 2) << '\n';
+  }
+  put(folder / "ego.tum", poses.str());
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["duration"] = 0.6;
+  json["epoch"] = 1700000000;
+  json["ego"]["trajectory"] = {{"file", "ego.tum"}};
+  json["outputs"] = {{{"format", "kitti-raw"}}};
+  REQUIRE(folder.run(json).finished);
+  const auto oxts =
+      numbersOf(folder.get("out/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/oxts/data/0000000005.txt"))[0];
+  const double own[] = {0, kTurnRate * std::sin(kLean), kTurnRate * std::cos(kLean)}, level[] = {0, 0, kTurnRate};
+  CHECK_THAT(oxts[3], WithinAbs(kLean, 1e-4));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    CHECK_THAT(oxts[17 + axis], WithinAbs(own[axis], 1e-4));
+    CHECK_THAT(oxts[20 + axis], WithinAbs(level[axis], 1e-4));
+  }
+}
+
 TEST_CASE(
     "a vehicle on a circle has the speed, the acceleration and the turn rate of the circle, from its first stamp to "
     "its last") {
@@ -560,6 +587,8 @@ TEST_CASE("OpenPCDet: points and boxes of a tilted sensor are in a frame with it
   json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, -2, 0, 0)}}};
   json["sensors"][0]["effects"] = "auto";
   json["sensors"][0]["mount"]["yaw_pitch_roll_deg"] = {30, 20, 175};
+  json["classes"]["small car"] = {{"id", 11}};
+  json["actors"][0]["class"] = "small car";
   json["outputs"] = {{{"format", "openpcdet"}}, {{"format", "boxes"}}};
   REQUIRE(folder.run(json).finished);
   const std::string npy = folder.get("out/openpcdet/points/000003.npy");
@@ -581,6 +610,9 @@ TEST_CASE("OpenPCDet: points and boxes of a tilted sensor are in a frame with it
   CHECK_THAT(y, WithinAbs(-std::sin(yaw) * ahead + std::cos(yaw) * left, 1e-3));
   CHECK_THAT(z, WithinAbs(0.75 - 1.8, 1e-3));
   CHECK_THAT(heading, WithinAbs(-yaw, 1e-6));
+  std::string name;
+  labels >> name;
+  CHECK(name == "small_car");  // a line of labels has eight words
 }
 
 // https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.
