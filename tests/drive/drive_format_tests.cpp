@@ -641,6 +641,18 @@ TEST_CASE("MCAP: records that follow each other, an index that leads to the chun
     const size_t index = records[8][i] + 9;
     CHECK(at<uint64_t>(mcap, index + 16) == records[6][i]);
     CHECK(at<uint64_t>(mcap, index + 24) == 9 + at<uint64_t>(mcap, records[6][i] + 1));
+    // The map leads from each channel to its message index, and that to the channel's messages in the chunk.
+    const size_t content = records[6][i] + 9 + 8 + 8 + 8 + 4 + 4 + 8, map = index + 36;
+    for (size_t entry = map; entry < map + at<uint32_t>(mcap, index + 32); entry += 10) {
+      const size_t messageIndex = at<uint64_t>(mcap, entry + 2);
+      REQUIRE(messageIndex < mcap.size() - 100);
+      CHECK(at<uint8_t>(mcap, messageIndex) == 7);
+      CHECK(at<uint16_t>(mcap, messageIndex + 9) == at<uint16_t>(mcap, entry));
+      const size_t message = content + at<uint64_t>(mcap, messageIndex + 23);
+      CHECK(at<uint8_t>(mcap, message) == 5);
+      CHECK(at<uint16_t>(mcap, message + 9) == at<uint16_t>(mcap, entry));
+      CHECK(at<uint64_t>(mcap, message + 15) == at<uint64_t>(mcap, messageIndex + 15));
+    }
   }
   // The cloud of the sensor "top", channel 3, in the chunk of frame 3.
   size_t p = records[6][3] + 9 + 8 + 8 + 8 + 4 + 4 + 8;
