@@ -133,7 +133,7 @@ TEST_CASE("MCAP: the messages of an inertial unit, as many as the metadata say")
   Json json = curvedDrive();
   json["epoch"] = 1700000000;
   json["imu"]["name"] = "imu-1";
-  json["imu"]["rate"] = 201;
+  json["imu"]["rate"] = 200.5;
   json["outputs"] = {{{"format", "mcap"}}};
   folder.run(json);
   const drive::Drive drive = folder.read(json);
@@ -141,12 +141,13 @@ TEST_CASE("MCAP: the messages of an inertial unit, as many as the metadata say")
   CHECK_THAT(text, ContainsSubstring("name: /imu_1/data\n        type: sensor_msgs/msg/Imu\n"));
   std::vector<int64_t> times;
   const std::vector<std::string> messages = messagesOf(mcap, 5, &times);  // after the transforms and two sensors
-  REQUIRE(messages.size() == 202);  // 201 Hz for a second, and the one behind the end of the last scan
+  REQUIRE(messages.size() == 202);  // for a second, and the one behind the end of the last scan
   CHECK_THAT(text, ContainsSubstring("message_count: 202"));
   CHECK(std::is_sorted(times.begin(), times.end()));
   CHECK(times[0] == 1700000000000000000);
-  CHECK(std::abs(times[201] - 1700000001000000000) < 1000);
-  const ros2::Imu wanted = drive::imuMessage(drive, 100 / 201.0);
+  CHECK(std::abs(times[201] - 1700000001002493765) < 1000);
+  CHECK_THAT(text, ContainsSubstring("  duration:\n    nanoseconds: " + std::to_string(times[201] - times[0]) + "\n"));
+  const ros2::Imu wanted = drive::imuMessage(drive, 100 / 200.5);
   const std::string& cdr = messages[100];
   CHECK(cdr.substr(16, 6) == std::string("imu-1\0", 6));
   const size_t numbers = 4 + 24;  // the next multiple of 8 after the name, from the end of the head of CDR
