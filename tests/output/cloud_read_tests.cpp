@@ -178,6 +178,21 @@ TEST_CASE("PCL's binary_compressed is decompressed") {
   CHECK_THAT(problemOf(folder / "c.pcd"), ContainsSubstring("cut short"));
   put(folder / "d.pcd", header + word(2) + word(36) + std::string("\x20\x09", 2));
   CHECK_THAT(problemOf(folder / "d.pcd"), ContainsSubstring("before its start"));
+  // Two numbers a point of a histogram, then the three x, all as literals.
+  const std::string one = word(0x3f800000), plain = std::string(16, '\7') + one + one + std::string(16, '\0');
+  put(folder / "e.pcd",
+      "VERSION 0.7\nFIELDS hist x y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 2 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+      "DATA binary_compressed\n" +
+          word(42) + word(40) + '\x1f' + plain.substr(0, 32) + '\7' + plain.substr(32));
+  CHECK(readCloud(folder / "e.pcd").points == std::vector<float>{1, 0, 0, 1, 0, 0});
+}
+
+TEST_CASE("a number in a text that its field cannot hold is refused") {
+  const Folder folder;
+  put(folder / "a.csv", "x,y,z,class\n1,2,3,65535\n");
+  CHECK(valuesOf<uint16_t>(readCloud(folder / "a.csv"), Field::classId) == std::vector<uint16_t>{65535});
+  put(folder / "b.csv", "x,y,z,class\n1,2,3,65536\n");
+  CHECK_THAT(problemOf(folder / "b.csv"), ContainsSubstring("point 0: '65536' does not fit the field 'class'"));
 }
 
 TEST_CASE("a cloud cut short at any byte is refused") {
