@@ -56,6 +56,10 @@ TEST_CASE("translations: a step holds its key, a line goes straight, a cubic is 
   REQUIRE(step.animation.clips.size() == 1);
   CHECK(step.animation.clips[0].name == "clip");
   CHECK(step.animation.clips[0].duration == 2.5);
+  GltfFileMaker two = animatedFile();  // the longer of two channels is as long as the clip
+  addChannel(two, 0, "translation", "STEP", times, Floats{1, 2, 3, 4, 5, 6, 7, 8, 9});
+  addChannel(two, 0, "scale", "STEP", {0, 1}, Floats{1, 1, 1, 2, 2, 2});
+  CHECK(two.load().animation.clips.at(0).duration == 2.5);
   for (const Scene* scene : {&step, &line}) {
     checkNear(corner(*scene, 0), {{2, 2, 3}});    // before the first key
     checkNear(corner(*scene, 0.5), {{2, 2, 3}});  // at keys

@@ -91,6 +91,8 @@ TEST_CASE("materials and images of joined scenes stay with their triangles") {
   second.instances[0].classId = 4;
   second.instances[0].world = 2;
   second.leftOut = {"two"};
+  first.unreadImages = 1;
+  second.unreadImages = 2;
   const Scene both = joined(joined(first, second), second, kPlace);
   validate(both);
   CHECK(both.materials[both.meshes[0].parts[0].material].name == "road");
@@ -105,6 +107,7 @@ TEST_CASE("materials and images of joined scenes stay with their triangles") {
   CHECK(both.instances[1].transform.rows == Transform().rows);
   CHECK(both.instances[2].transform.rows == kPlace.rows);
   CHECK(both.leftOut == std::vector<std::string>{"one", "two", "two"});
+  CHECK(both.unreadImages == 5);
 }
 
 TEST_CASE("a scene that is wrong, or a place that is not finite, is not joined") {

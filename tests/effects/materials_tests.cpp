@@ -237,6 +237,8 @@ TEST_CASE("an OpenMATERIAL file without a reflectance for lasers is refused") {
   refused(folder, "m.xomp", xomp(R"("opticalPropertiesUri": "glass.xompt")"), none);
   put(folder / "far.xompt", R"({"brdf": {"lookupTable": [[9.05e-07, 1.5, 1.5, 0.0, 0.001]]}})");
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["far.xompt"])"), none);
+  put(folder / "far.xompt", R"({"brdf": {"lookupTable": [[9.05e-07, 0.0, 1.5, 0.0, 0.001]]}})");  // a grazing exit
+  refused(folder, "m.xomp", xomp(R"("brdfUris": ["far.xompt"])"), none);
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["gone.xompt"])"), "gone.xompt: cannot be read");
   refused(folder, "m.xomp", xomp(R"("brdfUris": [3])"), "the name of a file is not a text but 3");
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["glass.xompt"])"), "glass.xompt: 'brdf' is missing");

@@ -2,6 +2,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <limits>
 
 #include "columns.hpp"
 #include "folder.hpp"
@@ -280,6 +281,13 @@ TEST_CASE("range errors have a maximum, a 99.99th percentile and a root mean squ
   CHECK(result.rangeErrorMax == 4);
   CHECK(result.rangeError9999 == 1);
   CHECK(std::abs(result.rangeErrorRms - std::sqrt(21.0 / 20000)) < 1e-15);
+  // Of 10001 errors, 10000 are 99.99 %, and 9999 are less.
+  for (Scan* scan : {&reference, &other})
+    for (size_t i = 10001; i < 20000; ++i) {
+      scan->ranges[i] = std::numeric_limits<float>::quiet_NaN();
+      scan->triangles[i] = kNoTriangle;
+    }
+  CHECK(compare(reference, other).rangeError9999 == 2);
 }
 
 TEST_CASE("the 99.99th percentile is that of all returns, of which beams may have several") {

@@ -265,6 +265,35 @@ TEST_CASE("a picture is no mirror image, whichever way the head turns") {
   CHECK(bytesOf(folder / "left.png") == bytesOf(folder / "right.png"));
 }
 
+TEST_CASE("what is to the left of the sensor is in the left half of both pictures") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  if (GENERATE(false, true)) sensor.azimuthSpanDeg = -360;
+  Scan scan = syntheticScan(sensor);
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam)
+    if (!(scan.points[3 * beam + 1] > 1)) {
+      scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
+      std::fill_n(&scan.points[3 * beam], 3, std::numeric_limits<float>::quiet_NaN());
+    }
+  writePicture(scan, folder / "a.png");
+  int width = 0, height = 0, channels = 0;
+  const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
+      stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
+  REQUIRE(pixels);
+  // Of the range image, which begins at row 56, and of the view from above, which is a square at the end.
+  const int side = width - 48;
+  for (const auto& [top, bottom] : {std::pair(56, height - 24 - side - 56), std::pair(height - 24 - side, height)}) {
+    int coloured[2] = {};
+    for (int y = top; y < bottom; ++y)
+      for (int x = 24; x < width - 24; ++x) {
+        const uint8_t* p = pixels.get() + 3 * (static_cast<ptrdiff_t>(y) * width + x);
+        coloured[x >= width / 2] += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 60;
+      }
+    CHECK(coloured[0] > 100);
+    CHECK(coloured[1] == 0);
+  }
+}
+
 TEST_CASE("the range image of a grid of any number of columns fills the width of its picture") {
   const Folder folder;
   Sensor sensor = builtinSensor("VLP-16");

@@ -30,6 +30,20 @@ TEST_CASE("a GLB and glTF text give the same scene") {
   CHECK(loadText("made.gltf", file.glb()).meshes.size() == 1);
 }
 
+TEST_CASE("a buffer in the alphabet of base64 for addresses is that in the usual one") {
+  GltfFileMaker file = triangleFile();
+  const std::string digits = "++//+/+/";  // six bytes that no position uses
+  file.bytes.resize(48);
+  file.view("\xfb\xef\xff\xfb\xff\xbf");
+  std::string text = file.text();
+  const Floats positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const size_t at = text.find(digits);
+  REQUIRE(at != text.npos);
+  CHECK(loadText("made.gltf", text).meshes.at(0).positions == positions);
+  text.replace(at, digits.size(), "--__-_-_");
+  CHECK(loadText("made.gltf", text).meshes.at(0).positions == positions);
+}
+
 TEST_CASE("glTF is rotated from y-up to z-up by default") {
   GltfFileMaker file = triangleFile();
   const Transform turned = file.load({}).instances.at(0).transform;

@@ -159,6 +159,26 @@ TEST_CASE("messages are in UTF-8, whatever bytes a file has") {
   CHECK(toUtf8("\xE2\x82\xAC \xF0\x9F\x98\x80 \xE9") == "\xE2\x82\xAC \xF0\x9F\x98\x80 \xC3\xA9");
 }
 
+TEST_CASE("an MTL material is glass in the illumination models 4, 6, 7 and 9, and rough by its Blinn-Phong exponent") {
+  const Folder folder;
+  std::string library, uses = "mtllib m.mtl\n";
+  uses += kSquareObj;
+  for (int model = 0; model <= 10; ++model) {
+    const std::string name = "m" + std::to_string(model);
+    library += "newmtl " + name + "\nTf 0.5 0.5 0.5\nNs 6\nillum " + std::to_string(model) + "\n";
+    uses += "usemtl " + name + "\nf 1 2 3\n";
+  }
+  put(folder / "m.mtl", library);
+  const Scene scene = loadScene(put(folder / "a.obj", uses));
+  REQUIRE(scene.materials.size() == 11);
+  for (size_t model = 0; model <= 10; ++model) {
+    INFO("illum " << model);
+    const bool isGlass = model == 4 || model == 6 || model == 7 || model == 9;
+    CHECK(scene.materials[model].transmission == (isGlass ? 0.5f : 0));
+    CHECK(scene.materials[model].roughness == 0.5f);  // the root of 2 / (6 + 2)
+  }
+}
+
 TEST_CASE("without its material library an OBJ keeps the material names") {
   const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
   REQUIRE(scene.materials.size() == 1);
@@ -261,6 +281,13 @@ TEST_CASE("PLY is read as text and as binary of either byte order, with any type
   const Scene big = loadText("a.ply", plyHeader("binary_big_endian", "double", "uint") + body);
   CHECK(big.meshes.at(0).positions == square);
   CHECK(big.meshes.at(0).indices == cut);
+  body.clear();
+  for (float value : square) body += swapped(static_cast<int16_t>(value));
+  body += "\4";
+  for (const int corner : {0, 1, 2, 3}) body += swapped(static_cast<uint16_t>(corner));
+  const Scene shorts = loadText("a.ply", plyHeader("binary_big_endian", "short", "ushort") + body);
+  CHECK(shorts.meshes.at(0).positions == square);
+  CHECK(shorts.meshes.at(0).indices == cut);
 
   const Scene integers = loadText("a.ply", plyHeader("ascii", "int", "uchar", 3) + "0 0 0\n5 0 0\n0 7 0\n3 0 1 2\n");
   CHECK(integers.meshes.at(0).positions == Floats{0, 0, 0, 5, 0, 0, 0, 7, 0});
@@ -360,6 +387,26 @@ TEST_CASE("text STL is read in capitals and with a mark of UTF-8") {
     CHECK(loadText("a.stl", each).meshes.at(0).positions == positions);
     CHECK_THAT(loadFailure("a.stl", each.substr(0, each.size() - 14)), ContainsSubstring("it has no endsolid"));
   }
+}
+
+TEST_CASE("the coordinates of text STL are single precision, as those of binary STL") {
+  const auto facet = [](const char* corner) {
+    return std::string("facet normal 0 0 1\nouter loop\nvertex ") + corner +
+           "\nvertex 0 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  };
+  const Mesh mesh =
+      loadText("a.stl", "solid\n" + facet("1000000.1 0 0") + facet("1000000.12 0 0") + "endsolid\n").meshes.at(0);
+  CHECK(mesh.positions == Floats{1000000.125f, 0, 0, 0, 0, 0, 0, 1, 0});
+  CHECK(mesh.indices == Indices{0, 1, 2, 0, 1, 2});
+  CHECK(mesh.origin.x == 0);
+}
+
+TEST_CASE("text STL may have several solids, of which each has an end") {
+  const std::string
+      solid = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
+      end = "endsolid\n";
+  CHECK(loadText("a.stl", solid + end + solid + end).meshes.at(0).triangleCount() == 2);
+  CHECK_THAT(loadFailure("a.stl", solid + end + solid), ContainsSubstring("it has no endsolid"));
 }
 
 TEST_CASE("an STL corner that is nan is not merged with others") {

@@ -271,8 +271,10 @@ TEST_CASE("a file whose positions have steps of single precision is warned of") 
   CHECK(place.run("scan float.ply" + kQuick).err == warning);
   CHECK_THAT(place.run("info float.ply --scale 0.01").err, ContainsSubstring("0.005 m at 53000 m;"));
   CHECK(place.run("info float.ply --scale 0.001").err == "");
-  ply("double.ply", "double", far + "0 0 0\n");
-  CHECK(place.run("info double.ply").err == "");
+  for (const char* type : {"double", "float64"}) {
+    ply("double.ply", type, far + "0 0 0\n");
+    CHECK(place.run("info double.ply").err == "");
+  }
   place.put("far.obj", "v 5300000.5 0 0\nv 5300020 0 0\nv 5300000 20.5 0\nf 1 2 3\n");
   CHECK(place.run("info far.obj").err == "");
   place.put("decimal.obj", "v 5300000.1 0 0\nv 5300020 0 0\nv 5300000 20.5 0\nf 1 2 3\n");
