@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <tuple>
 
 #include "folder.hpp"
 #include "rgl/plugin.hpp"
@@ -50,6 +51,24 @@ extern "C" rgl_status_t rgl_node_points_simulate_snow(rgl_node_t* node, float mi
                                                       float terminal_velocity, float density, int32_t num_channels,
                                                       float beam_divergence, bool do_simulate_energy_loss,
                                                       float snowflake_occupancy_threshold);
+
+TEST_CASE("RGL: noise of distances goes along the beams of the sensor, also where the points have been moved") {
+  place(squareMesh(), matrix(0, 0, 5));
+  Lidar lidar({matrix(0, 0, 0)}, {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_DISTANCE_F32});
+  const rgl_mat3x4f aside = matrix(100, 0, 0);
+  rgl_node_t moved = nullptr, noise = nullptr;
+  OK(rgl_node_points_transform(&moved, &aside));
+  OK(rgl_node_gaussian_noise_distance(&noise, 1, 0, 0));
+  lidar.append(moved);
+  OK(rgl_graph_node_add_child(moved, noise));
+  lidar.last = noise;
+  lidar.run();
+  const rgl_vec3f point = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32).at(0);
+  CHECK(point.value[0] == Approx(100));
+  CHECK(point.value[2] == Approx(6));
+  CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32).at(0) == Approx(6));
+  OK(rgl_cleanup());
+}
 
 TEST_CASE("RGL: snow gives flakes before walls and in the sky, as many as its formula says, and takes light") {
   setenv("GNOSPHERE_RGL_SEED", "5", 1);
@@ -223,6 +242,19 @@ TEST_CASE("RGL: merges, ground and voxels") {
   CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
   CHECK(file.find("POINTS 2\n") != std::string::npos);
 
+  // Each axis has a leaf size of its own.
+  const std::vector<rgl_vec3f> row = {{{1, 1, 1}}, {{7, 3, 1}}, {{7, 1, 4}}};
+  OK(rgl_node_points_from_array(&array, row.data(), 3, &field, 1));
+  for (const auto& [x, y, z, voxelCount] :
+       {std::tuple{10.f, 10.f, 10.f, 1}, {5.f, 10.f, 10.f, 2}, {10.f, 2.f, 10.f, 2}, {10.f, 10.f, 2.f, 2}}) {
+    OK(rgl_node_points_downsample(&voxels, x, y, z));
+    OK(rgl_graph_run(array));
+    int32_t found = 0;
+    OK(rgl_graph_get_result_size(voxels, field, &found, nullptr));
+    CHECK(found == voxelCount);
+  }
+  OK(rgl_node_points_downsample(&voxels, 1, 1, 1));
+
   // Voxels so far away that no integer has their numbers.
   const std::vector<rgl_vec3f> far = {{{1e25f, 0, 0}}, {{2e25f, 0, 0}}, {{-1e25f, 0, 0}}};
   OK(rgl_node_points_from_array(&array, far.data(), 3, &field, 1));
@@ -248,6 +280,85 @@ TEST_CASE("RGL: merges, ground and voxels") {
   int32_t left = 0;
   OK(rgl_graph_get_result_size(clean, field, &left, nullptr));
   CHECK(left == 40);
+  OK(rgl_node_points_remove_ground(&clean, RGL_AXIS_Z, 0.1f, 0.1f, 3.5f));  // what is less than 3.5 m above goes, too
+  OK(rgl_graph_run(array));
+  OK(rgl_graph_get_result_size(clean, field, &left, nullptr));
+  CHECK(left == 0);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: the power of a radar's detection follows from the radar equation") {
+  struct Row {
+    rgl_vec3f xyz = {{0, 0, 1}};
+    float distance, azimuth, elevation, speed = 0;
+    rgl_mat3x4f pose = matrix(0, 0, 0);
+    rgl_vec3f normal = {{0, 0, -1}};
+  };
+  const std::vector<Row> rows = {{.distance = 20, .azimuth = -0.3f, .elevation = 0},
+                                 {.distance = 40, .azimuth = 0.3f, .elevation = 0.6f}};
+  const rgl_field_t fields[] = {RGL_FIELD_XYZ_VEC3_F32,   RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
+                                RGL_FIELD_ELEVATION_F32,  RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32,
+                                RGL_FIELD_NORMAL_VEC3_F32};
+  constexpr float kAzimuthStep = 0.015f, kElevationStep = 0.01f, kFrequency = 79e9f, kPower = 31, kGain = 27;
+  const rgl_radar_scope_t scope = {0, 100, 2, 1, 0.05f};
+  rgl_node_t array = nullptr, radar = nullptr;
+  OK(rgl_node_points_from_array(&array, rows.data(), 2, fields, 7));
+  OK(rgl_node_points_radar_postprocess(&radar, &scope, 1, kAzimuthStep, kElevationStep, kFrequency, kPower, kGain, 60,
+                                       0));
+  OK(rgl_graph_node_add_child(array, radar));
+  OK(rgl_graph_run(array));
+  float rcs[2], power[2];
+  OK(rgl_graph_get_result_data(radar, RGL_FIELD_RCS_F32, rcs));
+  OK(rgl_graph_get_result_data(radar, RGL_FIELD_POWER_F32, power));
+  const double wavelength = 299792458 / double{kFrequency};
+  for (size_t i = 0; i < 2; ++i) {
+    const double d = rows[i].distance;
+    // The cross section of a plate as large as the patch that one ray stands for.
+    const double patch = d * kAzimuthStep * std::cos(rows[i].elevation) * d * kElevationStep;
+    const double section = 4 * M_PI * std::pow(patch / wavelength, 2);
+    CHECK(rcs[i] == Approx(10 * std::log10(section)).epsilon(1e-5));
+    const double share = section * std::pow(wavelength, 2) / (std::pow(4 * M_PI, 3) * std::pow(d, 4));
+    CHECK(power[i] == Approx(kPower + kGain + 10 * std::log10(share)).epsilon(1e-5));
+  }
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: an object that is not measured goes on at its speed in m/s, until its time in ms is over") {
+  struct Row {
+    rgl_vec3f xyz;
+    float distance, azimuth = 0, elevation = 0, speed = 0;
+    int32_t entity = 1;
+  };
+  const rgl_field_t fields[] = {RGL_FIELD_XYZ_VEC3_F32,  RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
+                                RGL_FIELD_ELEVATION_F32, RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_ENTITY_ID_I32};
+  rgl_node_t array = nullptr, objects = nullptr;
+  // The object at x is not measured if x is 0. Another one always stands 100 m away.
+  const auto places = [&](uint64_t milliseconds, float x) {
+    std::vector<Row> rows = {{{{0, 100, 0}}, 100}};
+    if (x > 0) rows.push_back({{{x, 0, 0}}, x});
+    OK(rgl_scene_set_time(nullptr, 1'000'000 * milliseconds));
+    OK(rgl_node_points_from_array(&array, rows.data(), static_cast<int32_t>(rows.size()), fields, 6));
+    if (!objects) {
+      OK(rgl_node_points_radar_track_objects(&objects, 2, 0.1f, 0.1f, 1, 5, 500, 0.01f));
+      OK(rgl_graph_node_add_child(array, objects));
+    }
+    OK(rgl_graph_run(array));
+    int32_t count = 0;
+    OK(rgl_graph_get_result_size(objects, RGL_FIELD_XYZ_VEC3_F32, &count, nullptr));
+    std::vector<rgl_vec3f> points(count);
+    OK(rgl_graph_get_result_data(objects, RGL_FIELD_XYZ_VEC3_F32, points.data()));
+    std::vector<float> moving;
+    for (const rgl_vec3f& point : points)
+      if (point.value[1] == 0) moving.push_back(point.value[0]);
+    return moving;
+  };
+  CHECK(places(1000, 10) == std::vector<float>{10});
+  CHECK(places(1100, 10.5f) == std::vector<float>{10.5f});
+  const std::vector<float> predicted = places(1200, 0);
+  REQUIRE(predicted.size() == 1);
+  CHECK(predicted[0] == Approx(11));
+  CHECK(places(1590, 0).size() == 1);
+  CHECK(places(1610, 0).empty());
   OK(rgl_cleanup());
 }
 

@@ -260,6 +260,11 @@ TEST_CASE("RGL: velocities follow from the scene's last two times") {
   OK(rgl_scene_set_time(nullptr, 2'000'000'000));
   lidar.run();
   CHECK(speed() == Approx(-0.5));  // it has not been moved since
+  // A sensor that turns from z to x sees what stands before it go to -x.
+  const rgl_vec3f turning = {{0, 0.5f, 0}};
+  OK(rgl_node_raytrace_configure_velocity(lidar.raytrace, &still, &turning));
+  lidar.run();
+  CHECK(lidar.get<rgl_vec3f>(RGL_FIELD_RELATIVE_VELOCITY_VEC3_F32)[0].value[0] == Approx(-0.5 * 6));
   OK(rgl_cleanup());
 }
 
@@ -281,6 +286,24 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
     if (k > 0) CHECK((speeds[0] == Approx(0.5).epsilon(0.01) && speeds[1] == 0));
     for (rgl_vec3f& vertex : vertices) vertex.value[2] += 0.5f;
   }
+  // The vertices of an entity go where its axes lead.
+  const rgl_mat3x4f turned = matrix(0, 0, 5, std::numbers::pi / 2);
+  rgl_node_t absolute = nullptr;
+  const rgl_field_t velocity = RGL_FIELD_ABSOLUTE_VELOCITY_VEC3_F32;
+  OK(rgl_node_points_yield(&absolute, &velocity, 1));
+  OK(rgl_graph_node_add_child(lidar.raytrace, absolute));
+  for (int k = 3; k < 5; ++k) {
+    OK(rgl_scene_set_time(nullptr, 1'000'000'000ull * k));
+    OK(rgl_entity_set_transform(moving, &turned));
+    OK(rgl_entity_apply_external_animation(moving, vertices, 4));
+    lidar.run();
+    for (rgl_vec3f& vertex : vertices) vertex.value[0] += 0.25f;
+  }
+  rgl_vec3f velocities[2];
+  OK(rgl_graph_get_result_data(absolute, velocity, velocities));
+  CHECK(velocities[0].value[0] == Approx(0).margin(1e-6));
+  CHECK(velocities[0].value[1] == Approx(0.25));  // its x axis is y in the world
+  OK(rgl_graph_node_remove_child(lidar.raytrace, absolute));
   // Bone 1 holds the vertices at x = 1, and lifts them by 2 m.
   rgl_bone_weights_t weights[4] = {};
   for (int v = 0; v < 4; ++v) weights[v].weights[0] = 1, weights[v].bone_indexes[0] = v == 1 || v == 2;
@@ -303,7 +326,7 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
 extern "C" rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t return_type);
 
 TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a divergence has a first and a last return") {
-  place(squareMesh(), matrix(0, 0, 5));
+  const rgl_entity_t small = place(squareMesh(), matrix(0, 0, 5));
   place(squareMesh(30), matrix(0, 0, 8));
   Lidar lidar({matrix(0, 0, 0), matrix(0, 0, 0)},
               {RGL_FIELD_DISTANCE_F32, RGL_FIELD_TIME_STAMP_U32, RGL_FIELD_RETURN_TYPE_U8, RGL_FIELD_RAY_IDX_U32});
@@ -341,6 +364,21 @@ TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a diverge
   CHECK(lidar.get<uint8_t>(RGL_FIELD_RETURN_TYPE_U8) ==
         std::vector<uint8_t>{RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST, RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST});
   CHECK(lidar.get<uint32_t>(RGL_FIELD_RAY_IDX_U32) == std::vector<uint32_t>{0, 0, 1, 1});
+
+  // A beam that is wide upwards stays on the small square when that is moved aside, and one that is wide across passes.
+  const rgl_mat3x4f beside = matrix(0.9, 0, 5);
+  OK(rgl_entity_set_transform(small, &beside));
+  OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.02f, 0.3f));
+  lidar.run();
+  CHECK(distances()[1] > 5.05f);
+  CHECK(distances()[1] < 5.06f);
+  OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.3f, 0.02f));
+  lidar.run();
+  CHECK(distances()[1] > 8);
+  const rgl_mat3x4f before = matrix(0, 0, 5);
+  OK(rgl_entity_set_transform(small, &before));
+  OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.6f, 0.6f));
+  lidar.run();
 
   // Level 0.18 has a node for each of the returns instead of modes.
   OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_FIRST));
