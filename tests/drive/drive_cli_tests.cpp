@@ -45,6 +45,12 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
                             ContainsSubstring("\noutput     mcap in mcap/, sensors top, side\n"));
   const Result some = place.make("-o out_a --frames 2:5");
   CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") && ContainsSubstring("not complete"));
+  uint64_t bytes = 0;
+  for (const char* frame : {"2", "3", "4"})
+    for (const Json& file :
+         Json::parse(place.get(std::string("out_a/manifest/frames/00000") + frame + ".json"))["files"])
+      bytes += file["bytes"].get<uint64_t>();
+  CHECK_THAT(some.out, ContainsSubstring(" files of " + std::to_string((bytes + 500'000) / 1'000'000) + " MB\n"));
   const Result rest = place.make("-o out_a");
   CHECK(rest.err.empty());  // no progress in a pipe
   CHECK_THAT(rest.out, ContainsSubstring("10: 7 made, 3 complete before") && ContainsSubstring("drive      complete"));

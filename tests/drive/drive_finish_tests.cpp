@@ -74,7 +74,13 @@ TEST_CASE("a manifest that is damaged, or that names files outside of the folder
         damaged([](Json& j) { j["files"][0]["bytes"] = -1; }), damaged([](Json& j) { j["files"][0].erase("hash"); }),
         damaged([](Json& j) { j["scans"] = Json::array(); }), damaged([](Json& j) { j["scans"][0]["points"] = "x"; }),
         damaged([](Json& j) {
-          j["scans"][0]["boxes"] = {{{"actor", 1000000}, {"points", 1}, {"visibility", 0.5}}};
+          j["scans"][0]["boxes"] = {{{"actor", 2},  // the drive has 0 and 1
+                                     {"points", 1},
+                                     {"visibility", 0.5},
+                                     {"position", {0, 0, 0}},
+                                     {"orientation", {0, 0, 0, 1}},
+                                     {"size", {1, 1, 1}},
+                                     {"moving", false}}};
         }),
         damaged([&](Json& j) {
           j["files"][0] = {{"path", victim.string()}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};

@@ -255,6 +255,35 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a vehicle that speeds up along a line has its speed and acceleration between uneven stamps") {
+  constexpr double kAcceleration = 3;
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (const double time : {0.0, 0.1, 0.3, 0.6, 1.0, 1.1})
+    stamps.push_back({time, {{kAcceleration / 2 * time * time, 0, 0}, {}}});
+  const drive::Trajectory way(stamps);
+  for (const double time : {0.1, 0.25, 0.3, 0.4, 0.6, 0.9, 1.0}) {
+    INFO(time);
+    CHECK_THAT(way.ratesAt(time).velocity.x, WithinAbs(kAcceleration * time, 1e-9));
+    CHECK_THAT(way.ratesAt(time).acceleration.x, WithinAbs(kAcceleration, 1e-9));
+  }
+}
+
+TEST_CASE("the signs of quaternions do not matter to turn rates") {
+  constexpr double kTurnRate = 0.5;
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (int i = 0; i <= 10; ++i) {
+    const double half = kTurnRate * 0.1 * i / 2, sign = i < 5 ? 1 : -1;
+    stamps.push_back({0.1 * i, {{}, {0, 0, sign * std::sin(half), sign * std::cos(half)}}});
+  }
+  const drive::Trajectory turning(stamps);
+  for (int i = 0; i <= 10; ++i) CHECK_THAT(turning.ratesAt(0.1 * i).turnRate.z, WithinAbs(kTurnRate, 1e-9));
+}
+
+TEST_CASE("dates have fractions of a second from 0 on, also before 1970") {
+  CHECK(drive::dateText(1'700'000'000'250'000'000) == "2023-11-14 22:13:20.250000000");
+  CHECK(drive::dateText(-1) == "1969-12-31 23:59:59.999999999");
+}
+
 TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {
   const DriveFolder& folder = made();
   const auto table = [&](const std::string& name) {
@@ -521,12 +550,17 @@ TEST_CASE("LAS: what an output of a survey must not say") {
   CHECK_THAT(problem({{"format", "las"}, {"fields", "tie"}}), ContainsSubstring("'tie' is of beams without returns"));
   CHECK_THAT(problem({{"format", "las"}, {"flight_line", 65535}}),
              ContainsSubstring("outputs[0].flight_line: is 65535, and each of 2 sensors has a number of its own"));
+  CHECK(problem({{"format", "las"}, {"flight_line", 65534}}) == "none");
   Json early = quietDrive();
   early["outputs"] = {{{"format", "las"}}};
   const std::vector<std::string> warnings = folder.read(early).warnings;
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], ContainsSubstring("outputs[0].format: LAS has GPS times, and the drive begins before 1980"));
   early["epoch"] = 315964800;
+  CHECK(folder.read(early).warnings.empty());
+  early["epoch"] = 315964799.5;
+  CHECK(folder.read(early).warnings.size() == 1);
+  early["start"] = early["duration"] = 0.5;
   CHECK(folder.read(early).warnings.empty());
   Json many = smallDrive();
   many["classes"]["car"]["id"] = 300;

@@ -171,6 +171,17 @@ TEST_CASE("actors that no beam has hit have boxes where an output asks for all")
   CHECK_THAT(boxes["hidden"]["world_frame"]["position"][1].get<double>(), WithinAbs(0.2 + time, 1e-9));
   CHECK_THAT(boxes["hidden"]["velocity"][1].get<double>(), WithinAbs(1, 1e-9));
 
+  // A channel may see farther than its sensor, and a thing closely before a box counts as a part of it.
+  json["sensors"][0]["sensor"]["range_max"] = {60, 60, 60, 60, 60, 60, 60, 70};
+  folder.run(json, "far");
+  CHECK(boxesOf(folder, 2, "far").contains("beyond"));
+  for (const auto& [out, x] : {std::pair("plate", "6.95"), std::pair("wall", "6.8")}) {
+    const std::string at = std::string("v ") + x;
+    put(folder / "wall.obj", at + " -3 -1\n" + at + " 3 -1\n" + at + " 3 5\n" + at + " -3 5\nf 1 2 3\nf 1 3 4\n");
+    folder.run(json, out);
+    CHECK(boxesOf(folder, 2, out)["hidden"]["visibility"] == (out[0] == 'p' ? 1 : 0));
+  }
+
   json["outputs"][0]["all_actors"] = true;
   CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].all_actors: is only for boxes"));
 }

@@ -254,6 +254,12 @@ TEST_CASE("OSI: the vehicle of GroundTruth is the actor that goes with the ego, 
   checkVector(vectorOf(child(base, 5)), {0, 2, 0});
   CHECK(whole(body, 3) == 2);  // whatever its class
   checkVector(vectorOf(child(child(body, 5), 4)), {-0.4, 0, -0.6});
+
+  // An actor who is not there all the time is not the body.
+  json["actors"][1]["outside"] = "gone";
+  REQUIRE(folder.run(json, "gone").finished);
+  const std::string gone = folder.get("gone/" + std::string(kTruth).substr(4));
+  CHECK(whole(child(pbf_reader(messagesOf(gone)[2]), 3), 1) == 5);  // after two objects and two sensors
 }
 
 TEST_CASE("OSI: something around a vehicle that stands is the vehicle only if it is one") {

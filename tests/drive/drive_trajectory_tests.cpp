@@ -92,6 +92,14 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
   CHECK(carlaRoute[1].time == 2);
   checkPose(drive::Trajectory::alongWay(carlaRoute).at(2), {0, 4, 0}, {0, 0, kHalf, kHalf});
 
+  const auto stops = read("s.xml",
+                          "<routes><route><waypoint x='0' y='0' z='0'/><waypoint x='0' y='-4' z='0'/>"
+                          "<waypoint x='0' y='-4' z='0'/><waypoint x='6' y='-4' z='0'/></route></routes>",
+                          "carla-route", {.speed = 2});
+  REQUIRE(stops.size() == 3);  // a place that is there twice takes no time
+  CHECK(stops[1].time == 2);
+  CHECK(stops[2].time == 5);
+
   CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
   CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
   for (const char* sbet : {"a.SBET", "sbet_mission 1.out"})
@@ -212,6 +220,8 @@ TEST_CASE("lines of trajectories end as those of any system, and may have commen
     const auto stamps = drive::readTrajectory(put(folder / "a.tum", text), "tum", {});
     REQUIRE(stamps.size() == 2);
     CHECK(stamps[1].time == 2);
+    CHECK_THROWS_WITH(drive::readTrajectory(put(folder / "a.tum", text + "3 x" + end), "tum", {}),
+                      ContainsSubstring("a.tum: line 5 is not t x y z"));
   }
   const auto euroc = drive::readTrajectory(put(folder / "a.csv", " 1000000000 , 1, 2, 3, 1, 0, 0, 0\n"), "euroc", {});
   CHECK(euroc.at(0).time == 1);
