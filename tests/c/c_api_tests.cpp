@@ -158,6 +158,42 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
+TEST_CASE("C: a comparison has every number that it has in C++") {
+  // As many beams of each kind as its number says; a tie is a beam that the reference marks.
+  const struct {
+    int count;
+    bool expected, found, sameOwner, tie;
+    double error;
+  } kinds[] = {{1, true, false, true, false, 0}, {2, false, true, true, false, 0}, {3, true, true, false, false, 0},
+               {4, true, false, true, true, 0},  {5, false, true, true, true, 0},  {6, true, true, false, true, 0.25},
+               {7, true, true, true, false, 0.5}};
+  std::string first = "range,beam,triangle,instance,tie\n", second = first;
+  const auto add = [](std::string& text, int beam, bool there, double range, int triangle, bool tie) {
+    text += (there ? std::to_string(range) : "nan") + "," + std::to_string(beam) + "," +
+            (there ? std::to_string(triangle) + ",0," : "4294967295,4294967295,") + (tie ? "1\n" : "0\n");
+  };
+  int beam = 0;
+  for (const auto& kind : kinds)
+    for (int i = 0; i < kind.count; ++i, ++beam) {
+      add(first, beam, kind.expected, 10, 0, kind.tie);
+      add(second, beam, kind.found, 10 + kind.error, kind.sameOwner ? 0 : 1, false);
+    }
+  const test::Folder folder;
+  gno_scan a = nullptr, b = nullptr;
+  REQUIRE(gno_scan_read(test::put(folder / "a.csv", first).string().c_str(), &a) == GNO_OK);
+  REQUIRE(gno_scan_read(test::put(folder / "b.csv", second).string().c_str(), &b) == GNO_OK);
+  gno_comparison c = gno_comparison_init();
+  REQUIRE(gno_scan_compare(a, b, 1e-3, &c) == GNO_OK);
+  CHECK((c.beams == 28 && c.hits == 21));
+  CHECK((c.missed == 1 && c.false_hits == 2 && c.wrong_owner == 3 && c.wrong_range == 7));
+  CHECK((c.tie_missed == 4 && c.tie_false_hits == 5 && c.tie_wrong_owner == 6));
+  CHECK((c.ties == 15 && c.tie_differences == 15));
+  CHECK((c.tie_error_max == 0.25 && c.range_error_max == 0.5 && c.hit_error_max == 0.5));
+  CHECK((c.range_error_9999 == 0.5 && c.range_error_rms == 0.5));
+  CHECK(gno_scan_destroy(a) == GNO_OK);
+  CHECK(gno_scan_destroy(b) == GNO_OK);
+}
+
 TEST_CASE("C: a scene is joined to another, and added to a simulator, as in C++") {
   gno_scene town = makeScene(), car = makeScene();
   const gno_transform place = {{0, -1, 0, 3, 1, 0, 0, 2, 0, 0, 1, 0.5}};
@@ -291,6 +327,13 @@ TEST_CASE("C: a sensor file from memory, and the parts of an accuracy") {
   const char* report = nullptr;
   REQUIRE(gno_sensor_get_report(sensor, &report) == GNO_OK);
   CHECK(std::string(report).find(readSensorFile(json, "head.json").family) == 0);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  const std::string beams = "azimuth,elevation\n0,0\n1,0\n2,0\n3,0\n";
+  gno_sensor_file_options options = gno_sensor_file_options_init();
+  options.beams_per_scan = 2;
+  REQUIRE(gno_sensor_read(beams.data(), beams.size(), "beams.csv", &options, &sensor) == GNO_OK);
+  REQUIRE(gno_sensor_get_size(sensor, &size) == GNO_OK);
+  CHECK((size.beams == 2 && size.patterns == 2));
   CHECK(gno_sensor_destroy(sensor) == GNO_OK);
   CHECK(fails(gno_sensor_read("{", 1, "bad.json", nullptr, &sensor), "bad.json", GNO_FORMAT));
   CHECK(fails(gno_sensor_read(nullptr, 1, "bad.json", nullptr, &sensor), "bytes is null"));

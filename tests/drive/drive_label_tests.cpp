@@ -364,6 +364,24 @@ TEST_CASE("instances of a scene whose classes have boxes are actors that stand")
   }
 }
 
+TEST_CASE("actors that a scene has had share a model if they differ by their places and yaws alone") {
+  const DriveFolder folder;
+  MeshBuilder box;
+  box.box({-1, -2, 0}, {1, 2, 1.5});
+  Scene cars = sceneOf(box.take());
+  cars.instances.clear();
+  for (const double yaw : {0.3, 1.1, 2.7}) {
+    const double c = std::cos(yaw), s = std::sin(yaw);
+    cars.instances.push_back({"car", 0, {{c, -s, 0, 7 * yaw, s, c, 0, 5, 0, 0, 1, 0.3}}});
+  }
+  writeGlb(cars, folder / "cars.glb");
+  Json json = actorDrive();
+  json["scenes"].push_back({{"file", "cars.glb"}, {"instances", {{"car", "car"}}}, {"boxes", {"car"}}});
+  const drive::Drive drive = folder.read(json);
+  REQUIRE(drive.actors.size() == 3);
+  CHECK(drive.models.size() == 2);  // with that of the drive file
+}
+
 TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and of boxes that no instance has") {
   const DriveFolder folder;
   Json json = quietDrive();

@@ -318,6 +318,23 @@ TEST_CASE("ROS 2: clouds in the point layouts of drivers, in the order of times"
   effects.returns.mode = Effects::Returns::Mode::strongest;
   CHECK(fieldOf<uint8_t>(cloudOf(Driver::autoware, effects), 1, "return_type") == 1);
 
+  // The azimuths of Autoware are counter-clockwise from 0 to 2 pi.
+  Scan right = scan;
+  right.points[13] = -3;
+  CHECK(fieldOf<float>(driverCloudOf(right, Driver::autoware, "top", kStamp), 3, "azimuth") == Approx(1.5 * M_PI));
+  // Livox's tag has two bits for the number of a return.
+  Scan five;
+  five.columns = five.channels = 1;
+  five.returns = 5;
+  five.points.assign(15, 1);
+  five.ranges.assign(5, 1.7f);
+  five.triangles.assign(5, 0);
+  five.instances.assign(5, 0);
+  setColumn<float>(five, Field::time, {0, 0, 0, 0, 0});
+  const PointCloud2 tagged = driverCloudOf(five, Driver::livox, "top", kStamp);
+  for (const auto& [point, tag] : {std::pair(0, 0), std::pair(3, 0x30), std::pair(4, 0x30)})
+    CHECK(fieldOf<uint8_t>(tagged, point, "tag") == tag);
+
   const LivoxCustom custom = livoxCustomOf(scan, "top", kStamp);
   CHECK(received(custom, "livox") ==
         "rt/a/b_1 1700000000.250000000 top base 1700000000250000000 points 4 id 0 400000:-8,0,6:13:0:1 "
@@ -413,6 +430,9 @@ TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence"
                     ContainsSubstring("has 32 bytes, but height * width * pointStep is 1 * 3 * 16"));
   cloud = cloudOfSize(0, 2);
   cloud.fields[3].type = PointField::Type::f64;
+  CHECK_THROWS_WITH(clouds.publish(cloud), ContainsSubstring("intensity ends beyond"));
+  cloud.fields[3].type = PointField::Type::f32;
+  cloud.fields[3].count = 2;
   CHECK_THROWS_WITH(clouds.publish(cloud), ContainsSubstring("intensity ends beyond"));
   cloud.fields[3].type = static_cast<PointField::Type>(9);
   CHECK_THROWS_WITH(clouds.publish(cloud), ContainsSubstring("no type of ROS"));

@@ -108,9 +108,12 @@ TEST_CASE("scan, plan and accuracy take every option by --set; drives name the p
   const Workplace place;
   const std::string scan = "scan floor.obj --stats -" + kQuick;
   REQUIRE(place.run(scan + "--accuracy exact --faces both -o a.npy").status == 0);
-  const Result set = place.run(scan + "--set accuracy=exact --set faces=both --set tuning.culling.rows=false -o b.npy");
+  const Result set = place.run(scan +
+                               "--set accuracy=exact --set faces=both --set tuning.culling.rows=false "
+                               "--set accuracy_parts.cull=nearest_point -o b.npy");
   CHECK(set.err ==
-        "gnosphere: warning: --device reference ignores accuracy, tuning.culling.rows; another --device heeds them\n");
+        "gnosphere: warning: --device reference ignores accuracy, tuning.culling.rows, accuracy_parts.cull; another "
+        "--device heeds them\n");
   CHECK_THAT(set.out, ContainsSubstring("\"accuracy\": \"exact\""));
   CHECK(gnosphere::compare(gnosphere::readCloud(place / "a.npy"), gnosphere::readCloud(place / "b.npy")).same());
   // --set wins over the options that set the same, wherever it is.
@@ -537,6 +540,11 @@ TEST_CASE("sensors tells how a file was understood, writes its beams and draws t
   place.put("twice.json", R"({"name": "a", "columns": 8, "range": {"max": 5}, "elevation_deg": [1],
                              "masked_beams": [3, 3]})");
   CHECK_THAT(place.run("sensors twice.json").out, ContainsSubstring("7 in a cloud of 8 x 1, 1 masked\n"));
+  place.put("turns.csv", "azimuth,elevation,pattern\n0,0,0\n1,0,0\n0,1,1\n1,1,1\n");
+  CHECK_THAT(place.run("sensors turns.csv").out, ContainsSubstring("2 in a cloud of 2 x 1, 2 patterns in turn\n"));
+  place.put("wide.json", R"({"name": "a", "columns": 8, "range": {"max": 5}, "elevation_deg": [1],
+                            "divergence_mrad": [3, 1.5]})");
+  CHECK_THAT(place.run("sensors wide.json").out, ContainsSubstring("divergence 3 x 1.5 mrad\n"));
   CHECK_THAT(place.run("sensors os1-64:2048x10").out, ContainsSubstring("131,072") && ContainsSubstring("data sheet"));
   CHECK_THAT(place.run("sensors tim781").out, ContainsSubstring("one every 66.6667 ms\n"));
   CHECK_THAT(place.run("sensors vlp-16").out, ContainsSubstring("Table 2 of the GnoSphere360 paper"));

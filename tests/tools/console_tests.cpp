@@ -30,6 +30,7 @@ TEST_CASE("counts have the word for one or for many") {
   CHECK(counted(1, "frame", "frames") == "1 frame");
   CHECK(counted(0, "frame", "frames") == "0 frames");
   CHECK(counted(1234, "frame", "frames") == "1,234 frames");
+  CHECK(counted(1234567890, "frame", "frames") == "1,234,567,890 frames");
 }
 
 TEST_CASE("lengths have three digits in one form") {

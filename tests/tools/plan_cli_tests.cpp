@@ -77,6 +77,7 @@ TEST_CASE("plan --views tells how many scans one submission makes, with as many 
   CHECK_THAT(result.out, ContainsSubstring(" of 1,000,000 in one submission\n"));
   const Result lists = place.run("plan floor.obj --binning lists --views 4");
   CHECK_THAT(lists.out, ContainsSubstring("1: scans of this sensor are made one by one\n"));
+  CHECK_THAT(lists.out, ContainsSubstring("bin, prefix_sum x 3, bin\n"));
   CHECK(place.run("plan floor.obj --views 0").status == 2);
 }
 

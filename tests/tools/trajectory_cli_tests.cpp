@@ -112,6 +112,11 @@ TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each 
       StartsWith(
           "gnosphere: warning: dense.tum has a pose every 0.01 s, and a turn of VLP-16 takes 0.1 s, so the scans "
           "overlap; gnosphere drive makes one scan per turn"));
+  // From half a turn on nothing is told of that. A triangle that is dropped from every scan is one triangle.
+  place.put("half.tum", "0 0 0 1.8 0 0 0 1\n0.06 0 0 1.8 0 0 0 1\n0.12 0 0 1.8 0 0 0 1\n");
+  place.put("hole.obj", place.get("floor.obj") + "v nan 0 0\nf 1 2 -1\n");
+  CHECK(place.run("scan hole.obj --trajectory half.tum -o d.csv" + quick).err ==
+        "gnosphere: warning: 1 triangles of hole.obj are dropped because a corner is NaN, infinite or beyond 1e9 m\n");
 
   REQUIRE(
       place
