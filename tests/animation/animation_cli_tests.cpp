@@ -34,6 +34,7 @@ TEST_CASE("info tells what is deformable, the animations, and what is left out")
   const Workplace place;
   GltfFileMaker file = skinnedFile();
   addChannel(file, 2, "rotation", "LINEAR", {0, 1.5f}, Floats{0, 0, 0, 1, 0, 0, 0, 1});
+  addChannel(file, 2, "scale", "LINEAR", {0, 1}, Floats{1, 1, 1, 1, 1, 1});  // of the same node
   file.json["animations"][0]["channels"].push_back({{"sampler", 0}, {"target", {{"path", "rotation"}}}});
   place.put("strip.gltf", file.text());
   const nlohmann::json info = place.runJson("info strip.gltf --json");
