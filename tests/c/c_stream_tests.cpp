@@ -43,6 +43,27 @@ bool refused(gno_status status, const char* words) {
 
 }  // namespace
 
+TEST_CASE("C: triangles that face away, and those that are not in sight, are counted as such") {
+  needVulkan();
+  gno_options options = gno_options_init();
+  options.cache = "off";
+  REQUIRE(gno_options_set(&options, "faces=front") == GNO_OK);  // the wall looks along x
+  const gno_simulator simulator = simulatorWith(options);
+  gno_instance far = gno_instance_init();
+  far.transform.rows[3] = 1e5;
+  REQUIRE(gno_simulator_add_instance(simulator, &far, nullptr) == GNO_OK);
+  const gno_shot shot = gno_shot_init();
+  gno_scan scan = nullptr;
+  REQUIRE(gno_simulator_scan(simulator, &shot, &scan) == GNO_OK);
+  gno_counters counters = gno_counters_init();
+  REQUIRE(gno_scan_get_counters(scan, &counters) == GNO_OK);
+  CHECK((counters.triangles == 4 && counters.projected == 0 && counters.hits == 0));
+  CHECK((counters.culled_by_cluster == 2 && counters.culled_by_face == 2));
+  CHECK((counters.culled_by_range == 0 && counters.culled_hidden == 0 && counters.culled_between_beams == 0));
+  CHECK(gno_scan_destroy(scan) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+}
+
 TEST_CASE("C: streamed batches have the values of batches on the host, also after the simulator's handle is gone") {
   needVulkan();
   gno_options options = gno_options_init();
