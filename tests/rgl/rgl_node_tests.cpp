@@ -295,18 +295,22 @@ TEST_CASE("RGL: the power of a radar's detection follows from the radar equation
     rgl_vec3f normal = {{0, 0, -1}};
   };
   const std::vector<Row> rows = {{.distance = 20, .azimuth = -0.3f, .elevation = 0},
-                                 {.distance = 40, .azimuth = 0.3f, .elevation = 0.6f}};
+                                 {.distance = 40, .azimuth = 0.3f, .elevation = 0.6f},
+                                 {.distance = 101, .azimuth = 0, .elevation = 0}};  // no scope reaches it
   const rgl_field_t fields[] = {RGL_FIELD_XYZ_VEC3_F32,   RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
                                 RGL_FIELD_ELEVATION_F32,  RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32,
                                 RGL_FIELD_NORMAL_VEC3_F32};
   constexpr float kAzimuthStep = 0.015f, kElevationStep = 0.01f, kFrequency = 79e9f, kPower = 31, kGain = 27;
   const rgl_radar_scope_t scope = {0, 100, 2, 1, 0.05f};
   rgl_node_t array = nullptr, radar = nullptr;
-  OK(rgl_node_points_from_array(&array, rows.data(), 2, fields, 7));
+  OK(rgl_node_points_from_array(&array, rows.data(), 3, fields, 7));
   OK(rgl_node_points_radar_postprocess(&radar, &scope, 1, kAzimuthStep, kElevationStep, kFrequency, kPower, kGain, 60,
                                        0));
   OK(rgl_graph_node_add_child(array, radar));
   OK(rgl_graph_run(array));
+  int32_t count = 0;
+  OK(rgl_graph_get_result_size(radar, RGL_FIELD_RCS_F32, &count, nullptr));
+  REQUIRE(count == 2);
   float rcs[2], power[2];
   OK(rgl_graph_get_result_data(radar, RGL_FIELD_RCS_F32, rcs));
   OK(rgl_graph_get_result_data(radar, RGL_FIELD_POWER_F32, power));

@@ -178,6 +178,19 @@ TEST_CASE("RGL: rays far apart, scaled, mirrored and without a direction") {
   OK(rgl_cleanup());
 }
 
+TEST_CASE("RGL: a node of rays that gets other rays scans with them") {
+  place(squareMesh(), matrix(0, 0, 5));
+  Lidar lidar({matrix(0, 0, 0)}, {RGL_FIELD_DISTANCE_F32});
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const auto& [x, distance] : {std::pair(0.f, 5.f), {3.f, infinity}, {0.5f, 5.f}}) {
+    const rgl_mat3x4f ray = matrix(x, 0, 0);
+    OK(rgl_node_rays_from_mat3x4f(&lidar.rays, &ray, 1));
+    lidar.run();
+    CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32) == std::vector<float>{distance});
+  }
+  OK(rgl_cleanup());
+}
+
 TEST_CASE("RGL: near surfaces hide, and non-hits have the distances that are set") {
   const rgl_mesh_t mesh = squareMesh();
   place(mesh, matrix(0, 0, 2));
@@ -346,6 +359,16 @@ TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a diverge
   lidar.run();
   CHECK(distances() == std::vector<float>{5, 8});  // the second ray is 2 m beside the small square
   CHECK(lidar.get<uint32_t>(RGL_FIELD_TIME_STAMP_U32) == std::vector<uint32_t>{0, 500'000'000});
+  rgl_node_t stamps = nullptr;
+  const rgl_field_t seconds = RGL_FIELD_TIME_STAMP_F64;
+  OK(rgl_node_points_yield(&stamps, &seconds, 1));
+  OK(rgl_graph_node_add_child(lidar.raytrace, stamps));
+  OK(rgl_scene_set_time(nullptr, 1));
+  lidar.run();
+  double inSeconds[2];
+  OK(rgl_graph_get_result_data(stamps, seconds, inSeconds));
+  CHECK((inSeconds[0] == 0 && inSeconds[1] == 0.5));
+  OK(rgl_graph_node_remove_child(lidar.raytrace, stamps));
   // Times that 32 bits cannot hold become the least and the greatest that they can.
   const float outside[] = {-1, 5000};
   OK(rgl_node_rays_set_time_offsets(&offsets, outside, 2));

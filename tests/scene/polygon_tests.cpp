@@ -179,6 +179,13 @@ TEST_CASE("an MTL material is glass in the illumination models 4, 6, 7 and 9, an
   }
 }
 
+TEST_CASE("glass of MTL without a filter lets through what its dissolve leaves") {
+  const Folder folder;
+  put(folder / "m.mtl", "newmtl a\nd 0.25\nillum 4\n");
+  const std::string uses = "mtllib m.mtl\nusemtl a\nf 1 2 3\n";
+  CHECK(loadScene(put(folder / "a.obj", kSquareObj + uses)).materials.at(0).transmission == 0.75f);
+}
+
 TEST_CASE("without its material library an OBJ keeps the material names") {
   const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
   REQUIRE(scene.materials.size() == 1);

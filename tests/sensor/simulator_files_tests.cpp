@@ -181,6 +181,8 @@ TEST_CASE("SDF: a missing number of samples is that of SDF, and masks of visibil
   const SensorFile file = readSensorFile(sdfWith("<min_angle>-1</min_angle><max_angle>1</max_angle>"), "model.sdf");
   CHECK(file.sensor.columns == 640);
   CHECK(lists(file.assumed, "<samples> of 640"));
+  // The number of samples is multiplied by the resolution, as SDF's specification has it.
+  CHECK(readSensorFile(sdfWith("<resolution>0.5</resolution>" + anglesOf(10, -1, 1)), "model.sdf").sensor.columns == 5);
   const std::string masked =
       replaced(sdfWith(anglesOf(9, -1, 1)), "<lidar>", "<lidar><visibility_mask>1</visibility_mask>");
   CHECK(lists(readSensorFile(masked, "model.sdf").ignored, "the visibility mask"));
@@ -338,6 +340,8 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.columns = 10}),
              ContainsSubstring("--columns 10 make 100 periods of the mirror in a second; those of the scanner 's' are "
                                "10 to 50"));
+  CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.columns = 200}),
+             ContainsSubstring("--columns 200 make 5 periods of the mirror in a second"));
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.scanRate = 60}),
              ContainsSubstring("--rate 60: a scan has at least one period of the mirror, 0.02 s"));
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.mode = "s:4e7", .scanRate = 1}),
@@ -369,6 +373,7 @@ TEST_CASE("HELIOS++: a head on a tripod turns while its mirror sweeps lines") {
   CHECK(slow.sensor.columns == 360);
   CHECK(slow.sensor.rotationPeriod == 0);
   CHECK(slow.sensor.scanPeriod == 40);
+  CHECK(timeOf(slow.sensor, slow.sensor.beamCount() - 1) == 0);
   CHECK_THAT(azimuthDeg(slow.sensor, 1) - azimuthDeg(slow.sensor, 0), WithinAbs(1, 1e-9));
   CHECK(lists(slow.assumed, "that all beams fire at once: a turn takes 40 s, and that of a sensor at most 10 s"));
   CHECK_THAT(problemOf(text, "scanners.xml", {.columns = 1000}),
