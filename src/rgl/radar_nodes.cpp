@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
-#include <map>
 
 #include "rgl/node.hpp"
 #include "rgl/scene.hpp"
@@ -157,7 +156,6 @@ class RadarTrackNode : public PointsFilter {
     float distance, azimuth, elevation, speed, matching, prediction, sensitivity;
   };
   void set(const Settings& settings) { settings_ = settings; }
-  void setClasses(std::map<int32_t, rgl_radar_object_class_t> classes) { classes_ = std::move(classes); }
   Fields required() const override {
     return {RGL_FIELD_XYZ_VEC3_F32,  RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
             RGL_FIELD_ELEVATION_F32, RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_ENTITY_ID_I32};
@@ -167,7 +165,7 @@ class RadarTrackNode : public PointsFilter {
   }
   void run() override {
     const double now = scene().time ? static_cast<double>(*scene().time) * 1e-6 : 0;  // ms
-    const std::vector<Object> objects = objectsIn(input_->cloud());
+    const std::vector<Vec> objects = objectsIn(input_->cloud());
     // A run that fails leaves the tracks as they were.
     std::vector<Track> tracks = tracks_;
     int32_t nextId = nextId_;
@@ -191,18 +189,12 @@ class RadarTrackNode : public PointsFilter {
     int32_t id;
     Vec position, velocity;  ///< when it was measured last; m per ms
     double time;
-    rgl_radar_object_class_t kind;
     Vec at(double now) const { return position + velocity * static_cast<float>(now - time); }
   };
-  struct Object {
-    Vec position;
-    rgl_radar_object_class_t kind;
-  };
 
-  // Detections that are close in every measure belong to one object.
-  std::vector<Object> objectsIn(const Cloud& from) const {
+  // Returns a place per object: detections that are close in every measure belong to one.
+  std::vector<Vec> objectsIn(const Cloud& from) const {
     const Vec* points = from.values<Vec>(RGL_FIELD_XYZ_VEC3_F32);
-    const auto* ids = from.values<int32_t>(RGL_FIELD_ENTITY_ID_I32);
     const float* measures[4] = {from.values<float>(RGL_FIELD_DISTANCE_F32), from.values<float>(RGL_FIELD_AZIMUTH_F32),
                                 from.values<float>(RGL_FIELD_ELEVATION_F32),
                                 from.values<float>(RGL_FIELD_RADIAL_SPEED_F32)};
@@ -214,7 +206,7 @@ class RadarTrackNode : public PointsFilter {
     };
     std::vector<uint32_t> left(from.count);
     for (uint32_t i = 0; i < from.count; ++i) left[i] = i;
-    std::vector<Object> objects;
+    std::vector<Vec> objects;
     while (!left.empty()) {
       std::vector<uint32_t> members = {left.back()};
       left.pop_back();
@@ -225,50 +217,39 @@ class RadarTrackNode : public PointsFilter {
           return joins;
         });
       Interval x, y, z;
-      std::map<int32_t, int> votes;
-      for (const uint32_t i : members) {
-        x.add(points[i].x), y.add(points[i].y), z.add(points[i].z);
-        ++votes[ids[i]];
-      }
-      const int32_t id = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
-                           return a.second < b.second;
-                         })->first;
-      const auto kind = classes_.find(id);
-      objects.push_back(
-          {{x.middle(), y.middle(), z.middle()}, kind == classes_.end() ? RGL_RADAR_CLASS_UNKNOWN : kind->second});
+      for (const uint32_t i : members) x.add(points[i].x), y.add(points[i].y), z.add(points[i].z);
+      objects.push_back({x.middle(), y.middle(), z.middle()});
     }
     return objects;
   }
 
-  void match(const std::vector<Object>& objects, double now, std::vector<Track>& tracks, int32_t& nextId) const {
+  void match(const std::vector<Vec>& objects, double now, std::vector<Track>& tracks, int32_t& nextId) const {
     std::vector<bool> taken(tracks.size());
     const size_t former = tracks.size();
-    for (const Object& object : objects) {
+    for (const Vec& object : objects) {
       size_t best = former;
       float least = settings_.matching;
       for (size_t i = 0; i < former; ++i) {
-        const float away = length(tracks[i].at(now) - object.position);
+        const float away = length(tracks[i].at(now) - object);
         if (!taken[i] && away <= least) best = i, least = away;
       }
       if (best == former) {
-        tracks.push_back({nextId++, object.position, {}, now, object.kind});
+        tracks.push_back({nextId++, object, {}, now});
         continue;
       }
       Track& track = tracks[best];
       taken[best] = true;
       if (now > track.time) {
-        track.velocity = (object.position - track.position) * static_cast<float>(1 / (now - track.time));
+        track.velocity = (object - track.position) * static_cast<float>(1 / (now - track.time));
         if (length(track.velocity) * 1000 < settings_.sensitivity) track.velocity = {};  // it stands
       }
-      track.position = object.position;
+      track.position = object;
       track.time = now;
-      track.kind = object.kind;
     }
     std::erase_if(tracks, [&](const Track& track) { return now - track.time > settings_.prediction; });
   }
 
   Settings settings_{};
-  std::map<int32_t, rgl_radar_object_class_t> classes_;
   std::vector<Track> tracks_;
   int32_t nextId_ = 1;
 };
@@ -349,11 +330,7 @@ RGL_API rgl_status_t rgl_node_points_radar_set_classes(rgl_node_t node, const in
     RGL_CHECK(entity_ids != nullptr);
     RGL_CHECK(object_classes != nullptr);
     RGL_CHECK(count >= 0);
-    std::map<int32_t, rgl_radar_object_class_t> classes;
-    for (int32_t i = 0; i < count; ++i) {
-      RGL_CHECK(object_classes[i] >= 0 && object_classes[i] < RGL_RADAR_CLASS_COUNT);
-      classes[entity_ids[i]] = object_classes[i];
-    }
-    nodeAs<RadarTrackNode>(node).setClasses(std::move(classes));
+    for (int32_t i = 0; i < count; ++i) RGL_CHECK(object_classes[i] >= 0 && object_classes[i] < RGL_RADAR_CLASS_COUNT);
+    nodeAs<RadarTrackNode>(node);  // no field of the results has the classes of objects
   });
 }

@@ -363,6 +363,13 @@ TEST_CASE("RGL: an object that is not measured goes on at its speed in m/s, unti
   CHECK(predicted[0] == Approx(11));
   CHECK(places(1590, 0).size() == 1);
   CHECK(places(1610, 0).empty());
+  // Classes of objects are accepted, although no result has them.
+  const int32_t entity = 1;
+  rgl_radar_object_class_t kind = RGL_RADAR_CLASS_UNKNOWN;
+  OK(rgl_node_points_radar_set_classes(objects, &entity, &kind, 1));
+  CHECK(rgl_node_points_radar_set_classes(array, &entity, &kind, 1) != RGL_SUCCESS);
+  kind = RGL_RADAR_CLASS_COUNT;
+  CHECK(failed(rgl_node_points_radar_set_classes(objects, &entity, &kind, 1), RGL_INVALID_ARGUMENT, "object_classes"));
   OK(rgl_cleanup());
 }
 
