@@ -148,6 +148,7 @@ TEST_CASE("glass that is added lets light through from the next scan on, and its
     withPane.instances.push_back({"", 1, {}});
     CHECK(sameBytes(simulator.scan({}), Simulator(withPane, request, options).scan({})));
     simulator.removeInstance(instance);
+    CHECK_FALSE(simulator.plan().has("transmission"));  // nothing shows the material any more
     simulator.removeMesh(mesh);
     simulator.removeMaterial(material);
     CHECK_FALSE(simulator.plan().has("transmission"));
@@ -291,6 +292,54 @@ TEST_CASE("a material of meshes in use changes its optics, its image, and whethe
     refuse(
         0, [](Material& material) { material.roughness = 2; }, nullptr, "roughness");
     CHECK_THROWS_WITH(simulator.setMaterial(3, Material()), Catch::Matchers::ContainsSubstring("material 3"));
+  }
+}
+
+TEST_CASE("a material gets an image of its own if it shared the one before") {
+  for (const auto kind : {DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan}) {
+    TestOptions options = vulkanOptions();
+    if (kind == DeviceChoice::Kind::vulkan) needVulkan();
+    options.device = kind;
+    MeshBuilder pane;
+    pane.quad({4, -4, -4}, {0, 4, 0}, {0, 0, 8}, 2);
+    Scene scene = sceneOf(pane.take());
+    scene.materials.resize(2);
+    for (Material& leaves : scene.materials) {
+      leaves.alphaMode = AlphaMode::mask;
+      leaves.alphaImage = 0;
+    }
+    scene.alphaImages = {{1, 1, {0}}, {1, 1, {255}}};
+    scene.meshes[0].uvs.assign(2 * scene.meshes[0].vertexCount(), 0.5f);
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes[1].parts[0].material = 1;
+    scene.instances = {{"", 0, {}}, {"", 1, translation(0, 4, 0)}};
+    const SensorRequest request = {gridSensor(180, 6, -10, 10)};
+    Simulator simulator(scene, request, options);
+    CHECK(simulator.scan({}).counters.hits == 0);
+    scene.materials[1].alphaImage = 1;
+    simulator.setMaterial(1, scene.materials[1], &scene.alphaImages[1]);
+    const Scan scan = simulator.scan({});
+    CHECK(scan.counters.hits > 0);
+    CHECK(sameBytes(scan, Simulator(scene, request, options).scan({})));
+  }
+}
+
+// No texture tells where the holes are, so nothing of the plan changes but the optics.
+TEST_CASE("holes of a material that change are seen by a sensor that stands still") {
+  needVulkan();
+  MeshBuilder panes;
+  panes.quad({4, -4, -4}, {0, 8, 0}, {0, 0, 8}, 2);
+  Scene scene = sceneOf(panes.take());
+  Material& veil = scene.materials[0];
+  veil.alphaMode = AlphaMode::mask;
+  veil.baseColor[3] = 0.4f;
+  SensorRequest request = {gridSensor(180, 6, -10, 10), Effects::none()};
+  request.effects.cutOuts.use = EffectUse::on;
+  Simulator simulator(scene, request, vulkanOptions());
+  for (const float cutOff : {0.3f, 0.5f, 0.2f}) {
+    veil.alphaCutoff = cutOff;
+    simulator.setMaterial(0, veil);
+    for (int scan = 0; scan < 4; ++scan) CHECK((simulator.scan({}).counters.hits > 0) == (cutOff < 0.4f));
   }
 }
 
