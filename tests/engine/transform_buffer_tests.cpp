@@ -275,6 +275,11 @@ TEST_CASE("bad transform buffers get a sentence, and so does motion of their ins
   moving.shot.instanceMotions = {};
   moving.shot.meshMotions = {{kBall, {{}, {0.5f}}}};
   CHECK_THROWS_WITH(record(moving), ContainsSubstring("the transform of instance 1 comes from a buffer"));
+  // An instance that the host has taken back may move, and only the buffers of the results are missing.
+  scans.recorded().setTransform(kFirst + 2, {});
+  moving.shot.meshMotions = {};
+  moving.shot.instanceMotions = {{kFirst + 2, {}}};
+  CHECK_THROWS_WITH(record(moving), ContainsSubstring("the buffer for the records needs an address"));
   frame.submit();
 }
 

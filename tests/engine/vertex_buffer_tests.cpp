@@ -276,6 +276,19 @@ TEST_CASE("a recorded scan says how many triangles it left out") {
     CHECK(results[0].nonFinite == 18);
     CHECK(results[0].degenerate == 2);
   }
+  // The triangles of all meshes are counted, also of one that was taken before. Two corners at infinity do not make a
+  // triangle degenerate, too.
+  VertexBuffer ofFlag(app, 3, 12, 0, 12);
+  std::vector<float> flag = scene.meshes[kFlag].positions;
+  std::fill(flag.begin() + 3, flag.end(), std::numeric_limits<float>::infinity());
+  ofFlag.set(flag);
+  scans.recorder().setVertices(kFlag, ofFlag.described());
+  scans.expected().setPositions(kFlag, flag);
+  scans.requireSame();
+  const auto results = scans.results();
+  REQUIRE(results.size() == 1);
+  CHECK(results[0].nonFinite == 19);
+  CHECK(results[0].degenerate == 2);
 }
 
 TEST_CASE("bad vertex buffers get a sentence") {
