@@ -414,6 +414,48 @@ TEST_CASE("the plan of a batch has the steps of one scan, whatever the number of
   CHECK(most.views < 1'000'000);
   options.tuning.binning = Binning::lists;
   CHECK(Simulator(scene, request, options).plan(0, 25).views == 25);
+  // Every device dispatches 65,535 rows of workgroups at once, and a view has one per channel.
+  CHECK(Simulator(scene, {gridSensor(1, 64, -30, 30), Effects::none()}, options).plan(0, 4000).views == 65535 / 64);
+}
+
+TEST_CASE("the counters of a batch are the sums of those of its views") {
+  needVulkan();
+  SensorRequest request(gridSensor(90, 16, -30, 30), Effects::none());
+  request.effects.intensity.use = EffectUse::on;
+  request.sensor.maskedBeams = {5, 90, 91};
+  const std::vector<Shot> shots = shotsOf(6, 7);
+  const Scene scene = worlds(6, 4);
+  const Batch batch = Simulator(scene, request, vulkanOptions()).scanBatch(shots);
+  Simulator alone(scene, request, vulkanOptions());
+  Counters sum;
+  for (const Shot& shot : shots) {
+    Scan scan;
+    alone.scanInto(shot, scan);
+    sum += scan.counters;
+  }
+  CHECK(batch.counters.causes[static_cast<size_t>(Cause::dead)] == 3 * shots.size());
+  CHECK(batch.counters.causes == sum.causes);
+  CHECK(batch.counters.hits == sum.hits);
+  CHECK(batch.counters.misses == sum.misses);
+  CHECK(batch.counters.retries == 0);
+}
+
+TEST_CASE("a batch tells how often its lists were too small") {
+  needVulkan();
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder box;
+  box.box({-20, -20, -3}, {20, 20, 12}, 6);
+  scene.meshes = {box.take()};
+  // Nearly all triangles are wider than a slab, which the first capacity of the tiles does not expect.
+  for (int i = 0; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::slabs;
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
+  Simulator simulator(scene, {gridSensor(3600, 8, -10, 10), Effects::none()}, options);
+  const std::vector<Shot> shots(3);
+  CHECK(simulator.scanBatch(shots).counters.retries > 0);
+  CHECK(simulator.scanBatch(shots).counters.retries == 0);
 }
 
 TEST_CASE("a batch that cannot be made says why, before anything runs") {
