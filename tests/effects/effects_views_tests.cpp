@@ -206,6 +206,19 @@ TEST_CASE("views in which instances move have the bytes of single scans", "[comb
   }
 }
 
+// Shots in which nothing moves are submitted apart from the others.
+TEST_CASE("shots that stand among shots that move have the bytes of single scans") {
+  needVulkan();
+  std::vector<Shot> shots = shotsInWorlds(7), moving = shots;
+  move(moving);
+  moveInstances(moving);
+  for (const size_t i : {1, 2, 5}) shots[i] = moving[i];
+  shots[3].instanceMotions = moving[3].instanceMotions;
+  Sensor grid = gridSensor(90, 16, -30, 30);
+  grid.rotationPeriod = kPeriod;
+  checkTogether(grid, shots, optionsOf(numberOf("sensor-motion"), numberOf("object-motion")), 6);
+}
+
 // A list of three patterns, whose beams have times and ranges of their own.
 Sensor threePatterns() {
   Sensor list = gridSensor(0, 0, 0, 0);
