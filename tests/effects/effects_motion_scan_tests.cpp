@@ -291,7 +291,9 @@ TEST_CASE("the velocity of a fast turning plate or wire is that of the point tha
   const double angle = 0.8, c = std::cos(angle), s = std::sin(angle);
   Shot shot;
   shot.instanceMotions = {{0, {{c, -s, 0, 15, s, c, 0, 0, 0, 0, 1, 0}}}};
-  const Sensor sensor = spinning();
+  Sensor sensor = spinning();
+  if (GENERATE(false, true))
+    for (Channel& channel : sensor.channels) channel.origin = {0.3, -0.2, 0};
   const Scan scan = scanned(device, scene, sensor, shot);
   size_t hits = 0;
   for (size_t i = 0; i < scan.beamCount(); ++i) {
@@ -577,6 +579,31 @@ TEST_CASE("the front of a wall is seen if motion brings it to the sensor") {
   for (size_t i = 0; i < scan.beamCount(); ++i) differ += expected.hit(i) != scan.hit(i);
   CHECK(expected.counters.hits > 30);
   CHECK(differ <= 2);
+}
+
+// The motion of an instance is known for the turn of the head. Lasers that fire outside of it see the instance farther
+// on the same way, and here in range, where it is not during the turn.
+TEST_CASE("instances move on for lasers that fire long before and after the turn") {
+  struct Case {
+    double timeOffset, end;  // of the laser, and where the plate is at the end of the turn
+  };
+  for (const auto& [timeOffset, end] : {Case{0.1, 8}, {-0.1, 24}}) {
+    INFO("fired " << timeOffset << " s later");
+    Scene scene = sceneOf(plate(12, 1));
+    Sensor sensor = gridSensor(360, 1, 0, 0, 6.5);
+    sensor.rotationPeriod = 0.1;
+    sensor.channels[0].timeOffset = timeOffset;
+    TestOptions options = optionsOn("vulkan");
+    options.effects = Effects::none();
+    options.effects.objectMotion.use = EffectUse::on;
+    Shot shot;
+    shot.instanceMotions = {{0, translation(end - 12, 0, 0)}};
+    const Scan scan = scanOn(scene, sensor, shot, options);
+    REQUIRE(scan.hit(180));
+    CHECK(std::abs(scan.ranges[180] - 6) < 1e-3);
+    shot.instanceMotions.clear();
+    CHECK(scanOn(scene, sensor, shot, options).counters.hits == 0);
+  }
 }
 
 TEST_CASE("a motion that ends when the scan starts is a sensor that stands, and one of another clock is refused") {
