@@ -45,10 +45,12 @@ struct Asked {
   std::vector<Field> fields;
   MaterialTable table;
   std::vector<uint32_t> ignoredInstances;
+  bool variableWeather = false;
 
   std::vector<Plan::Decision> all() const {
     SensorRequest request = {sensor, effects, fields};
     request.ignoredInstances = ignoredInstances;
+    request.variableWeather = variableWeather;
     return decide(request, scene, table);
   }
   Plan::Decision of(const std::string& effect) const {
@@ -330,6 +332,9 @@ TEST_CASE("an effect that is off but needed is refused, or disables the effects 
   asked.effects.fog.visibility = 80;
   CHECK(asked.of("fog").leftOut);
   asked.effects.fog.visibility = 0;
+  asked.variableWeather = true;
+  CHECK_FALSE(asked.of("fog").leftOut);  // a place for the weather of shots calls for none, either
+  asked.variableWeather = false;
   checkOut(asked, "intensity", "off in the request");
   asked.effects.returns.use = EffectUse::on;
   checkRefused(asked, "intensity is off, but returns needs it; set intensity to auto");

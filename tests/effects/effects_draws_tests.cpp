@@ -70,6 +70,28 @@ TEST_CASE("the same seed and frame give the same bytes, and different ones diffe
   CHECK(!sameFields(scans[0], scanOf(town(), narrow(), kPose, optionsFor(device, other))));
 }
 
+TEST_CASE("two sensors draw numbers of their own, also in the weather of a shot") {
+  const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
+  Effects effects;
+  effects.rangeNoise = {EffectUse::on, 0, 0.02, 0, 0};
+  SensorRequest request(narrow(), effects);
+  request.variableWeather = true;
+  const TestOptions options = optionsFor(device, effects);
+  Simulator simulator(town(), std::vector{request, request}, options);
+  std::vector<Shot> shots(2, {kPose});
+  shots[1].sensor = 1;
+  for (Shot& shot : shots) shot.weather = Weather{2000, 0, 0, {}};
+  const std::vector<Scan> scans = scansOf(simulator, shots);
+  size_t both = 0, same = 0;
+  for (size_t beam = 0; beam < scans[0].beamCount(); ++beam) {
+    if (!scans[0].returned(beam) || !scans[1].returned(beam)) continue;
+    ++both;
+    same += scans[0].ranges[beam] == scans[1].ranges[beam];
+  }
+  CHECK(both > 100);
+  CHECK(same < both / 100);
+}
+
 TEST_CASE("scans in flight keep their own random numbers") {
   needVulkan();
   Simulator simulator = makeSimulator(town(), narrow(), optionsFor("vulkan", noisy()));

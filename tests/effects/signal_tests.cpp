@@ -167,6 +167,8 @@ TEST_CASE("every cause occurs as documented") {
     weakInFog += unseen.cause == gpu::kCauseWeak;
     // Only the fog itself is visible.
     if (seen.cause == gpu::kCauseReturned) CHECK(seen.returns[0].label == gpu::kLabelScatter);
+    // The fog is the cause also if the beam has met a surface before that is too weak without it.
+    CHECK(run(fog, gpu::kFog, {echoAt(40, 0.01f, 0), echoAt(50, 0.5f, 1)}, beam).cause == seen.cause);
   }
   CHECK(attenuated > 0);
   CHECK(weakInFog > 0);
