@@ -3,6 +3,7 @@
 // no switch and no order of the beams changes a byte.
 #include <numbers>
 
+#include "base/vector.hpp"
 #include "effects/showroom.hpp"
 #include "list_sensors.hpp"
 #include "pipeline/beam_cells.hpp"
@@ -526,6 +527,33 @@ TEST_CASE("a near surface hides what is behind it, or lets the beam pass") {
     options.effects.intensity.use = options.effects.returns.use = EffectUse::on;
     options.fields = {Field::intensity};
     CHECK(std::isnan(scanOf(scene, sensor, {}, options).ranges[ahead(sensor, 2)]));
+  }
+}
+
+// A beam may lie before the column of its cell by a ten-thousandth of a column. So few beams have 64 columns, and those
+// at azimuths of their own keep the list off a grid.
+TEST_CASE("beams just before a column meet triangles that end between the two") {
+  needVulkan();
+  const double width = 2 * std::numbers::pi / 64;
+  BeamList beams;
+  MeshBuilder panes;
+  for (const double elevation : {-0.2, 0.0, 0.3})
+    for (int i = 0; i < 20; ++i) {
+      const bool before = i < 16;
+      const double column = i * 3 + 1 - 32, azimuth = width * (before ? column - 9.7e-5 : column + 0.1234 * (i - 15));
+      beams.directions.push_back(directionAt(azimuth, elevation));
+      const double from = azimuth - 0.01, to = before ? width * (column - 7e-5) : azimuth + 0.01;
+      const Vec3 low = 10 * directionAt(from, elevation - 0.01), right = 10 * directionAt(from, elevation + 0.01),
+                 up = 10 * directionAt(to, elevation - 0.01), last = 10 * directionAt(to, elevation + 0.01);
+      panes.triangle(low, up, last);
+      panes.triangle(low, last, right);
+    }
+  const Scene scene = sceneOf(panes.take());
+  const Sensor sensor = listSensor("before columns", beams);
+  for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = binning;
+    CHECK(scanOf(scene, sensor, {}, options).counters.hits == beams.size());
   }
 }
 
