@@ -291,6 +291,25 @@ TEST_CASE("a recorded scan says how many triangles it left out") {
   CHECK(results[0].degenerate == 2);
 }
 
+TEST_CASE("vertices that an abandoned recording would have taken are taken by the next one") {
+  needVulkan();
+  const CommonApp common;
+  VulkanApp& app = common.app;
+  const Scene scene = room();
+  const Mesh& mesh = scene.meshes[kBall];
+  BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
+  VertexBuffer vertices(app, mesh.vertexCount(), 12, 0, 12);
+  const std::vector<float> positions = waved(mesh, 1);
+  vertices.set(positions);
+  scans.recorder().setVertices(kBall, vertices.described());
+  scans.expected().setPositions(kBall, positions);
+  VulkanApp::Frame dropped(app);
+  scans.recorder().record(dropped.begin(), 0, {});
+  dropped.end();
+  scans.recorder().abandon(0);
+  scans.requireSame();
+}
+
 TEST_CASE("bad vertex buffers get a sentence") {
   needVulkan();
   const CommonApp common;
