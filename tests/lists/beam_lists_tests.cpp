@@ -524,9 +524,35 @@ TEST_CASE("a near surface hides what is behind it, or lets the beam pass") {
     CHECK(through == 10);
     CHECK(std::isnan(hidden.ranges[ahead(sensor, 2)]));
     CHECK(hidden.ranges[ahead(sensor, 2) + 11] > 10);  // beside the near plate
+    TestOptions lists = options;
+    lists.tuning.binning = Binning::lists;
+    lists.effects = Effects::none();
+    CHECK(std::isnan(scanOf(scene, sensor, {}, lists).ranges[ahead(sensor, 2)]));
     options.effects.intensity.use = options.effects.returns.use = EffectUse::on;
     options.fields = {Field::intensity};
     CHECK(std::isnan(scanOf(scene, sensor, {}, options).ranges[ahead(sensor, 2)]));
+  }
+}
+
+TEST_CASE("beams behind the seam alone meet a triangle that lies across it") {
+  needVulkan();
+  const double pi = std::numbers::pi;
+  Random random(6);
+  BeamList beams;
+  for (const double elevation : {-0.01, 0.0, 0.01}) {
+    beams.directions.push_back(directionAt(0.03 - pi, elevation));
+    for (int i = 0; i < 17; ++i) beams.directions.push_back(directionAt(1.5 * random(), elevation));
+  }
+  MeshBuilder pane;
+  pane.triangle({-10, 1, -1}, {-10, -1, -1}, {-10, 0, 2});
+  const Sensor sensor = listSensor("seam", beams);
+  const Scene scene = sceneOf(pane.take());
+  for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = binning;
+    const Scan scan = scanOf(scene, sensor, {}, options);
+    CHECK(scan.counters.hits == 3);
+    for (const size_t beam : {0, 18, 36}) CHECK(std::abs(scan.points[3 * beam] + 10) < 1e-4);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/shared.h"
+#include "lists/list_sensors.hpp"
 #include "support.hpp"
 #include "town/town.hpp"
 
@@ -289,6 +290,33 @@ TEST_CASE("culling: geometry visible through one column of a wall is seen, also 
     CHECK(full.ranges[2 * columns + gaps[i]] > 19);
     CHECK(sameBytes(full, scan));
     if (segments == 404 && onCpu(with)) CHECK(scan.counters.culledByCluster > scene.meshes[0].triangleCount() / 4);
+    without.removeInstance(near);
+    with.removeInstance(near);
+  }
+}
+
+// The beams of a list lie anywhere in their cells, also in the last ones of an entry of the table.
+TEST_CASE("culling: geometry visible through a gap is seen by every beam of a list") {
+  needVulkan();
+  const uint32_t columns = 101;
+  Sensor sensor = asList(gridSensor(columns, 5, -8, 8, 40));
+  Random random(4);
+  for (size_t i = 0; i < sensor.beamCount(); ++i)
+    sensor.patterns[0].directions[i] =
+        directionAt(2 * std::numbers::pi * (double(i % columns) + 0.3 * random()) / columns - std::numbers::pi,
+                    0.07 * (double(i / columns) - 2) + 0.01 * random());
+  Scene scene = sceneOf(wallAround(20, 404, 4, 404));
+  for (uint32_t gap = 0; gap < 24; ++gap) scene.meshes.push_back(wallAround(3, columns, 1, gap));
+  Simulator without = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, nothing()));
+  const Culling occlusion = {false, false, false, false, Culling::Occlusion::always};
+  Simulator with = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, occlusion));
+  for (uint32_t gap = 0; gap < 24; ++gap) {
+    INFO("column " << gap);
+    const size_t near = without.addInstance(1 + gap, {});
+    REQUIRE(with.addInstance(1 + gap, {}) == near);
+    const Scan full = without.scan({});
+    CHECK(full.ranges[2 * columns + gap] > 19);
+    CHECK(sameBytes(full, with.scan({})));
     without.removeInstance(near);
     with.removeInstance(near);
   }
