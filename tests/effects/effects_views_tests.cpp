@@ -219,6 +219,21 @@ TEST_CASE("shots that stand among shots that move have the bytes of single scans
   checkTogether(grid, shots, optionsOf(numberOf("sensor-motion"), numberOf("object-motion")), 6);
 }
 
+// Views have numbers of instances of their own, in the arrays that a single scan uses, too.
+TEST_CASE("a scan after views finds the same owners as before them") {
+  needVulkan();
+  const std::vector<Shot> shots = shotsInWorlds(7);
+  Simulator simulator =
+      makeSimulator(showrooms(), gridSensor(90, 16, -30, 30), optionsOf(numberOf("intensity"), numberOf("detection")));
+  Scan before, after;
+  for (Scan* scan : {&before, &after}) {
+    simulator.scanInto(shots[1], *scan);
+    simulator.scanAll(shots, [](size_t, const Scan&) {});
+  }
+  CHECK(before.counters.hits > 0);
+  CHECK(firstBytes(before, after) == "none");
+}
+
 // A list of three patterns, whose beams have times and ranges of their own.
 Sensor threePatterns() {
   Sensor list = gridSensor(0, 0, 0, 0);

@@ -199,7 +199,7 @@ TEST_CASE("only the first recordings that are like no other may overflow the lis
   const std::unique_ptr<ResultRing> ring = backend->makeRing(2, kBytes, kBytes);
   const ClassTable classes;
   uint64_t number = 0;
-  const auto mayOverflow = [&](size_t sensor, size_t views, bool moves) {
+  const auto mayOverflow = [&](size_t sensor, size_t views, bool moves, bool thenSensor1 = false) {
     const size_t buffer = number++ % 2;
     ring->wait(buffer);
     std::vector<Shot> shots = shotsFor(0, views);
@@ -207,11 +207,16 @@ TEST_CASE("only the first recordings that are like no other may overflow the lis
       shot.sensor = sensor;
       if (moves) shot.motion.stamps = {{0, shot.pose}, {0.1, Pose{{1, 0, 0.3}, {}}}};
     }
+    if (thenSensor1)
+      for (Shot& shot : shotsFor(0, 20)) {
+        shot.sensor = 1;
+        shots.push_back(shot);
+      }
     Recording recording;
     recording.ring = ring.get();
     recording.frame = buffer;
     recording.classes = &classes;
-    for (size_t view = 0; view < views; ++view)
+    for (size_t view = 0; view < shots.size(); ++view)
       recording.scans.push_back({&shots[view],
                                  {ring->address(buffer) + kRecords + view * kBytesPerView, kBytesPerView},
                                  {ring->address(buffer) + view * sizeof(RecordHeader), sizeof(RecordHeader)}});
@@ -224,6 +229,9 @@ TEST_CASE("only the first recordings that are like no other may overflow the lis
   for (const size_t sensor : {0, 1, 2}) CHECK(mayOverflow(sensor, 20, false));
   for (const size_t sensor : {0, 1, 2, 0, 1, 2}) CHECK_FALSE(mayOverflow(sensor, 20, false));
   CHECK_FALSE(mayOverflow(1, 7, false));
+  // One of two sensors that are recorded together suffices.
+  CHECK_FALSE(mayOverflow(0, 20, false, true));
+  CHECK(mayOverflow(0, 22, false, true));
   for (int buffer = 0; buffer < 2; ++buffer) CHECK(mayOverflow(1, 21, false));
   CHECK_FALSE(mayOverflow(1, 21, false));
   for (int buffer = 0; buffer < 2; ++buffer) CHECK(mayOverflow(1, 5, true));
