@@ -367,14 +367,21 @@ TEST_CASE("beams pass exactly the holes of a texture") {
   const std::string device = ON_EVERY_DEVICE;
   using Wrap = AlphaImage::Wrap;
   const Wrap wrap = GENERATE(Wrap::repeat, Wrap::mirror, Wrap::clamp);
-  // The image is a row of four pixels along y, mapped twice over the plate: alpha is 0, 100, 180 and 255 of 255.
+  // The image is a row or a column of four pixels along y, mapped twice over the plate: alpha is 0, 100, 180 and 255 of
+  // 255. The other axis wraps in another way.
+  const bool column = GENERATE(false, true);
+  const Wrap across = wrap == Wrap::repeat ? Wrap::clamp : Wrap::repeat;
   Scene scene = platesOf({{10, 4, 0.5f}, {20, 20, 0.5f}});
-  scene.alphaImages.push_back({4, 1, {0, 100, 180, 255}, wrap, wrap});
+  if (column)
+    scene.alphaImages.push_back({1, 4, {0, 100, 180, 255}, across, wrap});
+  else
+    scene.alphaImages.push_back({4, 1, {0, 100, 180, 255}, wrap, across});
   scene.materials[0].alphaMode = AlphaMode::mask;
   scene.materials[0].alphaImage = 0;
   scene.materials[0].baseColor[3] = 0.8f;
   scene.materials[0].alphaCutoff = 0.5f;
-  scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};  // u runs from the left, y = 4, to y = -4
+  scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};              // u runs from the left, y = 4, to y = -4
+  if (column) scene.meshes[0].uvs = {0, 0, 1, 0, 0, 2, 1, 2};  // and here v
   Setup setup(device, scene, fan(3600, 3, 5, 50));
   setup.effects.cutOuts.use = EffectUse::on;
   const Scan scan = setup.scan();
