@@ -178,6 +178,29 @@ TEST_CASE("a mesh that bends into the range while its instance grows is seen whe
   }
 }
 
+TEST_CASE("a mesh that a deformation has reduced to a line is seen when it grows within the scan", "[deform][gpu]") {
+  needVulkan();
+  MeshBuilder plate;
+  plate.quad({8, -0.5, -0.5}, {0, 1, 0}, {0, 0, 1});
+  Scene scene = sceneOf(plate.take());
+  Mesh& mesh = scene.meshes[0];
+  mesh.morphTargets.resize(1);
+  for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex)
+    mesh.morphTargets[0].insert(mesh.morphTargets[0].end(), {0, 0, -mesh.positions[3 * vertex + 2]});
+  mesh.deformation = {{}, {1}};
+  TestOptions options = vulkanOptions();
+  options.effects.objectMotion.use = EffectUse::on;
+  Sensor sensor = gridSensor(360, 3, -1, 1);
+  sensor.rotationPeriod = 0.1;
+  Simulator simulator = makeSimulator(scene, sensor, options);
+  CHECK(simulator.scan({}).counters.hits == 0);
+  Shot shot;
+  shot.meshMotions = {{0, {{}, {0}}}};
+  Scan scan;
+  simulator.scanInto(shot, scan);
+  CHECK(scan.counters.hits > 10);
+}
+
 TEST_CASE("vertices move on straight lines to the deformation at the end of a scan", "[deform][gpu]") {
   needVulkan();
   Random random(33);
