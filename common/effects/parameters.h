@@ -51,15 +51,13 @@ GNO_CONST uint kMaxEchoes = 6;
 
 // Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.
 struct Particles {
-  vec4 countsNear;     // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
-  vec4 countsFar;      // (5)..(8)
-  vec4 densitiesNear;  // expected number per metre at these ranges
-  vec4 densitiesFar;
+  vec4 countsNear;             // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
+  vec4 countsFar;              // (5)..(8)
+  vec4 startsNear, startsFar;  // density at the start of part 1, 2..8 of the table, as a multiple of the part's mean
+  vec4 endsNear, endsFar;      // at its end
   float firstRange, lastRange;
-  float firstDensity;  // 1/m: at the first range
-  float slope;         // 1/m: the share of particles larger than D is exp(-slope * D)
-  float reflectance;   // of a particle, as a Lambertian disc of its diameter
-  float padding0, padding1, padding2;
+  float slope;        // 1/m: the share of particles larger than D is exp(-slope * D)
+  float reflectance;  // of a particle, as a Lambertian disc of its diameter
 };
 
 // All parameters of the effects for one sensor's scan. Units are metres, radians and 1/m; powers are relative to a
@@ -122,7 +120,7 @@ struct Return {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Particles) == 96 && sizeof(EffectParameters) == 352 && sizeof(Optics4) == 32 &&
+static_assert(sizeof(Particles) == 112 && sizeof(EffectParameters) == 384 && sizeof(Optics4) == 32 &&
               sizeof(VolumeBox) == 64);
 }  // namespace gnosphere::gpu
 #endif

@@ -70,42 +70,36 @@ GNO_INLINE float rangeOf(Particles particles, uint i) {
   return result;
 }
 
-// Returns entry i of a table of which `near` has entries 1..4 and `far` entries 5..8.
-GNO_INLINE float entryOf(float first, vec4 near, vec4 far, uint i) {
+// Returns entry i, 1..8, of a table.
+GNO_INLINE float entryOf(vec4 near, vec4 far, uint i) {
   vec4 values = i > 4u ? far : near;
   uint j = (i - 1u) & 3u;
-  return i == 0u ? first : j == 0u ? values.x : j == 1u ? values.y : j == 2u ? values.z : values.w;
+  return j == 0u ? values.x : j == 1u ? values.y : j == 2u ? values.z : values.w;
 }
 
 GNO_INLINE float countAt(Particles particles, uint i) {
-  return entryOf(0.0f, particles.countsNear, particles.countsFar, i);
+  return i == 0u ? 0.0f : entryOf(particles.countsNear, particles.countsFar, i);
 }
 
-// The expected number of particles between two entries of a table, as a function of the range: an increasing rational
-// function, which has both numbers and both densities of the table (Gregory and Delbourgo, IMA J. Numer. Anal. 2,
-// 1982).
-struct CountBetween {
-  float start, metres;         // m
-  float before, count;         // particles before the start, and from there to the end
-  float slopeStart, slopeEnd;  // densities, as multiples of count / metres
+// Part i of a table of particles, between its ranges i - 1 and i. The expected number is an increasing rational
+// function of the range there, with the numbers and the densities at both ends (Gregory and Delbourgo, IMA J. Numer.
+// Anal. 2, 1982).
+struct ParticlePart {
+  float start, metres;   // m
+  float before, count;   // particles before the start, and from there to the end
+  float atStart, atEnd;  // densities, as multiples of count / metres
 };
 
-// Returns the part of a table between entries i - 1 and i.
-GNO_INLINE CountBetween countBetween(Particles particles, uint i) {
-  CountBetween part;
+GNO_INLINE ParticlePart partOf(Particles particles, uint i) {
+  ParticlePart part;
   part.start = rangeOf(particles, i - 1u);
   part.before = countAt(particles, i - 1u);
-  GNO_PRECISE float metres = rangeOf(particles, i) - part.start;
+  GNO_PRECISE float metres = max(rangeOf(particles, i) - part.start, 1e-30f);
   GNO_PRECISE float count = max(countAt(particles, i) - part.before, 1e-30f);
-  GNO_PRECISE float metresPerParticle = quotient(metres, count);
-  GNO_PRECISE float slopeStart =
-      entryOf(particles.firstDensity, particles.densitiesNear, particles.densitiesFar, i - 1u) * metresPerParticle;
-  GNO_PRECISE float slopeEnd =
-      entryOf(particles.firstDensity, particles.densitiesNear, particles.densitiesFar, i) * metresPerParticle;
   part.metres = metres;
   part.count = count;
-  part.slopeStart = slopeStart;
-  part.slopeEnd = slopeEnd;
+  part.atStart = entryOf(particles.startsNear, particles.startsFar, i);
+  part.atEnd = entryOf(particles.endsNear, particles.endsFar, i);
   return part;
 }
 
@@ -114,11 +108,11 @@ GNO_INLINE float countUpTo(Particles particles, float range) {
   uint i = 1u;
   for (uint k = 1u; k < kParticleRanges; ++k)
     if (rangeOf(particles, k) < range) i = k + 1u;
-  CountBetween part = countBetween(particles, i);
-  GNO_PRECISE float x = min(max(quotient(range - part.start, max(part.metres, 1e-30f)), 0.0f), 1.0f);
+  ParticlePart part = partOf(particles, i);
+  GNO_PRECISE float x = min(max(quotient(range - part.start, part.metres), 0.0f), 1.0f);
   GNO_PRECISE float bend = x * (1.0f - x);
-  GNO_PRECISE float above = x * x + part.slopeStart * bend;
-  GNO_PRECISE float below = 1.0f + (part.slopeStart + part.slopeEnd - 2.0f) * bend;
+  GNO_PRECISE float above = x * x + part.atStart * bend;
+  GNO_PRECISE float below = 1.0f + (part.atStart + part.atEnd - 2.0f) * bend;
   GNO_PRECISE float result = part.before + part.count * quotient(above, below);
   return result;
 }
@@ -128,11 +122,11 @@ GNO_INLINE float rangeWith(Particles particles, float count) {
   uint i = 1u;
   for (uint k = 1u; k < kParticleRanges; ++k)
     if (countAt(particles, k) <= count) i = k + 1u;
-  CountBetween part = countBetween(particles, i);
+  ParticlePart part = partOf(particles, i);
   GNO_PRECISE float share = quotient(count - part.before, part.count);
-  GNO_PRECISE float bend = share * (part.slopeStart + part.slopeEnd - 2.0f);
-  GNO_PRECISE float square = 1.0f - part.slopeStart + bend;
-  GNO_PRECISE float linear = part.slopeStart - bend;
+  GNO_PRECISE float bend = share * (part.atStart + part.atEnd - 2.0f);
+  GNO_PRECISE float square = 1.0f - part.atStart + bend;
+  GNO_PRECISE float linear = part.atStart - bend;
   GNO_PRECISE float root = squareRoot(max(linear * linear + 4.0f * square * share, 0.0f));
   GNO_PRECISE float x = min(quotient(2.0f * share, max(linear + root, 1e-30f)), 1.0f);
   GNO_PRECISE float result = part.start + part.metres * x;

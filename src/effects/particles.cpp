@@ -96,15 +96,20 @@ gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& size
     return sums[below] + (sums[below + 1] - sums[below]) * (step - double(below));
   };
   if (!(ratio > 1) || !(sums.back() > 0)) return particles;
-  const auto tableOf = [&](const auto& function, gpu::vec4& near, gpu::vec4& far) {
-    const auto at = [&](uint32_t i) { return float(function(gpu::rangeOf(particles, i))); };
-    near = {at(1), at(2), at(3), at(4)};
-    far = {at(5), at(6), at(7), at(8)};
+  const auto tableOf = [&](const auto& entry, gpu::vec4& near, gpu::vec4& far) {
+    near = {entry(1), entry(2), entry(3), entry(4)};
+    far = {entry(5), entry(6), entry(7), entry(8)};
   };
-  const auto densityAt = [&](double range) { return particleDensity(p, sizes, range); };
-  tableOf(sumTo, particles.countsNear, particles.countsFar);
-  tableOf(densityAt, particles.densitiesNear, particles.densitiesFar);
-  particles.firstDensity = float(densityAt(first));
+  const auto countAt = [&](uint32_t i) { return sumTo(gpu::rangeOf(particles, i)); };
+  // The density at a range, relative to the mean density of a part of the table.
+  const auto relative = [&](uint32_t part, double range) {
+    const double metres = double{gpu::rangeOf(particles, part)} - gpu::rangeOf(particles, part - 1);
+    return float(particleDensity(p, sizes, range) * metres / std::max(countAt(part) - countAt(part - 1), 1e-30));
+  };
+  tableOf([&](uint32_t i) { return float(countAt(i)); }, particles.countsNear, particles.countsFar);
+  tableOf([&](uint32_t i) { return relative(i, gpu::rangeOf(particles, i - 1)); }, particles.startsNear,
+          particles.startsFar);
+  tableOf([&](uint32_t i) { return relative(i, gpu::rangeOf(particles, i)); }, particles.endsNear, particles.endsFar);
   return particles;
 }
 

@@ -132,4 +132,19 @@ inline Json everyOutput() {
   return outputs;
 }
 
+/// The small drive in every format, run once for all tests.
+inline const DriveFolder& made() {
+  static const DriveFolder kFolder;
+  static const bool kDone = [] {
+    Json json = smallDrive();
+    json["weather"] = Json::array();
+    json["sensors"][0]["effects"] = "auto";
+    json["outputs"] = everyOutput();
+    json["epoch"] = 1700000000;
+    return kFolder.run(json).finished;
+  }();
+  REQUIRE(kDone);
+  return kFolder;
+}
+
 }  // namespace gnosphere::test
