@@ -41,7 +41,8 @@ bool synchronise(std::FILE* stream);
 using Descriptor = int;
 enum class Lock { taken, busy, absent };  ///< busy: another holder has it; absent: the file system has no locks
 
-/// Opens a file for its lock, and makes it if it is not there; with `mustBeNew` it must not be there. -1 if that fails.
+/// Opens a file for its lock, and makes it if it is not there; with `mustBeNew` it must not be there. -1 if that
+/// fails, and on POSIX if the name is that of a link.
 Descriptor openForLock(const std::filesystem::path& file, bool mustBeNew);
 /// Another descriptor of an open file, which outlives the stream. -1 if that fails.
 Descriptor descriptorOf(std::FILE* stream);

@@ -70,7 +70,7 @@ bool synchronise(std::FILE* stream) {
 }
 
 Descriptor openForLock(const std::filesystem::path& file, bool mustBeNew) {
-  return ::open(file.c_str(), O_CREAT | (mustBeNew ? O_EXCL : 0) | O_RDWR | O_CLOEXEC, 0666);
+  return ::open(file.c_str(), O_CREAT | (mustBeNew ? O_EXCL : 0) | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
 Descriptor descriptorOf(std::FILE* stream) {

@@ -10,7 +10,7 @@ namespace gnosphere::drive {
 
 void FinalFiles::write(const std::string& path, const std::string& bytes) {
   std::error_code failed;
-  const std::filesystem::path place = *this / path;
+  const std::filesystem::path place = placeIn(out_, pathOf(path));
   std::filesystem::create_directories(place.parent_path(), failed);
   AtomicFile file(place, partOf(place));
   file.write(bytes);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/path.hpp"
+#include "drive/place_in.hpp"
 
 namespace gnosphere::drive {
 
@@ -23,8 +24,8 @@ class FinalFiles {
  public:
   explicit FinalFiles(std::filesystem::path out) : out_(std::move(out)) {}
 
-  /// Returns the path of a file in the output folder.
-  std::filesystem::path operator/(const std::string& path) const { return out_ / pathOf(path); }
+  /// Returns the path of a file in the output folder. Throws Error(file) if a link leads out of it.
+  std::filesystem::path operator/(const std::string& path) const { return fileIn(out_, pathOf(path)); }
   /// Writes a whole file and its folders. The file appears when it is complete. Throws Error(file) with the
   /// system's reason.
   void write(const std::string& path, const std::string& bytes);

@@ -9,6 +9,7 @@
 #include "base/path.hpp"
 #include "drive/file_lock.hpp"
 #include "drive/manifest_file.hpp"
+#include "drive/place_in.hpp"
 #include "drive/unfinished_files.hpp"
 
 namespace gnosphere::drive {
@@ -27,7 +28,9 @@ bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
 }  // namespace
 
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
-  makeFolder(folder_ / "frames");
+  if (!out.empty()) makeFolder(out);
+  makeFolder(fileIn(out, "manifest/frames"));
+  fileIn(out, "manifest/lock");
   UnfinishedFiles::removeAbandoned(folder_);
   const std::string text =
       jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
@@ -69,7 +72,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
     return false;  // the frame is made again, and its manifest with it
   }
   for (const FileEntry& entry : entries) {
-    const fs::path file = out_ / entry.path;
+    const fs::path file = placeIn(out_, entry.path);
     if (!entry.into.empty() && fs::exists(out_ / pathOf(entry.into), absent)) continue;
     if (!isWhole(file, entry, verify)) return false;
   }
@@ -79,7 +82,7 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
 void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& files) const {
   Json entries = Json::array(), scans = Json::array();
   for (const OutputFile& file : files) {
-    put(out_ / pathOf(file.path), file.bytes);
+    put(placeIn(out_, pathOf(file.path)), file.bytes);
     entries.push_back({{"path", file.path}, {"bytes", file.bytes.size()}, {"hash", hashOf(file.bytes)}});
     if (!file.into.empty()) entries.back()["into"] = file.into;
   }
@@ -117,7 +120,7 @@ std::vector<std::string> Manifest::removeBroken(bool verify) const {
   std::vector<std::string> broken;
   try {
     for (const FileEntry& entry : ManifestFile(finishedFile()).files())
-      if (!isWhole(out_ / entry.path, entry, verify)) broken.push_back(entry.path.generic_string());
+      if (!isWhole(placeIn(out_, entry.path), entry, verify)) broken.push_back(entry.path.generic_string());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::format) throw;
     reopen();  // the list of files is damaged, or of a version that had none
@@ -145,7 +148,7 @@ std::map<fs::path, std::vector<fs::path>> Manifest::usedFiles() const {
 void Manifest::removeUsed() const {
   std::error_code ignored;
   for (const auto& [folder, files] : usedFiles()) {
-    for (const fs::path& file : files) fs::remove(out_ / file, ignored);
+    for (const fs::path& file : files) fs::remove(placeIn(out_, file), ignored);
     fs::remove(out_ / folder, ignored);  // if it is empty
   }
 }

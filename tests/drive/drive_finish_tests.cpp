@@ -140,6 +140,65 @@ TEST_CASE("files that need every frame are made again if their size, and with ve
   CHECK(fs::exists(folder / "drive.json"));
 }
 
+TEST_CASE("links in the folder of a drive lead nobody out of it") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "kitti"}}, {{"format", "osi"}}}));
+  const fs::path out = folder / "out", elsewhere = folder / "elsewhere";
+  fs::create_directory(elsewhere);
+  put(elsewhere / "key.txt", "precious");
+  const auto isUntouched = [&] {
+    return bytesOf(elsewhere / "key.txt") == "precious" &&
+           std::distance(fs::directory_iterator(elsewhere), fs::directory_iterator()) == 1;
+  };
+  const auto refusedFor = [&](const std::string& link) {
+    CHECK_THROWS_WITH(drive::run(drive, optionsFor(out)), Catch::Matchers::ContainsSubstring(link + ": is a link") &&
+                                                              Catch::Matchers::ContainsSubstring("remove the link"));
+    CHECK(isUntouched());
+  };
+  // Each name becomes a link before the first run, so that files would be made behind it.
+  for (const char* name : {"manifest", "manifest/frames", "kitti", "kitti/sequences/00", "osi/parts"}) {
+    fs::create_directories((out / name).parent_path());
+    fs::create_directory_symlink(elsewhere, out / name);
+    refusedFor((out / name).string());
+    fs::remove_all(out);
+  }
+  fs::create_directories(out / "manifest");
+  fs::create_symlink(elsewhere / "lock", out / "manifest/lock");
+  refusedFor((out / "manifest/lock").string());
+  fs::remove(out / "manifest/lock");
+  fs::create_directory_symlink(folder / "nowhere", out / "kitti");
+  refusedFor((out / "kitti").string());
+  fs::remove(out / "kitti");
+
+  // A manifest names files behind a link.
+  CHECK(drive::run(drive, optionsFor(out)).finished);
+  fs::create_directory_symlink("../elsewhere", out / "evil");
+  const fs::path finished = out / "manifest/finished", frame = out / "manifest/frames/000003.json";
+  const std::string soundFinished = bytesOf(finished), soundFrame = bytesOf(frame);
+  put(finished, R"({"files": [{"path": "evil/key.txt", "bytes": 1, "hash": "0"}], "parts": []})");
+  refusedFor((out / "evil").string());
+  put(finished, soundFinished);
+  Json content = Json::parse(soundFrame);
+  content["files"][0] = {{"path", "evil/key.txt"}, {"bytes", 8}, {"hash", ""}};
+  put(frame, content.dump());
+  refusedFor((out / "evil").string());
+  content["files"][0]["into"] = "kitti/sequences/00/times.txt";
+  put(frame, content.dump());
+  fs::remove(finished);
+  refusedFor((out / "evil").string());
+  put(frame, soundFrame);
+  put(finished, soundFinished);
+
+  // Links within the folder stay, and so does one to the whole of it.
+  fs::rename(out / "kitti", out / "kept");
+  fs::create_directory_symlink("kept", out / "kitti");
+  fs::create_directory_symlink(out, folder / "linked");
+  fs::remove(out / "kept/sequences/00/times.txt");
+  const drive::RunReport report = drive::run(drive, optionsFor(folder / "linked"));
+  CHECK(report.broken.size() == 1);
+  CHECK(fs::exists(out / "kept/sequences/00/times.txt"));
+}
+
 TEST_CASE("a run that ends after another one has finished the same drive leaves no parts behind") {
   const DriveFolder folder;
   const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}, {{"format", "osi"}}}));
