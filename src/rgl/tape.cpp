@@ -98,6 +98,7 @@ Number numberOf(const YAML::Node& node) {
 struct Player {
   std::string arrays;
   std::map<uint64_t, uint64_t> handles;
+  bool hasLeftOut = false;  ///< whether a call that would write a file has been left out
 };
 
 /// An argument of a recorded call. `Type` is that of the function's parameter.
@@ -273,12 +274,27 @@ rgl_status_t playResultData(const YAML::Node& node, Player& player) {
   return status == RGL_SUCCESS ? rgl_graph_get_result_data(of.pass(), field, data.data()) : status;
 }
 
+/// Returns a function that plays a call unless its argument `kPath` names a file: tapes are exchanged, and must not
+/// write where they like.
+template <size_t kPath, class... Parameters>
+Play withoutFile(const char* name, rgl_status_t (*function)(Parameters...)) {
+  return [name, play = playerOf(function)](const YAML::Node& node, Player& player) {
+    const std::string path = node.size() > kPath ? node[kPath].as<std::string>() : "";
+    if (path.empty()) return play(node, player);
+    if (!player.hasLeftOut)
+      log(RGL_LOG_LEVEL_WARN, std::string("the tape's call of ") + name + " is left out, and so are all that name a " +
+                                  "file to write, because a tape may come from anyone: this one names " + path +
+                                  "; make the call in the program if the file is wanted");
+    player.hasLeftOut = true;
+    return RGL_SUCCESS;
+  };
+}
+
 const std::map<std::string, Play>& players() {
 #define PLAY(function) \
   { #function, playerOf(function) }
   static const std::map<std::string, Play> all = {
       PLAY(rgl_get_extension_info),
-      PLAY(rgl_configure_logging),
       PLAY(rgl_cleanup),
       PLAY(rgl_mesh_create),
       PLAY(rgl_mesh_update_vertices),
@@ -338,7 +354,6 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_graph_node_remove_child),
       PLAY(rgl_graph_node_set_priority),
       PLAY(rgl_graph_node_get_priority),
-      PLAY(rgl_graph_write_pcd_file),
       PLAY(rgl_node_points_downsample),
       PLAY(rgl_node_points_ros2_publish),
       PLAY(rgl_node_points_ros2_publish_with_qos),
@@ -347,6 +362,8 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_texture_create),
       {"rgl_graph_get_result_size", playResultSize},
       {"rgl_graph_get_result_data", playResultData},
+      {"rgl_configure_logging", withoutFile<1>("rgl_configure_logging", rgl_configure_logging)},
+      {"rgl_graph_write_pcd_file", withoutFile<1>("rgl_graph_write_pcd_file", rgl_graph_write_pcd_file)},
       {"rgl_get_version_info", [](const YAML::Node&, Player&) { return RGL_SUCCESS; }},
   };
 #undef PLAY
