@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/path.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -111,28 +113,31 @@ void GltfArrays::load(GltfBuffer& buffer, const std::string& user) {
   const std::string name = "buffer " + std::to_string(&buffer - file_.buffers.data());
   if (buffer.uri.empty()) source_.fail(user + ": " + name + " has no uri and the file has no binary chunk for it");
   try {
-    buffer.owned = uriBytes(buffer.uri, user + ": " + name);
+    buffer.bytes = uriBytes(buffer.uri, user + ": " + name, buffer.owned);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::format) throw;
     throw Error(error.code(), source_.name + ": " + user + " needs " + name + ": " + error.what());
   }
   buffer.uri = {};
-  buffer.bytes = buffer.owned;
   buffer.loaded = true;
 }
 
-FileBytes GltfArrays::uriBytes(const std::string& uri, const std::string& user) {
+Bytes GltfArrays::uriBytes(const std::string& uri, const std::string& user, FileBytes& decoded) {
   if (!uri.starts_with("data:")) {
-    FileBytes bytes = source_.sibling(decodedUri(uri));
+    const std::u8string normal = pathOf(decodedUri(uri)).lexically_normal().generic_u8string();
+    const std::string path(normal.begin(), normal.end());
+    const auto known = siblings_.find(path);
+    if (known != siblings_.end()) return known->second;
+    FileBytes bytes = source_.sibling(path);
     inputBytes_ += bytes.size;
-    return bytes;
+    return siblings_.emplace(path, std::move(bytes)).first->second;
   }
   const size_t comma = uri.find(',');
   if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
     source_.fail(user + " has a data URI that is not base64");
-  FileBytes bytes = decodeBase64(std::string_view(uri).substr(comma + 1));
-  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is invalid");
-  return bytes;
+  decoded = decodeBase64(std::string_view(uri).substr(comma + 1));
+  if (decoded.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is invalid");
+  return decoded;
 }
 
 Bytes GltfArrays::bufferRange(int index, size_t byteOffset, size_t byteLength, const std::string& user) {

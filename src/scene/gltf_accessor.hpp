@@ -29,8 +29,9 @@ class GltfArrays {
   /// Bytes of a bufferView, decompressed if it uses EXT_meshopt_compression.
   Bytes view(int bufferView, const std::string& user);
 
-  /// Reads the whole of a data URI or of a file beside the glTF file. Throws Error(file) if the file does not exist.
-  FileBytes uriBytes(const std::string& uri, const std::string& user);
+  /// Returns the whole of a data URI, which `decoded` holds then, or of a file beside the glTF file, which is read once
+  /// and stays here. Throws Error(file) if the file does not exist.
+  Bytes uriBytes(const std::string& uri, const std::string& user, FileBytes& decoded);
 
   /// Counts bytes that the file makes us allocate. A few kilobytes of compressed, sparse or shared data can ask for
   /// terabytes: more than 256 MiB + 256 times the size of the file is an error.
@@ -59,8 +60,9 @@ class GltfArrays {
 
   GltfFile& file_;
   const Source& source_;
-  std::map<int, FileBytes> decompressed_;  ///< key: index of the bufferView
-  uint64_t inputBytes_;
+  std::map<int, FileBytes> decompressed_;      ///< key: index of the bufferView
+  std::map<std::string, FileBytes> siblings_;  ///< key: path without dots, as RFC 3986 removes them
+  uint64_t inputBytes_;                        ///< of the file and its siblings
   uint64_t charged_ = 0;
 };
 

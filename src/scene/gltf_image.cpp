@@ -106,18 +106,17 @@ uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap
   const std::string who = user + ": image " + std::to_string(index);
   if (static_cast<size_t>(index) >= file_.images.size()) source_.fail(who + " does not exist");
   const GltfImage& from = file_.images[static_cast<size_t>(index)];
-  FileBytes owned;
+  FileBytes decoded;
   Bytes bytes;
   if (from.bufferView >= 0) {
     bytes = arrays_.view(from.bufferView, who);
   } else {
     try {
-      owned = arrays_.uriBytes(from.uri, who);
+      bytes = arrays_.uriBytes(from.uri, who, decoded);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::file) throw;
       return unread();
     }
-    bytes = owned;
   }
   if (startsWith(bytes, "\xff\xd8\xff")) return kNoImage;  // JPEG has no alpha
   if (!startsWith(bytes, "\x89PNG\r\n\x1a\n")) return unread();

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Invalid glTF gives an Error that names the cause.
+#include <cstring>
+#include <memory>
+
+#include "scene/readers.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -148,6 +152,50 @@ TEST_CASE("missing images and unused buffers are accepted, a missing buffer in u
   CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("buffer 0 has no uri"));
   file.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,a*b";
   CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("whose base64 is invalid"));
+}
+
+TEST_CASE("a file that several buffers and images name is read once, and counts once for what may be unpacked") {
+  GltfFileMaker file = triangleFile();
+  file.text();
+  file.json["buffers"] = Json::array();
+  size_t i = 0;
+  for (const char* name : {"a.bin", "./a.bin", "b/../a.bin", "%61.bin"}) {
+    file.json["buffers"].push_back({{"byteLength", file.bytes.size()}, {"uri", name}});
+    file.json["bufferViews"].push_back(file.json["bufferViews"][0]);
+    file.json["bufferViews"].back()["buffer"] = i++;
+    file.json["accessors"].push_back(file.json["accessors"][0]);
+    file.json["accessors"].back()["bufferView"] = file.json["bufferViews"].size() - 1;
+    file.json["meshes"].push_back(file.json["meshes"][0]);
+    file.json["meshes"].back()["primitives"][0]["attributes"]["POSITION"] = file.json["accessors"].size() - 1;
+    file.json["nodes"].push_back({{"mesh", file.json["meshes"].size() - 1}});
+    file.json["images"].push_back({{"uri", name}});
+    file.json["textures"].push_back({{"source", i - 1}});
+    file.json["materials"].push_back(
+        {{"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i - 1}}}}}});
+  }
+  size_t reads = 0;
+  Source source;
+  source.name = "made";
+  source.sibling = [&](const std::string&) {
+    ++reads;
+    FileBytes bytes;
+    bytes.data = std::make_unique<uint8_t[]>(file.bytes.size());
+    bytes.size = file.bytes.size();
+    std::memcpy(bytes.data.get(), file.bytes.data(), bytes.size);
+    return bytes;
+  };
+  const auto read = [&] {
+    const std::string text = file.json.dump();
+    return readGltf({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, source);
+  };
+  const Scene scene = read();
+  CHECK(scene.unreadImages == 4);  // they are no pictures
+  CHECK(scene.meshes.size() == 5);
+  CHECK(scene.meshes.back().positions == scene.meshes.front().positions);
+  CHECK(reads == 1);
+  file.json["accessors"].back() = {{"componentType", 5126}, {"type", "VEC3"}, {"count", 4'000'000'000u}};
+  const size_t bytes = file.json.dump().size() + file.bytes.size();
+  CHECK_THROWS_WITH(read(), ContainsSubstring("than a file of " + std::to_string(bytes) + " bytes may unpack to"));
 }
 
 TEST_CASE("sparse indices out of range are errors") {
