@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "scene/gltf_accessor.hpp"
+#include "scene/stb_memory.hpp"
 
 namespace gnosphere {
 namespace {
@@ -18,6 +19,18 @@ namespace {
 /// Limit on the pixels per side. The limit bounds the memory that a small file can make us allocate: 1 GiB to decode
 /// one image.
 constexpr int kMostPixels = 16384;
+
+/// Lets stb_image take no more memory for an array than an image of this size may need: twice its pixels of up to 64
+/// bits, because arrays double, and twice the packed data, for the same reason.
+class StbLimit {
+ public:
+  StbLimit(size_t width, size_t height, size_t packed) {
+    stbMemory = {16 * (width + 1) * height + 2 * packed + (size_t{1} << 16), false};
+  }
+  ~StbLimit() { stbMemory = {}; }
+  StbLimit(const StbLimit&) = delete;
+  StbLimit& operator=(const StbLimit&) = delete;
+};
 
 bool startsWith(Bytes bytes, std::string_view magic) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin(),
@@ -134,8 +147,12 @@ uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string
                  std::to_string(kMostPixels) + " per side");
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   arrays_.charge(pixels, 4, who);
+  const StbLimit limit(static_cast<size_t>(width), static_cast<size_t>(height), bytes.size());
   const std::unique_ptr<stbi_uc, void (*)(void*)> colours(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free);
+  if (!colours && stbMemory.wasRefused)
+    fail("its data unpack to far more bytes than its " + std::to_string(width) + " x " + std::to_string(height) +
+         " pixels need");
   if (!colours) fail(stbi_failure_reason());
   image.width = static_cast<uint32_t>(width);
   image.height = static_cast<uint32_t>(height);

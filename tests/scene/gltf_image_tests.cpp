@@ -191,6 +191,40 @@ TEST_CASE("a broken image is an error that names it") {
   CHECK_THAT(cutOut("data:image/png,abc").failure(), ContainsSubstring("image 0 has a data URI that is not base64"));
 }
 
+TEST_CASE("an image whose data unpack to far more than its pixels is refused before they are unpacked") {
+  // A block of deflate with fixed codes: a literal, and then 40,000 copies of 258 bytes, which are 10 MB.
+  std::vector<uint8_t> data = {0x78, 0x01};
+  uint32_t bits = 0;
+  int count = 0;
+  const auto add = [&](uint32_t code, int length) {  // codes begin with their greatest bit
+    for (int i = length - 1; i >= 0; --i) {
+      bits |= (code >> i & 1) << count;
+      if (++count < 8) continue;
+      data.push_back(static_cast<uint8_t>(bits));
+      bits = 0;
+      count = 0;
+    }
+  };
+  add(0b110, 3);  // the last block; its kind is 01, with the smallest bit first
+  add(0b00110000, 8);
+  for (int i = 0; i < 40000; ++i) add(0b1100010100000, 13);
+  add(0, 7);
+  data.insert(data.end(), 5,
+              static_cast<uint8_t>(bits));  // the last bits, and in place of a checksum what nobody reads
+  std::vector<uint8_t> png = unpacked(kSolid);
+  png.resize(33);  // the signature and IHDR
+  const auto chunk = [&](const char* name, const std::vector<uint8_t>& of) {
+    for (int shift = 24; shift >= 0; shift -= 8) png.push_back(static_cast<uint8_t>(of.size() >> shift));
+    png.insert(png.end(), name, name + 4);
+    png.insert(png.end(), of.begin(), of.end());
+    png.insert(png.end(), 4, 0);
+  };
+  chunk("IDAT", data);
+  chunk("IEND", {});
+  CHECK_THAT(cutOut(packed(png)).failure(),
+             ContainsSubstring("its data unpack to far more bytes than its 1 x 1 pixels need"));
+}
+
 TEST_CASE("invalid texture indices are errors that name them") {
   GltfFileMaker file = cutOut();
   textureOf(file)["index"] = 1;
