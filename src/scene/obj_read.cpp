@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <istream>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 #include <streambuf>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "base/path.hpp"
 #include "base/text.hpp"
 #include "scene/number.hpp"
 #include "scene/readers.hpp"
@@ -62,11 +66,12 @@ std::vector<double> readVertices(std::string_view text, const Source& source) {
 /// Returns what the `mtllib` lines of an OBJ file name, in order, each once.
 std::vector<std::string> librariesOf(std::string_view text) {
   std::vector<std::string> all;
+  std::set<std::string> seen;
   while (!text.empty()) {
     std::string_view line = takeLine(text);
     if (nextWord(line) != "mtllib") continue;
     std::string names = toUtf8(trimmed(line));
-    if (!names.empty() && std::find(all.begin(), all.end(), names) == all.end()) all.push_back(std::move(names));
+    if (!names.empty() && seen.insert(names).second) all.push_back(std::move(names));
   }
   return all;
 }
@@ -148,8 +153,11 @@ class Libraries {
  private:
   /// Returns false if the library cannot be read.
   bool addOne(const std::string& name) {
+    std::filesystem::path key;
     FileBytes bytes;
     try {
+      key = pathOf(name).lexically_normal();
+      if (read_.contains(key)) return true;
       bytes = source_.sibling(name);
     } catch (const Error&) {
       return false;
@@ -167,6 +175,7 @@ class Libraries {
       if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
         materials_.push_back(std::move(material));
     }
+    read_.insert(key);
     return true;
   }
 
@@ -174,8 +183,9 @@ class Libraries {
   std::vector<Material> materials_;
   std::vector<std::string> missing_;
   std::map<std::string, uint32_t> index_;
-  bool isAny_ = false;    ///< whether the file names a library
-  size_t undefined_ = 0;  ///< materials that were looked for and that no library defines
+  std::set<std::filesystem::path> read_;  ///< libraries
+  bool isAny_ = false;                    ///< whether the file names a library
+  size_t undefined_ = 0;                  ///< materials that were looked for and that no library defines
   std::string firstUndefined_;
 };
 
@@ -226,27 +236,38 @@ void checkText(std::string_view text, const Source& source) {
   if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
 }
 
-/// Sorts triangles by material, keeping the order of the file within each, so that every part is one run.
-void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, size_t materialCount) {
-  std::vector<uint32_t> next(materialCount + 1, 0);
-  for (uint32_t material : materials) ++next[material + 1];
-  for (size_t i = 0; i < materialCount; ++i) {
-    if (next[i + 1] > 0) mesh.parts.push_back({next[i], next[i + 1], static_cast<uint32_t>(i)});
-    next[i + 1] += next[i];
+/// Sorts triangles by material, keeping the order of the file within each, so that every part is one run. `next` has a
+/// 0 per material before and after: a table of its own per object would cost much where objects and materials are many.
+void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, std::vector<uint32_t>& next) {
+  std::vector<uint32_t> used;
+  for (uint32_t material : materials)
+    if (next[material]++ == 0) used.push_back(material);
+  std::sort(used.begin(), used.end());
+  uint32_t first = 0;
+  for (uint32_t material : used) {
+    const uint32_t count = std::exchange(next[material], first);
+    mesh.parts.push_back({first, count, material});
+    first += count;
   }
-  if (mesh.parts.size() < 2) return;
-  std::vector<uint32_t> sorted(mesh.indices.size());
-  for (size_t t = 0; t < materials.size(); ++t)
-    std::copy_n(&mesh.indices[3 * t], 3, &sorted[3 * size_t{next[materials[t]]++}]);
-  mesh.indices = std::move(sorted);
+  if (used.size() > 1) {
+    std::vector<uint32_t> sorted(mesh.indices.size());
+    for (size_t t = 0; t < materials.size(); ++t)
+      std::copy_n(&mesh.indices[3 * t], 3, &sorted[3 * size_t{next[materials[t]]++}]);
+    mesh.indices = std::move(sorted);
+  }
+  for (uint32_t material : used) next[material] = 0;
 }
 
 /// Joins each line that ends with a backslash with the next one, unless it is a comment.
 void joinLines(std::string& text) {
+  size_t from = 0, first = 0;  // how far lines have been looked for, and the first letter of the line that is no blank
   for (size_t at = text.find('\\'); at != text.npos; at = text.find('\\', at + 1)) {
     const size_t end = at + 1 + (text.compare(at + 1, 1, "\r") == 0 ? 1 : 0);
-    const size_t line = text.rfind('\n', at) + 1;  // 0 in the first line, because npos is -1
-    const bool isComment = text.compare(text.find_first_not_of(" \t", line), 1, "#") == 0;
+    const size_t newline = std::string_view(text).substr(from, at - from).rfind('\n');
+    if (newline != text.npos) first = from + newline + 1;
+    from = at;
+    first = text.find_first_not_of(" \t", first);  // the backslash at the latest
+    const bool isComment = text[first] == '#';
     if (!isComment && text.compare(end, 1, "\n") == 0) text.replace(at, end + 1 - at, end + 1 - at, ' ');
   }
 }
@@ -337,10 +358,11 @@ Scene readObj(Bytes bytes, const Source& source) {
   if (objects.empty()) objects.emplace_back();
   Mesh whole;
   storePositions(whole, coordinates);
+  std::vector<uint32_t> next(scene.materials.size(), 0);
   for (Object& object : objects) {
     Mesh mesh = objects.size() > 1 ? meshOf(object, whole) : std::move(whole);
     if (objects.size() == 1) mesh.indices = std::move(object.indices);
-    addParts(mesh, object.materials, scene.materials.size());
+    addParts(mesh, object.materials, next);
     mesh.name = object.name;
     scene.instances.push_back({object.name, static_cast<uint32_t>(scene.meshes.size())});
     scene.meshes.push_back(std::move(mesh));

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/utf8.hpp"
+#include "cpu_time.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -239,6 +240,16 @@ TEST_CASE("OBJ lines may go on after a backslash") {
   const Scene scene =
       loadText("a.obj", "# C:\\models\\\n" + std::string(kSquareObj) + "f 1 2 3\n # more \\\no b\nf 1 3 4\n");
   CHECK(scene.instances.size() == 2);
+}
+
+TEST_CASE("OBJ files with many backslashes, libraries, or objects and materials take no time that grows by squares") {
+  std::string slashes = std::string(kSquareObj) + "f 1 2 3\n# ", libraries = kSquareObj, objects = kSquareObj;
+  for (int i = 0; i < 200000; ++i) slashes += "\\ ";
+  for (int i = 0; i < 70000; ++i) libraries += "mtllib m" + std::to_string(i) + '\n';
+  for (int i = 0; i < 60000; ++i) objects += "o " + std::to_string(i) + "\nusemtl " + std::to_string(i) + "\nf 1 2 3\n";
+  CHECK(cpuSeconds([&] { loadText("a.obj", slashes + "\\\nf 1 3 4\n"); }) < 2);
+  CHECK(cpuSeconds([&] { loadText("a.obj", libraries + "f 1 2 3\n"); }) < 2);
+  CHECK(cpuSeconds([&] { loadText("a.obj", objects); }) < 2);
 }
 
 TEST_CASE("OBJ keeps nan and infinity") {
