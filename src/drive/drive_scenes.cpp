@@ -118,11 +118,12 @@ void DriveReader::takeBoxed(const json& object, const std::string& path, Scene& 
 /// Appends the actors that scenes have had, with names of their own.
 void DriveReader::addStanding() {
   std::set<std::string> names;
+  std::map<std::string, size_t> numbers;  // the last that was tried for a name
   for (const Actor& actor : drive_.actors) names.insert(actor.name);
   for (Actor& actor : standing_.actors) {
     const std::string stated = actor.name;
-    for (int number = 2; !names.insert(actor.name).second; ++number)
-      actor.name = stated + " (" + std::to_string(number) + ")";
+    size_t& number = numbers.try_emplace(stated, 1).first->second;
+    while (!names.insert(actor.name).second) actor.name = stated + " (" + std::to_string(++number) + ")";
     actor.model += drive_.models.size();
     drive_.actors.push_back(std::move(actor));
   }

@@ -7,6 +7,7 @@
 
 #include "base/vector.hpp"
 #include "bits.hpp"
+#include "cpu_time.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/world.hpp"
 #include "drive_support.hpp"
@@ -393,6 +394,28 @@ TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and 
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0].starts_with("outputs[0]: 'side' starts no scan in 5 of 10 samples"));
   CHECK(warnings[1] == "scenes[0].boxes: no instance has any of these classes");
+}
+
+TEST_CASE("thousands of instances of one name become actors with names of their own in little time") {
+  const DriveFolder folder;
+  Scene scene;
+  scene.meshes.resize(1);
+  scene.meshes[0].positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  scene.meshes[0].indices = {0, 1, 2};
+  scene.materials.resize(1);
+  scene.meshes[0].parts = {{0, 1, 0}};
+  constexpr size_t kMany = 12000;
+  for (size_t i = 0; i < kMany; ++i)
+    scene.instances.push_back({"car", 0, {{1, 0, 0, double(i), 0, 1, 0, 0, 0, 0, 1, 1}}, 10});
+  writeGlb(scene, folder / "parked.glb");
+  Json json = smallDrive();
+  json["scenes"].push_back({{"file", "parked.glb"}, {"boxes", {"car"}}});
+  drive::Drive drive;
+  CHECK(cpuSeconds([&] { drive = folder.read(json); }) < 1);
+  REQUIRE(drive.actors.size() == kMany + 2);
+  CHECK(drive.actors[2].name == "car");
+  CHECK(drive.actors[3].name == "car (2)");
+  CHECK(drive.actors.back().name == "car (" + std::to_string(kMany) + ")");
 }
 
 TEST_CASE("a scene of which no instance has boxes keeps its instances and their names") {
