@@ -118,6 +118,13 @@ void DriveReader::sensors() {
       refuse(path + ".rate", "is " + gnosphere::numberText(rigged.rate) +
                                  " scans a second, but the last beam of a scan fires " + gnosphere::numberText(last) +
                                  " s after its start");
+    // A frame has all its scans in memory at once.
+    constexpr double kMostScans = 10000;
+    if (rigged.rate * std::min(1 / drive_.rate, drive_.duration) > kMostScans)
+      refuse(path + ".rate", "is " + gnosphere::numberText(rigged.rate) + " scans a second, and the drive has " +
+                                 gnosphere::numberText(drive_.rate) + " frames a second, so a frame has more than " +
+                                 gnosphere::numberText(kMostScans) + " scans; give the drive a higher rate, or the " +
+                                 "sensor a lower one");
     drive_.sensors.push_back(std::move(rigged));
   }
 }

@@ -246,6 +246,21 @@ TEST_CASE("a sector is not scanned again before the rest of its turn is over") {
   CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("is 19 scans a second, but the sensor takes 0.0666666"));
 }
 
+TEST_CASE("a sensor that starts too many scans within a frame is refused, with both rates") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["rate"] = 1e-6;
+  json["sensors"][0]["rate"] = 10;
+  json["outputs"] = {{{"format", "nuscenes"}}};
+  CHECK_NOTHROW(folder.read(json));  // the drive is shorter than a frame
+  json["duration"] = 1e4;
+  CHECK_THROWS_WITH(folder.read(json),
+                    ContainsSubstring("sensors[0].rate: is 10 scans a second, and the drive has 1e-06 frames a second, "
+                                      "so a frame has more than 10000 scans"));
+  json["rate"] = 1e-3;
+  CHECK_NOTHROW(folder.read(json));
+}
+
 TEST_CASE("a list of beams is not fired again before its last beam, and what a sensor file leaves open is told") {
   const DriveFolder folder;
   Json json = quietDrive();
