@@ -31,12 +31,19 @@ inline size_t editDistance(std::string_view a, std::string_view b) {
 /// Returns text such as "the nearest are fog, snow, rain", or lists all names if there are few, whatever their
 /// capitals are.
 inline std::string nearestText(const std::string& name, std::vector<std::string> names) {
-  std::stable_sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return editDistance(lower(name), lower(a)) < editDistance(lower(name), lower(b));
-  });
+  constexpr size_t kMostLetters = 64;  // longer names are not compared, because that takes the product of the lengths
+  const std::string word = lower(name);
+  std::vector<std::pair<size_t, std::string>> byDistance;
+  for (std::string& each : names) {
+    const bool isCompared = std::max(word.size(), each.size()) <= kMostLetters;
+    const size_t distance = isCompared ? editDistance(word, lower(each)) : static_cast<size_t>(-1);
+    byDistance.emplace_back(distance, std::move(each));
+  }
+  std::stable_sort(byDistance.begin(), byDistance.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   constexpr size_t kShown = 3;
   std::string list;
-  for (size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i ? ", " : "") + names[i];
+  for (size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i ? ", " : "") + byDistance[i].second;
   return (names.size() > kShown ? "the nearest are " : names.size() > 1 ? "there are " : "there is ") + list;
 }
 

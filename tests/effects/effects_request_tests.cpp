@@ -8,6 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/nearest_text.hpp"
+#include "cpu_time.hpp"
 #include "effects/effect_table.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
@@ -16,6 +18,7 @@
 using namespace gnosphere;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::Message;
+using gnosphere::test::cpuSeconds;
 
 namespace {
 
@@ -269,4 +272,18 @@ TEST_CASE("a plan's totals are the sums of its parts, also in JSON") {
   CHECK(json.at("bytes") == 42);
   CHECK(json.at("dispatches") == 5);
   CHECK(json.at("returns") == 2);
+}
+
+TEST_CASE("the nearest of many names are found in little time, and long names are not compared") {
+  std::vector<std::string> names;
+  for (int i = 0; i < 20000; ++i) names.push_back(std::to_string(i) + std::string(50, 'x'));
+  const std::string name = std::string(50, 'x');
+  std::string text;
+  CHECK(cpuSeconds([&] { text = nearestText(name, names); }) < 2);
+  CHECK(text == "the nearest are 0" + name + ", 1" + name + ", 2" + name);
+  for (std::string& each : names) each += std::string(2000, 'y');
+  names.push_back("x");
+  CHECK(cpuSeconds([&] { text = nearestText(name, names); }) < 2);
+  CHECK(text.starts_with("the nearest are x, "));
+  CHECK(nearestText(std::string(1000, 'x'), {"a", "b"}) == "there are a, b");
 }
