@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -90,30 +91,68 @@ float conductorReflectance(const json& table, double wavelength) {
   return static_cast<float>(((n - 1) * (n - 1) + k2) / ((n + 1) * (n + 1) + k2));
 }
 
-/// Sets the reflectances that the row does not state yet.
-void complete(MaterialTable::Row& row, const json& table, float (*reflectance)(const json&, double)) {
-  if (row.reflectance905 < 0) row.reflectance905 = reflectance(table, 905e-9);
-  if (row.reflectance1550 < 0) row.reflectance1550 = reflectance(table, 1550e-9);
+/// The key of a file, whatever links and dots are in its path.
+path keyOf(const path& file) {
+  std::error_code failed;
+  const path key = std::filesystem::weakly_canonical(file, failed);
+  return failed ? file : key;
 }
 
-MaterialTable::Row readMaterial(const json& root, const path& file, std::string name) {
-  const json& properties = member(file, root, "materialProperties");
-  MaterialTable::Row row;
-  row.name = std::move(name);
-  if (properties.contains("brdfUris")) {
-    for (const json& uri : properties["brdfUris"]) {
-      const path brdf = besides(file, uri);
-      const json table = readMaterialJson(brdf);
-      complete(row, member(brdf, member(brdf, table, "brdf"), "lookupTable"), brdfReflectance);
-    }
+/// Reads materials and their tables, each file once.
+class MaterialReader {
+ public:
+  MaterialTable::Row read(const path& file, std::string name) {
+    const auto [found, isNew] = materials_.try_emplace(keyOf(file));
+    if (isNew) found->second = read(readMaterialJson(file), file, "");
+    MaterialTable::Row row = found->second;
+    row.name = std::move(name);
+    return row;
   }
-  if (properties.contains("opticalPropertiesUri")) {
-    const path optical = besides(file, properties["opticalPropertiesUri"]);
-    const json table = readMaterialJson(optical);
-    complete(row, member(optical, table, "opticalProperties"), conductorReflectance);
+
+  MaterialTable::Row read(const json& root, const path& file, std::string name) {
+    const json& properties = member(file, root, "materialProperties");
+    MaterialTable::Row row;
+    row.name = std::move(name);
+    if (properties.contains("brdfUris"))
+      for (const json& uri : properties["brdfUris"]) complete(row, ofBrdf(besides(file, uri)));
+    if (properties.contains("opticalPropertiesUri"))
+      complete(row, ofConductor(besides(file, properties["opticalPropertiesUri"])));
+    return row;
   }
-  return row;
-}
+
+ private:
+  /// At 905 and 1550 nm; negative where a table has no suitable row.
+  using Reflectances = std::array<float, 2>;
+
+  static Reflectances reflectances(const json& table, float (*reflectance)(const json&, double)) {
+    return {reflectance(table, 905e-9), reflectance(table, 1550e-9)};
+  }
+
+  const Reflectances& ofBrdf(const path& file) {
+    const auto known = brdfs_.find(keyOf(file));
+    if (known != brdfs_.end()) return known->second;
+    const json table = readMaterialJson(file);
+    const json& rows = member(file, member(file, table, "brdf"), "lookupTable");
+    return brdfs_.emplace(keyOf(file), reflectances(rows, brdfReflectance)).first->second;
+  }
+
+  const Reflectances& ofConductor(const path& file) {
+    const auto known = conductors_.find(keyOf(file));
+    if (known != conductors_.end()) return known->second;
+    const json table = readMaterialJson(file);
+    const json& rows = member(file, table, "opticalProperties");
+    return conductors_.emplace(keyOf(file), reflectances(rows, conductorReflectance)).first->second;
+  }
+
+  /// Sets the reflectances that the row does not state yet.
+  static void complete(MaterialTable::Row& row, const Reflectances& stated) {
+    if (row.reflectance905 < 0) row.reflectance905 = stated[0];
+    if (row.reflectance1550 < 0) row.reflectance1550 = stated[1];
+  }
+
+  std::map<path, MaterialTable::Row> materials_;
+  std::map<path, Reflectances> brdfs_, conductors_;
+};
 
 bool states(const MaterialTable::Row& row) {
   return row.reflectance905 >= 0 || row.reflectance1550 >= 0;
@@ -136,18 +175,18 @@ std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& f
     return readOpenMaterial(table, mapping);
   }
   std::vector<MaterialTable::Row> rows;
+  MaterialReader reader;
   if (root.contains("materialMapping")) {
     for (const json& entry : root["materialMapping"]) {
       if (!entry.is_array() || entry.size() < 2 || !entry[0].is_string()) {
         refuseMapping(file, "an entry of 'materialMapping' is not [name, file, ...] but " + shown(entry));
       }
-      const path material = besides(file, entry[1]);
-      rows.push_back(readMaterial(readMaterialJson(material), material, entry[0].get<std::string>()));
+      rows.push_back(reader.read(besides(file, entry[1]), entry[0].get<std::string>()));
     }
   } else {
     const json& name = member(file, member(file, root, "metadata"), "name");
     if (!name.is_string()) refuseMapping(file, "the material's name is not a text but " + shown(name));
-    rows.push_back(readMaterial(root, file, name.get<std::string>()));
+    rows.push_back(reader.read(root, file, name.get<std::string>()));
   }
   if (std::none_of(rows.begin(), rows.end(), states)) {
     refuseMapping(

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cpu_time.hpp"
 #include "folder.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
@@ -227,6 +228,25 @@ TEST_CASE("an OpenMATERIAL mapping and an asset give the same rows") {
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].reflectance905 < 0);
   refused(folder, "m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"]]})", "states no reflectance for a laser");
+}
+
+TEST_CASE("an OpenMATERIAL table that many materials name is read once") {
+  const Folder folder;
+  std::string rows = "[9.05e-07, 0.0, 0.0, 0.0, 0.1]", mapping;
+  for (int i = 0; i < 5000; ++i) rows += ", [5e-07, 0.0, 0.0, 0.0, 0.1]";
+  put(folder / "b.xompt", R"({"brdf": {"lookupTable": [)" + rows + "]}}");
+  for (int i = 0; i < 1000; ++i) {
+    const std::string name = std::to_string(i % 10) + ".xomp";
+    if (i < 10) put(folder / name, xomp(R"("brdfUris": ["./b.xompt", "b.xompt"])"));
+    mapping += (i ? ", [\"" : "[\"") + std::to_string(i) + "\", \"" + name + "\"]";
+  }
+  put(folder / "m.xomm", R"({"materialMapping": [)" + mapping + "]}");
+  std::vector<MaterialTable::Row> read;
+  CHECK(cpuSeconds([&] { read = loadMaterialTable(folder / "m.xomm").rows; }) < 1);
+  REQUIRE(read.size() == 1000);
+  CHECK(read[999].name == "999");
+  CHECK(read[999].reflectance905 == Approx(0.314159265));
+  CHECK(read[999].reflectance1550 < 0);
 }
 
 TEST_CASE("an OpenMATERIAL file without a reflectance for lasers is refused") {
