@@ -20,7 +20,8 @@
 namespace gnosphere {
 
 /// Returns the content of a file. Throws Error(file) with the system's reason, or Error(format) if it exceeds
-/// `maxBytes`.
+/// `maxBytes`. A device that is no terminal, as /dev/zero, may have no end, so it is refused if it has more than a
+/// block; pipes are read to their end.
 inline std::string readWholeFile(const std::filesystem::path& file, uint64_t maxBytes = UINT64_MAX) {
   const auto refuse = [&] {
     const int reason = errno;
@@ -30,6 +31,9 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   if (!stream) refuse();
   std::string bytes;
   std::error_code unknown;  // a pipe has no size; it is read block by block like the rest
+  const std::filesystem::file_type type = std::filesystem::status(file, unknown).type();
+  const bool isDevice = (type == std::filesystem::file_type::character || type == std::filesystem::file_type::block) &&
+                        !os::isTerminal(stream.get());
   const uint64_t size = std::filesystem::file_size(file, unknown);
   // One byte more than the size, so that the first block shows the end of a file.
   const size_t block = std::max(!unknown && size < maxBytes ? size_t{size} + 1 : 0, size_t{1} << 16);
@@ -40,11 +44,13 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
       bytes.resize(start + block);
       count = std::fread(bytes.data() + start, 1, block, stream.get());
       bytes.resize(start + count);
-    } while (count == block && bytes.size() <= maxBytes);
+    } while (count == block && bytes.size() <= maxBytes && !isDevice);
   } catch (const std::exception&) {  // bad_alloc, or length_error for the size of a sparse file
     throw Error(ErrorCode::outOfMemory, file.string() + ": does not fit into memory");
   }
   if (std::ferror(stream.get()) != 0) refuse();
+  if (isDevice && !std::feof(stream.get()))
+    throw Error(ErrorCode::file, file.string() + ": is a device and no file; give a file or a pipe");
   if (bytes.size() > maxBytes) {
     throw Error(ErrorCode::format, file.string() + ": is larger than " + std::to_string(maxBytes >> 20) + " MiB");
   }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests of trajectories: their files, their times, and where and how things are on them.
+#include <sys/stat.h>
+
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <thread>
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
@@ -225,6 +228,20 @@ TEST_CASE("lines of trajectories end as those of any system, and may have commen
   }
   const auto euroc = drive::readTrajectory(put(folder / "a.csv", " 1000000000 , 1, 2, 3, 1, 0, 0, 0\n"), "euroc", {});
   CHECK(euroc.at(0).time == 1);
+}
+
+TEST_CASE("a trajectory may come from a pipe, but not from a device, which may have no end") {
+  const auto problem = [](const char* file) {
+    return problemOf([&] { drive::readTrajectory(file, "tum", {}); }, ErrorCode::file);
+  };
+  CHECK(problem("/dev/zero") == "/dev/zero: is a device and no file; give a file or a pipe");
+  const Folder folder;
+  const fs::path pipe = folder / "poses.tum";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  std::thread writer([&] { put(pipe, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n"); });
+  const auto stamps = drive::readTrajectory(pipe, "tum", {});
+  writer.join();
+  CHECK(stamps.size() == 2);
 }
 
 TEST_CASE("yaws that are half a turn or more apart are warned of, because a vehicle turns the shorter way") {
