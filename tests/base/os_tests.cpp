@@ -27,6 +27,15 @@ TEST_CASE("one holder at a time has the lock of a file") {
   os::closeFile(other);
 }
 
+TEST_CASE("a link is not opened for its lock, and the file that it names is not made") {
+  const test::Folder folder;
+  std::error_code failed;  // of systems where not everybody may make links
+  std::filesystem::create_symlink("elsewhere", folder.path() / "lock", failed);
+  if (failed) return;
+  CHECK(os::openForLock(folder.path() / "lock", false) < 0);
+  CHECK(!std::filesystem::exists(folder.path() / "elsewhere"));
+}
+
 TEST_CASE("an open file can be written, renamed and replaced, and knows whether a name is its own") {
   const test::Folder folder;
   const std::filesystem::path file = folder.path() / "file", name = folder.path() / "name";
