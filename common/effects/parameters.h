@@ -56,8 +56,10 @@ struct Particles {
   vec4 startsNear, startsFar;  // density at the start of part 1, 2..8 of the table, as a multiple of the part's mean
   vec4 endsNear, endsFar;      // at its end
   float firstRange, lastRange;
-  float slope;        // 1/m: the share of particles larger than D is exp(-slope * D)
+  float excess;       // m: mean of the diameters beyond the least detectable one, whose distribution is exponential
   float reflectance;  // of a particle, as a Lambertian disc of its diameter
+  float least;        // least detectable diameter at 1 m in clear air in focus, as a share of the beam's
+  float padding0, padding1, padding2;
 };
 
 // All parameters of the effects for one sensor's scan. Units are metres, radians and 1/m; powers are relative to a
@@ -120,7 +122,7 @@ struct Return {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Particles) == 112 && sizeof(EffectParameters) == 384 && sizeof(Optics4) == 32 &&
+static_assert(sizeof(Particles) == 128 && sizeof(EffectParameters) == 416 && sizeof(Optics4) == 32 &&
               sizeof(VolumeBox) == 64);
 }  // namespace gnosphere::gpu
 #endif

@@ -133,12 +133,12 @@ GNO_INLINE float rangeWith(Particles particles, float count) {
   return result;
 }
 
-// Geometric mean of the horizontal and vertical diameter of the beam at a range, in metres.
-GNO_INLINE float beamDiameter(EffectParameters p, float range) {
+// Product of the horizontal and vertical diameter of the beam at a range, in m^2.
+GNO_INLINE float beamArea(EffectParameters p, float range) {
   GNO_PRECISE float horizontal = kApertureDiameter + p.spreadHorizontal * range;
   GNO_PRECISE float vertical = kApertureDiameter + p.spreadVertical * range;
   GNO_PRECISE float area = horizontal * vertical;
-  return squareRoot(area);
+  return area;
 }
 
 // The echo of the nearest drop or flake from `p.rangeMin` on that is strong enough to be detected in uniform air of
@@ -153,14 +153,13 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
   GNO_PRECISE float range = max(rangeWith(particles, count), p.rangeMin);
   if (!(range < far)) return echo;
 
-  // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth).
-  GNO_PRECISE float strength = particles.reflectance * focus(range);
-  GNO_PRECISE float beam = beamDiameter(p, range);
-  GNO_PRECISE float least = range * exponential(p.extinction * range) * squareRoot(quotient(p.threshold, strength));
-  GNO_PRECISE float larger = quotient(-naturalLog(uniformAboveZero(words.y)), particles.slope);
-  GNO_PRECISE float diameter = min(least + quotient(larger, beam), 1.0f);  // as a share of the beam's
+  // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth), and range / root of focus is at least
+  // kFocusRange.
+  GNO_PRECISE float least = particles.least * max(range, kFocusRange) * exponential(p.extinction * range);
+  GNO_PRECISE float larger = -naturalLog(uniformAboveZero(words.y)) * particles.excess;
+  GNO_PRECISE float diameter = min(least + larger * inverseRoot(beamArea(p, range)), 1.0f);  // as a share of the beam's
   echo.range = range;
-  GNO_PRECISE float energy = strength * diameter * diameter;
+  GNO_PRECISE float energy = particles.reflectance * focus(range) * diameter * diameter;
   echo.energy = energy;
   echo.width = p.pulseWidth;
   return echo;

@@ -76,8 +76,9 @@ gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& size
   gpu::Particles particles = {};
   particles.firstRange = std::max(float(window.least), 0.01f);
   particles.lastRange = std::max(float(window.most), particles.firstRange);
-  particles.slope = float(std::max(sizes.slope, 1.0));
+  particles.excess = float(1 / std::max(sizes.slope, 1.0));
   particles.reflectance = float(std::max(sizes.reflectance, 1e-6));
+  particles.least = float(std::sqrt(double{p.threshold} / particles.reflectance));
 
   // The sum uses steps of equal ratio, because near particles contribute most.
   constexpr int kSteps = 4096;
