@@ -82,8 +82,8 @@ GNO_INLINE float countAt(Particles particles, uint i) {
 }
 
 // Part i of a table of particles, between its ranges i - 1 and i. The expected number is an increasing rational
-// function of the range there, with the numbers and the densities at both ends (Gregory and Delbourgo, IMA J. Numer.
-// Anal. 2, 1982).
+// function of the range there, with the numbers and the densities at both ends (Gregory and Delbourgo 1982, IMA Journal
+// of Numerical Analysis, volume 2).
 struct ParticlePart {
   float start, metres;   // m
   float before, count;   // particles before the start, and from there to the end

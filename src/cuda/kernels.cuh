@@ -36,8 +36,9 @@
 #define EACH_RAY(do_) GNO_LOOP_OF_RAYS(do_)
 #endif
 
-// Declares an array of an invocation. An array whose index is a variable lies in memory. As a member it would force nvcc to
-// keep the whole stage in memory, without a constant option and without a value in a register, so it lies apart.
+// Declares an array of an invocation. An array whose index is a variable lies in memory. As a member it would force
+// nvcc to keep the whole stage in memory, without a constant option and without a value in a register, so it lies
+// apart.
 #ifdef __CUDACC__
 #define GNO_PRIVATE_ARRAY(type_, name_, count_) \
   type_* const name_ = reinterpret_cast<type_*>(takeMemory(sizeof(type_) * (count_)))
@@ -210,7 +211,8 @@ struct effects_strays : Invocation {
 template <uint RAYS, uint SPREAD_RAYS = 0>
 struct effects_footprint : Invocation {
   static constexpr uint kPrivateBytes = 4 * (13 + 5 * kMaxLayers) * RAYS;
-  GNO_DEVICE explicit effects_footprint(const Invocation& given) : Invocation(given) {}  // the arrays of hits stay unset
+  GNO_DEVICE explicit effects_footprint(const Invocation& given)
+      : Invocation(given) {}  // the arrays of hits stay unset
 #include "glsl/effects_footprint.comp"
 };
 
