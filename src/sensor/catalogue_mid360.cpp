@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Livox publishes no figures of the optics in the Mid-360, but a table of its directions (scan_mode/mid360.npy of
 // MuJoCo-LiDAR, MIT). Its Fourier transform has lines only at sums of multiples of two frequencies: of a fast turn,
-// which sweeps the azimuth, and of a slow swing between the lowest and the highest elevation. These are the strongest
-// lines.
+// which sweeps the azimuth, and of a slow swing between the lowest and the highest elevation. The sums below
+// have the strongest lines.
 #include "sensor/catalogue_mid360.hpp"
 
 #include <cmath>

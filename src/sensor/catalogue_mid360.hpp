@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Livox Mid-360.
+// The built-in model of a head with four lasers and a pattern that does not repeat, the Livox Mid-360.
 #pragma once
 
 #include "gnosphere/sensor.hpp"
