@@ -655,9 +655,9 @@ def test_sdf_in_a_circle_is_refused(tmp_path):
 
 
 def test_models_of_sdf_that_double_are_refused(tmp_path):
-    twice = "<sdf><model name='m'><include><uri>m{0}.sdf</uri></include><include><uri>m{0}.sdf</uri></include></model></sdf>"
+    include = "<include><uri>m{}.sdf</uri></include>"
     for number in range(16):
-        (tmp_path / f"m{number}.sdf").write_text(twice.format(number + 1))
+        (tmp_path / f"m{number}.sdf").write_text(f"<sdf><model name='m'>{2 * include.format(number + 1)}</model></sdf>")
     (tmp_path / "m16.sdf").write_text("<sdf><model name='m'/></sdf>")
     with pytest.raises(ValueError, match="more than 10,000 models are included"):
         quiet(tmp_path / "m0.sdf")

@@ -45,13 +45,13 @@ def describe(found: RobotScene) -> None:
     if not box.empty():
         print("from", *(f"{value:.3f}" for value in box.min), "to", *(f"{value:.3f}" for value in box.max), "m")
     for name, (low, high) in found.joint_limits.items():
-        print(f"joint {shown(name)}: {'any position' if math.isinf(low) and math.isinf(high) else f'{low:g} to {high:g}'}")
+        limits = "any position" if math.isinf(low) and math.isinf(high) else f"{low:g} to {high:g}"
+        print(f"joint {shown(name)}: {limits}")
     for number, mounted in enumerate(found.sensors):
         rate = f", {mounted.rate:g} scans a second" if mounted.rate else ""
         print(f"lidar {shown(mounted.name)}: {mounted.sensor.beam_count():,} beams{rate}")
-        print(
-            f"  on {shown(mounted.frame)} at {place_of(mounted.local)}; in the world at {listed(found.pose(number).position)}"
-        )
+        position = listed(found.pose(number).position)
+        print(f"  on {shown(mounted.frame)} at {place_of(mounted.local)}; in the world at {position}")
     for what in found.assumed:
         print(f"assumed: {shown(what)}")
     for what, count in found.left_out.items():

@@ -185,7 +185,7 @@ def _read_with_trimesh(path: Path) -> Iterator[Piece]:
         yield Piece(triangles, node, getattr(material, "name", "") or "", given)
 
 
-# Each of these texts ends at its first end, so that a search cannot try others: the time of that would double with each.
+# Each of these texts ends at its first end: a search that may try later ones takes twice the time with each text.
 _COMMENT, _INSTRUCTION = rb"<!--(?:(?!-->).)*-->", rb"<\?(?:(?!\?>).)*\?>"
 _BEFORE_DECLARATION = re.compile(rb"\A(?:\s|" + _COMMENT + rb")+(?=<\?xml)", re.DOTALL)
 _BEFORE_ROOT = re.compile(
