@@ -46,10 +46,10 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
   const Result some = place.make("-o out_a --frames 2:5");
   CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") && ContainsSubstring("not complete"));
   uint64_t bytes = 0;
-  for (const char* frame : {"2", "3", "4"})
-    for (const Json& file :
-         Json::parse(place.get(std::string("out_a/manifest/frames/00000") + frame + ".json"))["files"])
-      bytes += file["bytes"].get<uint64_t>();
+  for (const char* frame : {"2", "3", "4"}) {
+    const Json entries = Json::parse(place.get(std::string("out_a/manifest/frames/00000") + frame + ".json"));
+    for (const Json& file : entries["files"]) bytes += file["bytes"].get<uint64_t>();
+  }
   CHECK_THAT(some.out, ContainsSubstring(" files of " + std::to_string((bytes + 500'000) / 1'000'000) + " MB\n"));
   const Result rest = place.make("-o out_a");
   CHECK(rest.err.empty());  // no progress in a pipe
