@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor time, which other programs of the machine do not lengthen.
+// Measures processor time, which other programs of the machine do not lengthen.
 #pragma once
 
 #include <ctime>

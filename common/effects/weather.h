@@ -119,6 +119,7 @@ GNO_INLINE float countUpTo(Particles particles, float range) {
 
 // Returns the range up to which a number of particles is expected, which is less than that of the whole table.
 GNO_INLINE float rangeWith(Particles particles, float count) {
+  // Every entry is compared, because lanes that search end together anyway.
   uint i = 1u;
   for (uint k = 1u; k < kParticleRanges; ++k)
     if (countAt(particles, k) <= count) i = k + 1u;
@@ -153,8 +154,8 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
   GNO_PRECISE float range = max(rangeWith(particles, count), p.rangeMin);
   if (!(range < far)) return echo;
 
-  // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth), and range / root of focus is at least
-  // kFocusRange.
+  // Power = reflectance * focus * (diameter / beam)^2 / range^2 * exp(-2 depth). The root of this focus is range /
+  // kFocusRange or 1, so the range over the root is the larger one of range and kFocusRange.
   GNO_PRECISE float least = particles.least * max(range, kFocusRange) * exponential(p.extinction * range);
   GNO_PRECISE float larger = -naturalLog(uniformAboveZero(words.y)) * particles.excess;
   GNO_PRECISE float diameter = min(least + larger * inverseRoot(beamArea(p, range)), 1.0f);  // as a share of the beam's

@@ -23,7 +23,7 @@ inline unsigned threadCount() {
   return count;
 }
 
-/// Whether handlers of the program's signals run in a thread. A thread that calls functions of the program takes
+/// Tells whether handlers of the program's signals run in a thread. A thread that calls functions of the program takes
 /// signals, because such a function may raise a signal, or start a process, which inherits the thread's mask.
 enum class Signals { blocked, taken };
 

@@ -30,7 +30,7 @@ bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
   if (!out.empty()) makeFolder(out);
   makeFolder(fileIn(out, "manifest/frames"));
-  fileIn(out, "manifest/lock");
+  fileIn(out, "manifest/lock");  // refuses a link, before anything is removed
   UnfinishedFiles::removeAbandoned(folder_);
   const std::string text =
       jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +

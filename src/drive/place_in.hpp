@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places in the folder of a data set. Data sets are exchanged, and may have links that lead out of their folder:
-// nothing is written, read or removed behind these.
+// Data sets are exchanged, and may have links that lead out of their folder. A drive writes, reads and removes nothing
+// behind such a link, so it asks here for the places of its files.
 #pragma once
 
 #include <filesystem>

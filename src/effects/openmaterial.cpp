@@ -129,19 +129,21 @@ class MaterialReader {
   }
 
   const Reflectances& ofBrdf(const path& file) {
-    const auto known = brdfs_.find(keyOf(file));
-    if (known != brdfs_.end()) return known->second;
-    const json table = readMaterialJson(file);
-    const json& rows = member(file, member(file, table, "brdf"), "lookupTable");
-    return brdfs_.emplace(keyOf(file), reflectances(rows, brdfReflectance)).first->second;
+    const auto [found, isNew] = brdfs_.try_emplace(keyOf(file));
+    if (isNew) {
+      const json table = readMaterialJson(file);
+      found->second = reflectances(member(file, member(file, table, "brdf"), "lookupTable"), brdfReflectance);
+    }
+    return found->second;
   }
 
   const Reflectances& ofConductor(const path& file) {
-    const auto known = conductors_.find(keyOf(file));
-    if (known != conductors_.end()) return known->second;
-    const json table = readMaterialJson(file);
-    const json& rows = member(file, table, "opticalProperties");
-    return conductors_.emplace(keyOf(file), reflectances(rows, conductorReflectance)).first->second;
+    const auto [found, isNew] = conductors_.try_emplace(keyOf(file));
+    if (isNew) {
+      const json table = readMaterialJson(file);
+      found->second = reflectances(member(file, table, "opticalProperties"), conductorReflectance);
+    }
+    return found->second;
   }
 
   /// Sets the reflectances that the row does not state yet.

@@ -55,7 +55,7 @@ double distance(const float* a, const float* b) {
 /// The share of the range by which points may be apart beside the tolerance: the rounding of their coordinates.
 constexpr double kPointRounding = 1e-6;
 
-/// At most so many returns are in both clouds.
+/// Returns the largest number of returns that both clouds may have.
 uint64_t mostReturns(const Scan& reference, const Scan& other) {
   return uint64_t{std::max(reference.beamCount(), other.beamCount())} * std::max(reference.returns, other.returns);
 }

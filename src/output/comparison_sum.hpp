@@ -12,8 +12,8 @@ namespace gnosphere {
 /// Accumulates a Comparison over many scans in little memory.
 class ComparisonSum {
  public:
-  /// `returns` is the largest number of returns in all scans: it decides how many of the largest errors are kept for
-  /// the percentile.
+  /// All scans together must have no more than `returns` returns: from it follows how many of the largest errors are
+  /// kept for the percentile.
   ComparisonSum(uint64_t returns, double tolerance);
   /// Compares two clouds and adds the comparison; throws as compare() does.
   void add(const Scan& reference, const Scan& other);

@@ -42,9 +42,9 @@ class Medium {
                                 const Bounded& far, const std::vector<Echo>& surfaces, bool& doubt) const;
 
  private:
-  /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor.
-  /// Between two of them it is the increasing rational function with both numbers and both densities (Gregory and
-  /// Delbourgo 1982).
+  /// A table of the expected number of detectable drops or flakes up to eight ranges, which are denser near the sensor.
+  /// Between two ranges the number is the increasing rational function with both numbers and both densities (Gregory
+  /// and Delbourgo 1982).
   struct Counts {
     static constexpr size_t kSize = 8;
     struct Part {

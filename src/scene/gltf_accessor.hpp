@@ -29,8 +29,8 @@ class GltfArrays {
   /// Bytes of a bufferView, decompressed if it uses EXT_meshopt_compression.
   Bytes view(int bufferView, const std::string& user);
 
-  /// Returns the whole of a data URI, which `decoded` holds then, or of a file beside the glTF file, which is read once
-  /// and stays here. Throws Error(file) if the file does not exist.
+  /// Returns the bytes of a data URI, which are in `decoded` then, or those of a file beside the glTF file, which is
+  /// read once and kept by this object. Throws Error(file) if the file does not exist.
   Bytes uriBytes(const std::string& uri, const std::string& user, FileBytes& decoded);
 
   /// Counts bytes that the file makes us allocate. A few kilobytes of compressed, sparse or shared data can ask for

@@ -108,12 +108,7 @@ TEST_CASE("a car behind glass is seen") {
   json["sensors"][0]["effects"] = {{"returns", {{"count", 2}}}};
   json["actors"] = {car("behind", {facing(waypoint(0, 8, 0, 0.75), 90)})};
   folder.run(json, "clear");
-  MeshBuilder quad;
-  quad.quad({4, -9, -1}, {0, 18, 0}, {0, 0, 6});
-  Scene pane = sceneOf(quad.take());
-  pane.materials.resize(1);
-  pane.materials[0].transmission = 0.5f;
-  writeGlb(pane, folder / "pane.glb");
+  putPane(folder);
   json["scenes"].push_back({{"file", "pane.glb"}, {"class", "ground"}});
   folder.run(json, "glass");
   const Json clear = boxesOf(folder, 0, "clear")["behind"], behind = boxesOf(folder, 0, "glass")["behind"];

@@ -64,12 +64,7 @@ TEST_CASE("LAS 1.4: header, point format 6, and points in the world") {
 
 TEST_CASE("LAS: the returns of a beam have their number below and their count above") {
   const DriveFolder folder;
-  MeshBuilder quad;
-  quad.quad({4, -9, -1}, {0, 18, 0}, {0, 0, 6});
-  Scene pane = sceneOf(quad.take());
-  pane.materials.resize(1);
-  pane.materials[0].transmission = 0.5f;
-  writeGlb(pane, folder / "pane.glb");
+  putPane(folder);
   Json json = smallDrive();
   json["weather"] = Json::array();
   json["duration"] = 0.1;

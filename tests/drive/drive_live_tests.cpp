@@ -53,7 +53,8 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   INFO(result.err);
   CHECK(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
-  // Of the clock and the vehicle 101 each, 51 measurements, the mounts, 15 clouds and 5 laser scans.
+  // The clock and the vehicle have 101 messages each; there are 51 measurements, one message of the mounts, 15 clouds
+  // and 5 laser scans.
   CHECK_THAT(result.out, ContainsSubstring(", 274 messages in "));
   CHECK(place.files().size() == 3);  // it writes none
 

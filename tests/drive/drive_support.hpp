@@ -8,6 +8,7 @@
 #include "drive/formats/format.hpp"
 #include "drive/run.hpp"
 #include "folder.hpp"
+#include "support.hpp"
 
 namespace gnosphere::test {
 
@@ -145,6 +146,16 @@ inline const DriveFolder& made() {
   }();
   REQUIRE(kDone);
   return kFolder;
+}
+
+/// Writes pane.glb: glass 4 m ahead, from 9 m on the right to 9 m on the left.
+inline void putPane(const DriveFolder& folder) {
+  MeshBuilder quad;
+  quad.quad({4, -9, -1}, {0, 18, 0}, {0, 0, 6});
+  Scene pane = sceneOf(quad.take());
+  pane.materials.resize(1);
+  pane.materials[0].transmission = 0.5f;
+  writeGlb(pane, folder / "pane.glb");
 }
 
 }  // namespace gnosphere::test

@@ -281,7 +281,7 @@ TEST_CASE("range errors have a maximum, a 99.99th percentile and a root mean squ
   CHECK(result.rangeErrorMax == 4);
   CHECK(result.rangeError9999 == 1);
   CHECK(std::abs(result.rangeErrorRms - std::sqrt(21.0 / 20000)) < 1e-15);
-  // Of 10001 errors, 10000 are 99.99 %, and 9999 are less.
+  // 10000 of 10001 errors are at least 99.99 %, and 9999 are not.
   for (Scan* scan : {&reference, &other})
     for (size_t i = 10001; i < 20000; ++i) {
       scan->ranges[i] = std::numeric_limits<float>::quiet_NaN();

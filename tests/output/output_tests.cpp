@@ -280,7 +280,7 @@ TEST_CASE("what is to the left of the sensor is in the left half of both picture
   const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
       stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
   REQUIRE(pixels);
-  // Of the range image, which begins at row 56, and of the view from above, which is a square at the end.
+  // The range image begins at row 56, and the view from above is a square at the end.
   const int side = width - 48;
   for (const auto& [top, bottom] : {std::pair(56, height - 24 - side - 56), std::pair(height - 24 - side, height)}) {
     int coloured[2] = {};

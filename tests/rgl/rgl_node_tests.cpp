@@ -242,7 +242,7 @@ TEST_CASE("RGL: merges, ground and voxels") {
   CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
   CHECK(file.find("POINTS 2\n") != std::string::npos);
 
-  // Each axis has a leaf size of its own.
+  // The voxels may have another size along each axis.
   const std::vector<rgl_vec3f> row = {{{1, 1, 1}}, {{7, 3, 1}}, {{7, 1, 4}}};
   OK(rgl_node_points_from_array(&array, row.data(), 3, &field, 1));
   for (const auto& [x, y, z, voxelCount] :
@@ -336,7 +336,7 @@ TEST_CASE("RGL: an object that is not measured goes on at its speed in m/s, unti
   const rgl_field_t fields[] = {RGL_FIELD_XYZ_VEC3_F32,  RGL_FIELD_DISTANCE_F32,     RGL_FIELD_AZIMUTH_F32,
                                 RGL_FIELD_ELEVATION_F32, RGL_FIELD_RADIAL_SPEED_F32, RGL_FIELD_ENTITY_ID_I32};
   rgl_node_t array = nullptr, objects = nullptr;
-  // The object at x is not measured if x is 0. Another one always stands 100 m away.
+  // An object stands x metres away, or is not measured if x is 0. Another object always stands 100 m away.
   const auto places = [&](uint64_t milliseconds, float x) {
     std::vector<Row> rows = {{{{0, 100, 0}}, 100}};
     if (x > 0) rows.push_back({{{x, 0, 0}}, x});
