@@ -37,7 +37,8 @@ namespace {
   throw Error(ErrorCode::invalidArgument, what);
 }
 
-/// Returns the mesh of an instance; one that does not exist is an error that names the instance.
+}  // namespace
+
 const Mesh& meshOf(const Scene& scene, size_t instance) {
   const uint32_t mesh = scene.instances[instance].mesh;
   if (mesh >= scene.meshes.size())
@@ -45,8 +46,6 @@ const Mesh& meshOf(const Scene& scene, size_t instance) {
          std::to_string(scene.meshes.size()));
   return scene.meshes[mesh];
 }
-
-}  // namespace
 
 size_t Scene::uniqueTriangleCount() const {
   size_t count = 0;
@@ -66,30 +65,6 @@ std::vector<bool> usedVertices(const Mesh& mesh) {
   for (const uint32_t index : mesh.indices)
     if (index < used.size()) used[index] = true;
   return used;
-}
-
-Bounds worldBounds(const Scene& scene) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  std::vector<std::vector<bool>> used(scene.meshes.size());  // by mesh; empty until an instance needs it
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    const Mesh& mesh = meshOf(scene, i);
-    const std::vector<float> deformed =
-        mesh.deformation.empty() ? std::vector<float>() : deformedPositions(mesh, mesh.deformation);
-    const std::vector<float>& positions = mesh.deformation.empty() ? mesh.positions : deformed;
-    std::vector<bool>& isUsed = used[instance.mesh];
-    if (isUsed.empty()) isUsed = usedVertices(mesh);
-    for (size_t v = 0; v < mesh.vertexCount(); ++v) {
-      if (!isUsed[v]) continue;
-      const Vec3 p = instance.transform * Vec3{mesh.origin.x + positions[3 * v], mesh.origin.y + positions[3 * v + 1],
-                                               mesh.origin.z + positions[3 * v + 2]};
-      if (!isFinite(p)) continue;
-      bounds.min = lowest(bounds.min, p);
-      bounds.max = highest(bounds.max, p);
-    }
-  }
-  return bounds;
 }
 
 void validate(const AlphaImage& image, const std::string& name) {

@@ -7,6 +7,9 @@
 
 namespace gnosphere {
 
+/// Returns the mesh of an instance; one that does not exist is an error that names the instance.
+const Mesh& meshOf(const Scene& scene, size_t instance);
+
 /// As many alpha values as pixels, and at least one.
 void validate(const AlphaImage& image, const std::string& name);
 /// Factors in 0..1, as glTF has them, and a retro-reflection of 0..Material::kMostRetro.

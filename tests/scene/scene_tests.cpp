@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loading and writing scenes; each format has its own tests in scene/.
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
+#include <random>
 
 #include "fuzz/readers.hpp"
 #include "problem.hpp"
@@ -184,6 +187,46 @@ TEST_CASE("vertices that no triangle uses are not within the bounds") {
   CHECK(bounds.max.z == 3);
   scene.meshes[0].indices.clear();
   CHECK(worldBounds(scene).empty());
+}
+
+TEST_CASE("the bounds of a scene are those of all its vertices, though few instances are looked at") {
+  std::mt19937 random(7);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  for (int round = 0; round < 200; ++round) {
+    Scene scene;
+    scene.meshes.resize(3);
+    for (Mesh& mesh : scene.meshes) {
+      mesh.origin = {draw(-9, 9), draw(-9, 9), draw(-9, 9)};
+      for (int i = 0; i < 3 * 30; ++i) mesh.positions.push_back(float(draw(-1, 1)));
+      for (int i = 0; i < 3 * 8; ++i) mesh.indices.push_back(uint32_t(random() % 30));
+      if (random() % 3 == 0) mesh.positions[random() % 90] = std::numeric_limits<float>::infinity();
+    }
+    for (int i = 0; i < 60; ++i) {
+      Transform transform;
+      for (double& value : transform.rows) value = draw(-1, 1);
+      for (int row = 0; row < 3; ++row) transform.rows[4 * row + 3] *= draw(0, 20);
+      if (random() % 20 == 0) transform.rows[random() % 12] = 1e308 * draw(-9, 9);
+      scene.instances.push_back({"", random() % 10 == 0 ? kNoMesh : uint32_t(random() % 3), transform});
+    }
+
+    Vec3 least{1e300, 1e300, 1e300}, greatest{-1e300, -1e300, -1e300};
+    for (const Instance& instance : scene.instances) {
+      if (instance.mesh == kNoMesh) continue;
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      for (const uint32_t index : mesh.indices) {
+        const float* p = &mesh.positions[3 * index];
+        const Vec3 at = instance.transform * Vec3{mesh.origin.x + p[0], mesh.origin.y + p[1], mesh.origin.z + p[2]};
+        if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z)) continue;
+        least = {std::min(least.x, at.x), std::min(least.y, at.y), std::min(least.z, at.z)};
+        greatest = {std::max(greatest.x, at.x), std::max(greatest.y, at.y), std::max(greatest.z, at.z)};
+      }
+    }
+    const Bounds bounds = worldBounds(scene);
+    for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+      CHECK(bounds.min.*axis == least.*axis);
+      CHECK(bounds.max.*axis == greatest.*axis);
+    }
+  }
 }
 
 TEST_CASE("missing files, folders and unknown endings are errors that name them") {

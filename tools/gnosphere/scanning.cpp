@@ -20,6 +20,7 @@
 #include "effects/parameter_text.hpp"
 #include "option_table.hpp"
 #include "pose_text.hpp"
+#include "scene/bounds.hpp"
 #include "scene/coarse_positions.hpp"
 
 namespace gnosphere::cli {
@@ -214,13 +215,23 @@ std::optional<double> heightAt(const Vec3& a, const Vec3& b, const Vec3& c, doub
   return a.z + v * (b.z - a.z) + w * (c.z - a.z);
 }
 
+/// Whether a vertical line meets a box.
+bool isWithin(const Bounds& bounds, double x, double y) {
+  return x >= bounds.min.x && x <= bounds.max.x && y >= bounds.min.y && y <= bounds.max.y;
+}
+
 /// The height of the lowest surface of a scene above a place; that of the scene's lowest point if there is none.
 double groundAt(const Scene& scene, double x, double y, const Bounds& bounds) {
   double ground = std::numeric_limits<double>::infinity();
+  std::vector<std::optional<Bounds>> boxes(scene.meshes.size());
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
+    std::optional<Bounds>& box = boxes[instance.mesh];
+    if (!box) box = meshBounds(mesh);
+    if (box->empty() || !isWithin(instance.transform * *box, x, y)) continue;
+    const std::vector<float> deformed = deformedPositions(mesh, mesh.deformation);
     const auto corner = [&](size_t i) {
-      const float* p = &mesh.positions[3 * size_t{mesh.indices[i]}];
+      const float* p = &deformed[3 * size_t{mesh.indices[i]}];
       return instance.transform * (mesh.origin + Vec3{p[0], p[1], p[2]});
     };
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
