@@ -87,7 +87,9 @@ void Judge::store(const Reported& reported, const Return& value, size_t at, Scan
       &scan.points[3 * at]);
   scan.ranges[at] = static_cast<float>(value.range.value);
   const ScanColumns columns(scan);
-  columns.data<float>(Field::tolerance)[at] = static_cast<float>(value.range.error);
+  // The range of the reference is rounded, too, when it is stored.
+  columns.data<float>(Field::tolerance)[at] =
+      static_cast<float>(value.range.error + kUnitRoundoff * std::abs(value.range.value));
   const bool solid = value.hit.triangle != kNobody;
   if (float* const intensities = columns.data<float>(Field::intensity))
     intensities[at] = static_cast<float>(value.intensity);
