@@ -43,6 +43,21 @@ bool actorsMove(const Drive& drive, const RigSensor& sensor) {
   return false;
 }
 
+/// Whether the ego moves while a sensor makes one of the scans, each of which takes `duration` seconds. An ego that
+/// stands in each scan and is elsewhere in the next does not.
+bool egoMovesWithinScans(const Drive& drive, const RigSensor& sensor, double duration) {
+  const double first = drive.start + sensor.offset, last = drive.start + drive.duration;
+  std::vector<double> times = drive.ego.timesWithin(first, last);
+  times.push_back(last);
+  double from = first;
+  for (const double to : times) {
+    const double scan = first + std::floor((from - first) * sensor.rate) / sensor.rate;
+    if ((from < scan + duration || to > scan + 1 / sensor.rate) && drive.ego.movesWithin(from, to)) return true;
+    from = to;
+  }
+  return false;
+}
+
 }  // namespace
 
 void DriveReader::warn(const std::string& path, const std::string& why) {
@@ -116,14 +131,14 @@ void DriveReader::warnOfWeather(const RigSensor& sensor, const std::string& path
 /// Warns of motion within the scans of a sensor that its effects turn off, if an output has times of its points.
 void DriveReader::warnOfMotion(size_t index, const std::string& path) {
   const RigSensor& sensor = drive_.sensors[index];
-  const double first = drive_.start, last = drive_.start + drive_.duration, scan = durationOf(sensor.sensor, 0);
+  const double scan = durationOf(sensor.sensor, 0);
   const auto writes = [&](const Output& output) {
     return hasPointTimes(output) && std::ranges::find(output.sensors, index) != output.sensors.end();
   };
   const auto output = std::ranges::find_if(drive_.outputs, writes);
   if (!(scan > 0) || output == drive_.outputs.end()) return;
   std::vector<std::string> off;
-  if (sensor.effects.sensorMotion.use == EffectUse::off && drive_.ego.movesWithin(first, last))
+  if (sensor.effects.sensorMotion.use == EffectUse::off && egoMovesWithinScans(drive_, sensor, scan))
     off.push_back("sensor-motion");
   if (sensor.effects.objectMotion.use == EffectUse::off && actorsMove(drive_, sensor)) off.push_back("object-motion");
   if (!off.empty())

@@ -149,6 +149,19 @@ TEST_CASE("motion within scans that effects turn off is warned of where points h
   json["sensors"][1]["ignores"] = {"car-1", "person-1"};  // the person stands, and comes and goes
   CHECK(warningsOf(json).empty());
 
+  // Scans are from 0.05 to 0.15 s, from 0.25 to 0.35 s and so on.
+  const auto stations = [&](double left, double arrived) {
+    Json waypoints = {waypoint(0, -2, 0, 0), waypoint(left, -2, 0, 0), waypoint(arrived, 2, 0, 0),
+                      waypoint(1, 2, 0, 0)};
+    json["ego"]["trajectory"] = {{"waypoints", waypoints}};
+    return warningsOf(json).size();
+  };
+  CHECK(stations(0.16, 0.24) == 0);
+  CHECK(stations(0.14, 0.24) == 1);
+  CHECK(stations(0.16, 0.26) == 1);
+  CHECK(stations(0.01, 0.06) == 1);
+  CHECK(stations(0.16, 0.64) == 1);  // two scans long
+
   json.erase("duration");
   json["ego"] = smallDrive()["ego"];
   json["outputs"] = {{{"format", "kitti"}, {"sensors", {"side"}}}, {{"format", "mcap"}, {"sensors", {"top"}}}};
