@@ -2,95 +2,19 @@
 """Surveys of HELIOS++ become drives whose points are where the survey's geometry says."""
 
 import json
-import struct
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from conftest import program
+from helios_surveys import AIRBORNE, SCANNERS, SCENE, made, write_surveys
 
 from gnosphere import Error, helios
-
-PLATFORMS = """<document>
-<platform id="aircraft" type="linearpath"><scannerMount z="0.7"><rot axis="x" angle_deg="-90"/>
-  <rot axis="z" angle_deg="90"/></scannerMount></platform>
-<platform id="tripod" type="static"><scannerMount z="1.5"/></platform>
-<platform id="copter" type="multicopter"><attitudeXNoise type="NORMAL"/></platform></document>"""
-
-SCANNERS = """<document>
-<scanner id="polygon" optics="rotating" pulseFreqs_Hz="2000" scanAngleMax_deg="45" scanAngleEffectiveMax_deg="30"
-  scanFreqMin_Hz="10" scanFreqMax_Hz="200" beamDivergence_rad="0.0005" rangeMin_m="10" maxNOR="4" accuracy_m="0.02"
-  pulseLength_ns="4"/>
-<scanner id="head" optics="rotating" pulseFreqs_Hz="2000" scanAngleMax_deg="50" headRotatePerSecMax_deg="60"
-  scanFreqMin_Hz="3" scanFreqMax_Hz="120" rangeMin_m="0.5" maxNOR="1"><beamOrigin z="0.2"/></scanner>
-<scanner id="prism" optics="risley" pulseFreqs_Hz="2000"/></document>"""
-
-# A ground of 400 x 400 m at z 5, and a plate of 4 x 6 m at (0, 30), z 15. The plate's file has y upwards.
-SCENE = """<document><scene id="yard">
-<part><filter type="objloader"><param type="string" key="filepath" value="data/ground.obj"/></filter>
-  <filter type="scale"><param type="double" key="scale" value="200"/></filter>
-  <filter type="translate"><param type="vec3" key="offset" value="0;0;5"/></filter></part>
-<part><filter type="objloader"><param type="string" key="filepath" value="data/plate.obj"/>
-    <param type="string" key="up" value="y"/></filter>
-  <filter type="rotate"><param key="rotation" type="rotation"><rot axis="z" angle_deg="90"/></param></filter>
-  <filter type="translate"><param type="vec3" key="offset" value="0;30;5"/></filter></part></scene></document>"""
-
-LIBRARY = """newmtl soil
-Kd 1 1 1
-helios_classification 2
-helios_reflectance 30
-newmtl roof
-helios_isGround false
-helios_classification 6
-"""
-
-AIRBORNE = """<document><platformSettings id="fast" movePerSec_m="30" z="105"/>
-<scannerSettings id="wide" active="true" pulseFreq_hz="2000" scanAngle_deg="20" scanFreq_hz="40"/>
-<survey name="lines" platform="data/platforms.xml#aircraft" scanner="data/scanners.xml#polygon"
-  scene="data/scene.xml#yard">
-<leg><platformSettings template="fast" x="-30" y="-50"/><scannerSettings template="wide"/></leg>
-<leg><platformSettings template="fast" x="70" y="-50"/><scannerSettings template="wide" active="false"/></leg>
-<leg><platformSettings template="fast" x="70" y="0"/><scannerSettings template="wide"/></leg>
-<leg><platformSettings template="fast" x="-30" y="0"/></leg></survey></document>"""
-
-TERRESTRIAL = """<document><survey name="stations" platform="data/platforms.xml#tripod" scanner="data/scanners.xml#head"
-  scene="data/scene.xml#yard"><leg><platformSettings x="0" y="0" onGround="true"/><scannerSettings pulseFreq_hz="2000"
-  scanFreq_hz="20" verticalAngleMin_deg="-40" verticalAngleMax_deg="30" headRotatePerSec_deg="10"
-  headRotateStart_deg="-30" headRotateStop_deg="90"/></leg></survey></document>"""
 
 
 @pytest.fixture
 def surveys(tmp_path):
-    """A folder with two surveys, and the folder data with what they name."""
-    (tmp_path / "data").mkdir()
-    files = {
-        "data/platforms.xml": PLATFORMS, "data/scanners.xml": SCANNERS, "data/scene.xml": SCENE, "data/m.mtl": LIBRARY,
-        "data/ground.obj": "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl soil\nf 1 2 3 4\n",
-        "data/plate.obj": "mtllib m.mtl\nusemtl roof\nv -3 10 -2\nv 3 10 -2\nv 3 10 2\nv -3 10 2\nf 1 2 3 4\n",
-        "air.xml": AIRBORNE, "ground.xml": TERRESTRIAL,
-    }  # fmt: skip
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
-    return tmp_path
-
-
-def points_of(file):
-    """The points (n, 3), classes and intensities (1 is white) of LAS 1.4 with data records of format 6."""
-    data = file.read_bytes()
-    start, length = struct.unpack_from("<I", data, 96)[0], struct.unpack_from("<H", data, 105)[0]
-    scale, offset = np.frombuffer(data, "<f8", 3, 131), np.frombuffer(data, "<f8", 3, 155)
-    rows = np.frombuffer(data, np.uint8, offset=start)[: struct.unpack_from("<Q", data, 247)[0] * length]
-    rows = rows.reshape(-1, length)
-    whole = np.ascontiguousarray(rows[:, :12]).view("<i4")
-    return whole * scale + offset, rows[:, 16], np.ascontiguousarray(rows[:, 12:14]).view("<u2")[:, 0] / 65535
-
-
-def made(file, folder):
-    """The points of a drive file's one scanner."""
-    program("drive", file, "-o", folder)
-    (cloud,) = (folder / "las").glob("*.las")
-    return points_of(cloud)
+    return write_surveys(tmp_path)
 
 
 def test_flight_lines(surveys):
@@ -106,7 +30,7 @@ def test_flight_lines(surveys):
     files = survey.write(surveys / "out")
     assert [file.name for file in files] == ["leg-000.json", "leg-002.json"]
 
-    points, classes, intensities = made(files[0], surveys / "one")
+    points, intensities, classes, *_ = made(files[0], surveys / "one")
     assert len(points) == 133 * 23 and set(classes) == {2}
     assert abs(points[:, 2] - 5).max() < 0.15 and points[:, 2].std() == pytest.approx(0.02, rel=0.1)
     # The head is 0.7 m above the aircraft, which flies to the east over y -50, and its lines are across.
@@ -115,7 +39,7 @@ def test_flight_lines(surveys):
     assert points[:, 1].max() == pytest.approx(-50 + half, abs=0.1)
     assert points[:, 0].min() == pytest.approx(-30, abs=0.5) and points[:, 0].max() == pytest.approx(69.75, abs=0.5)
     assert intensities.mean() == pytest.approx(0.3, rel=0.05)
-    points, classes, _ = made(files[1], surveys / "two")
+    points, _, classes, *_ = made(files[1], surveys / "two")
     assert points[0, 0] > points[-1, 0]  # it flies back
     plate = points[classes == 6]
     assert len(plate) > 0 and abs(plate[:, 2] - 15).max() < 0.15
@@ -131,7 +55,7 @@ def test_a_sector_of_a_tripod(surveys):
     waypoint = leg.drive["ego"]["trajectory"]["waypoints"][0]
     assert waypoint["position"] == [0, 0, 5] and waypoint["yaw_deg"] == 90  # on the ground, to the north
     (file,) = survey.write(surveys / "out")
-    points, classes, _ = made(file, surveys / "one")
+    points, _, classes, *_ = made(file, surveys / "one")
     # Angles of the head are counter-clockwise from north.
     turn = np.degrees(np.arctan2(-points[:, 0], points[:, 1]))
     assert turn.min() > -30.5 and turn.max() < 90.5 and np.ptp(turn) > 119

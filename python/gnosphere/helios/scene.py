@@ -27,7 +27,7 @@ class Part:
     scale: float = 1.0
     offset: Matrix = field(default_factory=lambda: np.zeros(3))
     materials: dict[str, dict[str, str]] = field(default_factory=dict)
-    """What HELIOS++ reads of each material in the file's libraries, such as {"grass": {"classification": "2"}}."""
+    """What HELIOS++ reads of each material, such as {"grass": {"classification": "2"}}."""
 
     @cached_property
     def ground(self) -> Matrix:
@@ -62,13 +62,21 @@ def _heights(triangles: Matrix, x: float, y: float) -> Matrix:
 
 def read_parts(assets: Assets, location: str, left_out: Counter[str]) -> list[Part]:
     scene = assets.element("scene", location)
-    parts = [_part(assets, part, number, left_out) for number, part in enumerate(scene.iter("part"))]
+    known: dict[Path, dict[str, dict[str, str]]] = {}
+    parts = [_part(assets, part, number, known, left_out) for number, part in enumerate(scene.iter("part"))]
     if not parts:
         raise ValueError(f"the scene '{location}' has no <part>")
     return parts
 
 
-def _part(assets: Assets, element: ET.Element, number: int, left_out: Counter[str]) -> Part:
+def _part(
+    assets: Assets,
+    element: ET.Element,
+    number: int,
+    known: dict[Path, dict[str, dict[str, str]]],
+    left_out: Counter[str],
+) -> Part:
+    """The part of an element. `known` has the materials of files that parts before it have read."""
     where = f"part {element.get('id', number)} of the scene"
     for tag, what in (("swap", "exchanges of parts"), ("dmotion", "motions of parts")):
         if element.find(tag) is not None:
@@ -79,6 +87,9 @@ def _part(assets: Assets, element: ET.Element, number: int, left_out: Counter[st
         values = {param.get("key", ""): param for param in step.findall("param")}
         if kind == "objloader":
             part = _object(assets, values, where)
+            if part.file not in known:
+                known[part.file] = _materials(part.file)
+            part.materials = known[part.file]
         elif kind in ("geotiffloader", "xyzloader", "detailedvoxels"):
             raise ValueError(f"{where} is read by '{kind}'; only triangles are, so make an OBJ of it, for 'objloader'")
         elif kind not in ("scale", "rotate", "translate"):
@@ -98,7 +109,6 @@ def _object(assets: Assets, values: dict[str, ET.Element], where: str) -> Part:
     part = Part(assets.path(values["filepath"].get("value", "")))
     if "up" in values:
         part.up = values["up"].get("value", "z")
-    part.materials = _materials(part.file)
     return part
 
 
@@ -121,7 +131,8 @@ def _move(part: Part, kind: str, values: dict[str, ET.Element], where: str, left
 
 
 def _materials(file: Path) -> dict[str, dict[str, str]]:
-    """The words of HELIOS++ in the material libraries beside an OBJ file."""
+    """What HELIOS++ reads of each material of an OBJ file in the libraries beside it: its own words, and Ks. Also has
+    the materials that no library defines, and '' if faces have none, with no words."""
     found: dict[str, dict[str, str]] = {}
     text = file.read_text(encoding="utf-8", errors="replace")
     for line in text.splitlines():
@@ -138,7 +149,19 @@ def _materials(file: Path) -> dict[str, dict[str, str]]:
                 key = words[0][len("helios_") :]
                 number = key == "classification"
                 current[key] = str(int(number_of(words[1], f"{words[0]} in {library}"))) if number else words[1]
+            elif len(words) > 1 and words[0] == "Ks":
+                current["Ks"] = " ".join(words[1:])
+    for material in gno.load_scene(file).materials:
+        found.setdefault(material.name, {})
     return found
+
+
+def _is_mirror_like(words: dict[str, str]) -> bool:
+    """Whether Ks of a material has a part above 0. HELIOS++ then adds a lobe, whose exponent is Ns."""
+    try:
+        return any(float(text) > 0 for text in words.get("Ks", "").split())
+    except ValueError:
+        return False
 
 
 @dataclass
@@ -165,6 +188,8 @@ def surfaces_of(parts: list[Part], left_out: Counter[str]) -> Surfaces:
                 left_out["reflectances of materials that another part has by the same name"] += 1
             if "spectra" in words:
                 left_out["spectra of materials"] += 1
+            if _is_mirror_like(words):
+                left_out["mirror-like reflections of materials (Ks, Ns)"] += 1
     return surfaces
 
 

@@ -64,8 +64,8 @@ class Survey:
     left_out: Counter[str] = field(default_factory=Counter)
 
     def write(self, folder: Union[str, Path]) -> list[Path]:
-        """Writes leg-NNN.json, the drive of a leg, and leg-NNN-sensor.json for each leg, and materials.json if the
-        scene states reflectances. Returns the drive files."""
+        """Writes leg-NNN.json, the drive of a leg, and leg-NNN-sensor.json for each leg, and materials.json with the
+        reflectances. Returns the drive files."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         scene: dict[str, Any] = {
@@ -73,8 +73,9 @@ class Survey:
             "classes": self.surfaces.classes,
         }
         if self.surfaces.reflectances:
+            # HELIOS++ does not read how much light a material lets through (d and Tr).
             rows = [
-                {"name": name, "reflectance_905": value, "reflectance_1550": value}
+                {"name": name, "reflectance_905": value, "reflectance_1550": value, "transmission": 0}
                 for name, value in self.surfaces.reflectances.items()
             ]
             (folder / "materials.json").write_text(json.dumps({"materials": rows}, indent=1), encoding="utf-8")
