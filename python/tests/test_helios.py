@@ -49,11 +49,13 @@ def test_flight_lines(surveys):
 def test_a_sector_of_a_tripod(surveys):
     survey = helios.read_survey(surveys / "ground.xml")
     (leg,) = survey.legs
-    assert leg.duration == pytest.approx(12)  # 120 degrees at 10 a second
-    assert leg.sensor.columns == 240 and leg.sensor.azimuth_span_deg == pytest.approx(120)
-    assert leg.sensor.scan_period == pytest.approx(12)
+    assert leg.duration == pytest.approx(12, abs=1e-4)  # 120 degrees at 10 a second
+    # A scan takes at most 10 s, so there are two, with the 20 lines of a second in each.
+    assert leg.sensor.columns == 120 and leg.sensor.azimuth_span_deg == pytest.approx(60)
+    assert leg.sensor.scan_period == pytest.approx(6, abs=1e-4)
     waypoint = leg.drive["ego"]["trajectory"]["waypoints"][0]
-    assert waypoint["position"] == [0, 0, 5] and waypoint["yaw_deg"] == 90  # on the ground, to the north
+    assert waypoint["position"] == [0, 0, 5]  # on the ground, to the north
+    assert waypoint["orientation"] == pytest.approx([0, 0, 0.5**0.5, 0.5**0.5])
     (file,) = survey.write(surveys / "out")
     points, _, classes, *_ = made(file, surveys / "one")
     # Angles of the head are counter-clockwise from north.

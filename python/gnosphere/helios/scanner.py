@@ -18,6 +18,12 @@ from .assets import Matrix, Settings, about, number_of, rotation_of
 _MOST_BEAMS = 1_000_000
 """Pulses of a scan that is a list, which lasts for a second otherwise."""
 
+_MOST_SECONDS = 10
+"""What a scan of a sensor takes at most."""
+
+GAP = 1e-5
+"""Seconds between two scans in which a platform that stands turns on, so that it stands still within each."""
+
 
 @dataclass
 class Scanner:
@@ -27,6 +33,7 @@ class Scanner:
     rate: float  # scans a second
     scans: int
     turn: Matrix  # of a head that stands still, in the axes of HELIOS++
+    step: float  # degrees by which the head has turned on at the start of the next scan, counter-clockwise
     assumed: tuple[str, ...]
 
 
@@ -121,12 +128,16 @@ def _read(element: ET.Element, sweep: Sweep, **options: Any) -> gno.SensorFile:
     return gno.read_sensor_file(ET.tostring(document), f"{identifier}.xml", chosen)
 
 
+def _mirror_rate_of(element: ET.Element, sweep: Sweep) -> float:
+    rate = sweep.mirror_rate or _first(element, "scanFreqMax_Hz")
+    if rate <= 0:
+        raise ValueError(f"the scanner '{element.get('id')}' needs scanFreq_hz")
+    return rate
+
+
 def _lines(element: ET.Element, sweep: Sweep) -> Scanner:
     """A mirror that sweeps lines while the head stands: a scan is several lines, and the leg is a number of scans."""
-    most = _first(element, "scanFreqMax_Hz")
-    mirror_rate = sweep.mirror_rate or most
-    if mirror_rate <= 0:
-        raise ValueError(f"the scanner '{element.get('id')}' needs scanFreq_hz")
+    most, mirror_rate = _first(element, "scanFreqMax_Hz"), _mirror_rate_of(element, sweep)
     # Pulses are whole in a period, which must not make the mirror faster than it can be.
     pulses = max(math.floor(sweep.pulse_rate / mirror_rate + 1e-9), 1)
     if most > 0 and sweep.pulse_rate / pulses > most * (1 + 1e-9):
@@ -136,34 +147,55 @@ def _lines(element: ET.Element, sweep: Sweep) -> Scanner:
     beams = pulses * (len(channels) if channels is not None else 1)
     lines = max(round(sweep.duration / period), 1)
     fewest = math.ceil(lines / max(min(round(1 / period), _MOST_BEAMS // beams), 1))
-    scans = min(range(fewest, 2 * fewest + 1), key=lambda count: abs(count * max(round(lines / count), 1) - lines))
+    scans = _scans_of(lines, fewest)
     rate = 1 / (max(round(lines / scans), 1) * period)
     found = _read(element, sweep, columns=pulses, scan_rate=rate)
     assumed = tuple(what for what in found.assumed if not what.startswith("scans of"))
-    return Scanner(found.sensor, rate, scans, about("z", sweep.head_start), assumed)
+    return Scanner(found.sensor, rate, scans, about("z", sweep.head_start), 0, assumed)
+
+
+def _scans_of(lines: int, fewest: int) -> int:
+    """The number of equal scans, at least the fewest, that have the wanted number of lines most nearly."""
+    return min(range(fewest, 2 * fewest + 1), key=lambda count: abs(count * max(round(lines / count), 1) - lines))
 
 
 def _turning(element: ET.Element, sweep: Sweep, channels: bool) -> Scanner:
-    """A head that turns: a scan is a turn, or the sector of a head that makes less than one."""
-    turns = abs(sweep.head_speed) / 360
-    options: dict[str, Any] = {"scan_rate": turns}
+    """A head that turns: a scan is a turn of it, or a sector. Turns and sectors of more than 10 s are several scans."""
+    speed, turns = sweep.head_speed, abs(sweep.head_speed) / 360
+    options: dict[str, Any] = {}
+    line_rate = sweep.pulse_rate
     if not channels:
-        mirror_rate = sweep.mirror_rate or _first(element, "scanFreqMax_Hz")
-        options["columns"] = math.floor(mirror_rate / turns + 1e-6)
-    found = _read(element, sweep, **options)
+        line_rate = max(math.floor(_mirror_rate_of(element, sweep) / turns + 1e-6), 1) * turns
+        options["columns"] = 1
+    # A head that turns once in a line is read, because a turn of more than 10 s would have no times.
+    found = _read(element, sweep, scan_rate=line_rate, **options)
     sensor = found.sensor
-    swept = min(abs(sweep.head_speed) * sweep.duration, 360.0)
-    columns = max(round(sensor.columns * swept / 360), 1)
-    if sensor.rotation_period > 0:
-        sensor.rotation_period *= columns / sensor.columns
-    sign = math.copysign(1, sweep.head_speed)
-    sensor.azimuth_span_deg = sign * 360 * columns / sensor.columns
-    sensor.azimuth_start_deg = math.remainder(sweep.head_start, 360)
+    sensor.channels = tuple(
+        gno.Channel(
+            channel.elevation_deg,
+            channel.azimuth_offset_deg + (speed - 360 * line_rate) * channel.time_offset,
+            channel.origin,
+            channel.time_offset,
+            channel.range_min,
+            channel.range_max,
+        )
+        for channel in sensor.channels
+    )
+    in_turn = max(math.floor(line_rate / turns + 1e-6), 1)
+    if 1 / turns <= _MOST_SECONDS and sweep.duration * turns >= 1:
+        columns, scans, rate, step = in_turn, round(sweep.duration * turns), turns, 0.0
+    else:
+        lines = max(round(line_rate * sweep.duration), 1)
+        scans = _scans_of(lines, math.ceil(lines / max(math.floor(_MOST_SECONDS * line_rate + 1e-6), 1)))
+        columns = max(round(lines / scans), 1)
+        rate = 1 / (columns / line_rate + (GAP if scans > 1 else 0))
+        step = speed * columns / line_rate if scans > 1 else 0.0
     sensor.columns = columns
-    whole = max(round(sweep.duration * turns), 1)
-    rate = turns if swept == 360 else 1 / sweep.duration
+    sensor.rotation_period = columns / line_rate
+    sensor.azimuth_start_deg = math.remainder(sweep.head_start, 360)
+    sensor.azimuth_span_deg = min(max(speed * columns / line_rate, -360.0), 360.0)
     sensor.scan_period = max(1 / rate, sensor.rotation_period)
-    return Scanner(sensor, rate, whole, np.eye(3), found.assumed)
+    return Scanner(sensor, rate, scans, np.eye(3), step, found.assumed)
 
 
 def _cut_vertically(element: ET.Element, sensor: gno.Sensor, settings: Settings) -> None:

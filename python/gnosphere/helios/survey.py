@@ -18,8 +18,8 @@ import numpy as np
 
 from .. import _gnosphere as gno
 from .. import adapter
-from .assets import Assets, Matrix, Settings, number_of, place, quaternion_of, rotation_of
-from .scanner import Scanner, effects_of, scanner_of
+from .assets import Assets, Matrix, Settings, about, number_of, place, quaternion_of, rotation_of
+from .scanner import GAP, Scanner, effects_of, scanner_of
 from .scene import Part, Surfaces, ground_at, read_parts, scenes_of, surfaces_of
 
 _TO_OURS = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -216,8 +216,17 @@ class _Reader:
             {"time": time, "position": place(start), "yaw_deg": yaw},
             {"time": time + duration, "position": place(end), "yaw_deg": yaw},
         ]
+        mount, turn = self._mount(scanner)
+        if scanner.step != 0:
+            if target is not None:
+                raise ValueError(
+                    f"{self._assets.survey}: leg {number}: the head takes more than 10 s for a turn, which is read for "
+                    "platforms that stand"
+                )
+            waypoints = _turning_on(time, start, about("z", yaw), scanner, mount, turn)
+            effects = {**effects, "sensor-motion": {"use": "off"}}  # it stands still in each scan
         label = re.sub(r"[^A-Za-z0-9_-]", "_", self._scanner.get("id", "scanner"))
-        las = {"format": "las", "one_file": True, "flight_line": number + 1, "fields": "range,width,incidence"}
+        las = {"format": "las", "one_file": True, "flight_line": number + 1, "fields": "range,width,incidence,beam"}
         return Leg(
             number,
             duration,
@@ -229,15 +238,42 @@ class _Reader:
                 "rate": scanner.rate,
                 "start": time,
                 "duration": duration,
-                "sensors": [{"name": label, "mount": self._mount(scanner), "effects": effects}],
+                "sensors": [
+                    {
+                        "name": label,
+                        "mount": {"position": place(mount), "orientation": quaternion_of(turn)},
+                        "effects": effects,
+                    }
+                ],
                 "outputs": [las],
             },
         )
 
-    def _mount(self, scanner: Scanner) -> dict[str, Any]:
+    def _mount(self, scanner: Scanner) -> tuple[Matrix, Matrix]:
+        """Where the scanner is on the platform, and how it is turned, in our axes."""
         mount = self._platform.find("scannerMount")
         position = np.zeros(3)
         if mount is not None:
             position = np.array([number_of(mount.get(axis, "0"), f"{axis} of <scannerMount>") for axis in "xyz"])
         turn = _TO_OURS @ rotation_of(mount) @ scanner.turn @ _TO_OURS.T
-        return {"position": place(_TO_OURS @ position), "orientation": quaternion_of(turn)}
+        return _TO_OURS @ position, turn
+
+
+def _turning_on(
+    time: float, position: Matrix, heading: Matrix, scanner: Scanner, mount: Matrix, turn: Matrix
+) -> list[dict[str, Any]]:
+    """Waypoints of a platform that stands during each scan, and before the next one turns about the axis of the scanner
+    as far as its head has turned.
+
+    position, heading: of the platform in the first scan.
+    mount, turn: where the scanner is on the platform, and how it is turned.
+    """
+    waypoints = []
+    for scan in range(scanner.scans):
+        start, end = time + scan / scanner.rate, time + (scan + 1) / scanner.rate
+        # Times are rounded, so a scan begins and ends well within the time for which the platform stands.
+        first, last = start - (GAP / 4 if scan else 0), end - (3 * GAP / 4 if scan + 1 < scanner.scans else 0)
+        turned = heading @ turn @ about("z", scan * scanner.step) @ turn.T
+        stands = {"position": place(position + (heading - turned) @ mount), "orientation": quaternion_of(turned)}
+        waypoints += [{"time": first, **stands}, {"time": last, **stands}]
+    return waypoints
