@@ -67,11 +67,24 @@ def test_a_sector_of_a_tripod(surveys):
 
 
 def test_what_is_left_out(surveys):
-    text = AIRBORNE.replace("#aircraft", "#copter").replace("</survey>", "<FWFSettings/></survey>")
+    text = AIRBORNE.replace("#aircraft", "#copter").replace(
+        "</survey>", '<FWFSettings binSize_ns="0.2" beamSampleQuality="4"/></survey>'
+    )
     (surveys / "air.xml").write_text(text)
     with pytest.warns(UserWarning, match="leaves out speeding up, slowing down and turning of a 'multicopter'"):
         survey = helios.read_survey(surveys / "air.xml")
     assert survey.left_out["noise of the platform's attitude"] == survey.left_out["settings of full waveforms"] == 1
+
+
+def test_what_is_left_out_of_the_scanner(surveys):
+    stated = {"atmosphericVisibility_km": 5, "averagePower_w": 4, "receiverDiameter_m": 0.15, "wavelength_nm": 905}
+    words = " ".join(f'{name}="{value}"' for name, value in stated.items())
+    (surveys / "data" / "scanners.xml").write_text(SCANNERS.replace('id="polygon"', f'id="polygon" {words}'))
+    with pytest.warns(UserWarning, match="averagePower_w of the scanner"):
+        survey = helios.read_survey(surveys / "air.xml")
+    # Two legs have the scanner, whose wavelength is that of the intensities.
+    names = ("atmosphericVisibility_km", "averagePower_w", "receiverDiameter_m")
+    assert survey.left_out == {f"{name} of the scanner": 1 for name in names}
 
 
 @pytest.mark.parametrize(

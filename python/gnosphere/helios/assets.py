@@ -55,9 +55,10 @@ class Assets:
 
 
 class Settings:
-    """Attributes of an element, or where it has none, of the element that it names as its template, and so on."""
+    """Attributes of an element, or where it has none, of the element that it names as its template, and so on, and
+    last those of `defaults`."""
 
-    def __init__(self, assets: Assets, element: Optional[ET.Element]) -> None:
+    def __init__(self, assets: Assets, element: Optional[ET.Element], defaults: Optional[ET.Element] = None) -> None:
         self._name = "" if element is None else element.tag
         self._attributes: dict[str, str] = {}
         seen: set[int] = set()
@@ -66,6 +67,9 @@ class Settings:
             self._attributes = {**element.attrib, **self._attributes}
             template = element.get("template")
             element = assets.element(element.tag, template) if template else None
+        if defaults is not None:
+            self._name = self._name or defaults.tag
+            self._attributes = {**defaults.attrib, **self._attributes}
 
     def has(self, name: str) -> bool:
         return name in self._attributes
@@ -76,6 +80,10 @@ class Settings:
     def number(self, name: str, default: float = 0.0) -> float:
         text = self._attributes.get(name)
         return default if text is None else number_of(text, f"{name} of <{self._name}>")
+
+    def others(self, read: Iterable[str]) -> list[str]:
+        """The names of attributes beside those that are read, and beside those that name elements."""
+        return sorted(self._attributes.keys() - {*read, "id", "name", "template"})
 
     def flag(self, name: str, default: bool) -> bool:
         return self._attributes.get(name, str(default)).lower() in ("true", "1")

@@ -18,6 +18,18 @@ from .assets import Matrix, Settings, about, number_of, rotation_of
 _MOST_BEAMS = 1_000_000
 """Pulses of a scan that is a list, which lasts for a second otherwise."""
 
+_READ_HERE = {
+    *("accuracy_m", "pulseLength_ns", "wavelength_nm", "scanProduct"),
+    *("scanAngleMax_deg", "scanAngleEffectiveMax_deg", "scanFreqMin_Hz", "scanFreqMax_Hz"),
+}
+"""Attributes of a scanner that a sensor does not hold: effects have them, or they are about a mirror that it lacks."""
+
+_LIGHT = 299792458.0
+"""Metres a second."""
+
+_MOST_RINGS = 5
+"""Of sub-rays of a pulse, with the one in the middle: 1, 7, 19, 37 and 61 sub-rays."""
+
 _MOST_SECONDS = 10
 """What a scan of a sensor takes at most."""
 
@@ -35,6 +47,7 @@ class Scanner:
     turn: Matrix  # of a head that stands still, in the axes of HELIOS++
     step: float  # degrees by which the head has turned on at the start of the next scan, counter-clockwise
     assumed: tuple[str, ...]
+    ignored: tuple[str, ...]
 
 
 @dataclass
@@ -151,7 +164,7 @@ def _lines(element: ET.Element, sweep: Sweep) -> Scanner:
     rate = 1 / (max(round(lines / scans), 1) * period)
     found = _read(element, sweep, columns=pulses, scan_rate=rate)
     assumed = tuple(what for what in found.assumed if not what.startswith("scans of"))
-    return Scanner(found.sensor, rate, scans, about("z", sweep.head_start), 0, assumed)
+    return Scanner(found.sensor, rate, scans, about("z", sweep.head_start), 0, assumed, found.ignored)
 
 
 def _scans_of(lines: int, fewest: int) -> int:
@@ -195,7 +208,7 @@ def _turning(element: ET.Element, sweep: Sweep, channels: bool) -> Scanner:
     sensor.azimuth_start_deg = math.remainder(sweep.head_start, 360)
     sensor.azimuth_span_deg = min(max(speed * columns / line_rate, -360.0), 360.0)
     sensor.scan_period = max(1 / rate, sensor.rotation_period)
-    return Scanner(sensor, rate, scans, np.eye(3), step, found.assumed)
+    return Scanner(sensor, rate, scans, np.eye(3), step, found.assumed, found.ignored)
 
 
 def _cut_vertically(element: ET.Element, sensor: gno.Sensor, settings: Settings) -> None:
@@ -214,12 +227,39 @@ def _cut_vertically(element: ET.Element, sensor: gno.Sensor, settings: Settings)
     sensor.channels = kept
 
 
-def effects_of(element: ET.Element, detector: Settings, left_out: Counter[str]) -> dict[str, Any]:
-    """Effects of a drive file: those that the head calls for, with what its element states."""
+def ignored_of(scanner: Scanner) -> Counter[str]:
+    """What the element of a scanner states and nothing here reads, such as the power of its laser."""
+    counts: Counter[str] = Counter()
+    for text in scanner.ignored:
+        name, _, channel = text.partition(" of the channel ")
+        if channel:
+            counts[f"{name} of channels"] += 1
+        elif name not in _READ_HERE:
+            counts[f"{name} of the scanner"] += 1
+    return counts
+
+
+def effects_of(element: ET.Element, detector: Settings, waveform: Settings, left_out: Counter[str]) -> dict[str, Any]:
+    """Effects of a drive file: those that the head calls for, with what its element states.
+
+    waveform: <FWFSettings>.
+    """
     effects: dict[str, Any] = {}
-    pulse = _first(element, "pulseLength_ns")
+    pulse, window = _first(element, "pulseLength_ns"), waveform.number("winSize_ns")
     if pulse > 0:
         effects["returns"] = {"pulse_width": pulse * 1e-9}
+    if max(pulse, window) > 0:
+        separation = min(max(pulse, window) * 1e-9 * _LIGHT / 2, 100.0)
+        effects.setdefault("returns", {})["separation"] = round(separation, 4)
+    if waveform.has("beamSampleQuality"):
+        rings = max(round(waveform.number("beamSampleQuality")), 1)
+        if rings > _MOST_RINGS:
+            left_out["sub-rays of a pulse beyond 61 (beamSampleQuality)"] += 1
+            rings = _MOST_RINGS
+        effects["divergence"] = {"sub_rays": 3 * rings * rings - 3 * rings + 1}
+    others = waveform.others({"winSize_ns", "beamSampleQuality"})
+    if others:
+        left_out["settings of full waveforms"] += len(others)
     accuracy = detector.number("accuracy_m", _first(element, "accuracy_m"))
     if accuracy > 0:
         effects["range-noise"] = {"use": "on", "sigma": accuracy}

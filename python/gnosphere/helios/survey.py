@@ -19,7 +19,7 @@ import numpy as np
 from .. import _gnosphere as gno
 from .. import adapter
 from .assets import Assets, Matrix, Settings, about, number_of, place, quaternion_of, rotation_of
-from .scanner import GAP, Scanner, effects_of, scanner_of
+from .scanner import GAP, Scanner, effects_of, ignored_of, scanner_of
 from .scene import Part, Surfaces, ground_at, read_parts, scenes_of, surfaces_of
 
 _TO_OURS = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -137,7 +137,8 @@ class _Reader:
         survey = Survey(name, len(self._legs), parts, surfaces_of(parts, self._left_out))
         self._note_left_out()
         places = [self._place(leg, parts) for leg in self._legs]
-        effects = effects_of(self._scanner, self._detector, self._left_out)
+        waveform = Settings(self._assets, self._survey.find("FWFSettings"), self._scanner.find("FWFSettings"))
+        effects = effects_of(self._scanner, self._detector, waveform, self._left_out)
         time = 0.0
         for number, element in enumerate(self._legs):
             settings = Settings(self._assets, element.find("scannerSettings"))
@@ -155,6 +156,7 @@ class _Reader:
             except ValueError as error:
                 raise ValueError(f"{self._assets.survey}: leg {number}: {error}") from error
             self._assumed.update(dict.fromkeys(scanner.assumed))
+            self._left_out |= ignored_of(scanner)  # once, though each leg has the scanner
             leg = self._leg(number, places[number], target, speed, scanner, effects, time, name)
             survey.legs.append(leg)
             time += duration if duration is not None else leg.duration
@@ -171,8 +173,6 @@ class _Reader:
             for tag in ("position", "attitude"):
                 if any(holder.find(f"{tag}{axis}Noise") is not None for axis in "XYZ"):
                     self._left_out[f"noise of the platform's {tag}"] += 1
-        if self._survey.find("FWFSettings") is not None or self._scanner.find("FWFSettings") is not None:
-            self._left_out["settings of full waveforms"] += 1
         if self._survey.get("legRandomOffset", "false") in ("true", "1"):
             self._left_out["random offsets of legs"] += 1
 
