@@ -376,6 +376,28 @@ void storeEcho(uint slot, vec3 echo, float light, uint projected) {
   }
 }
 
+// Keeps an echo behind those that the beam has. If these take all places, the weakest of them but the nearest is lost.
+void keepEcho(uint index, uint count, vec3 echo, float light, uint projected) {
+  uint place = count;
+  if (count >= kMaxEchoes) {
+    atomicAdd(counters.lostEchoes, 1);
+    float least = kNothing;
+    [[dont_unroll]] for (uint k = 1; k < kMaxEchoes; ++k) {
+      vec4 kept = echoes.at[echoPlace(index, k)];
+      float power = received(kept.y, kept.x, 0.0);
+      place = power <= least ? k : place;
+      least = min(power, least);
+    }
+    [[dont_unroll]] for (; place + 1 < kMaxEchoes; ++place) {
+      uint to = echoPlace(index, place), from = echoPlace(index, place + 1);
+      echoes.at[to] = echoes.at[from];
+      echoOwners.at[to] = echoOwners.at[from];
+      if ((FIELDS & kFieldSurface) != 0) echoSurfaces.at[to] = echoSurfaces.at[from];
+    }
+  }
+  storeEcho(echoPlace(index, place), echo, light, projected);
+}
+
 // The owner of an echo is its strongest hit, and the first one of equally strong hits.
 void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, float range, float energy,
            uint candidate) {
@@ -435,10 +457,6 @@ void gatherEchoes(uint index, uint beam) {
   uint count = 0;
   float first = nextRange(0.0), last = lastRange();
   while (first < kNothing) {
-    if (count == kMaxEchoes) {
-      if (speaksForBeam()) atomicAdd(counters.lostEchoes, 1);
-      break;
-    }
     float end = endOfEcho(first, last), most = -1.0;
     uint strongest = 0;
     vec3 sums = vec3(0.0);
@@ -446,11 +464,11 @@ void gatherEchoes(uint index, uint beam) {
       if (IS_MET(layer)) addLayer(sums, most, strongest, first, end, layer);
     }
     float light = KEEPS_LIGHT && count > 0 ? lightTo(first) : 1.0;
-    if (speaksForBeam()) storeEcho(echoPlace(index, count), echoOf(first, sums), light, strongest);
+    if (speaksForBeam()) keepEcho(index, count, echoOf(first, sums), light, strongest);
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }
-  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = count;
+  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, kMaxEchoes);
 }
 
 // Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end

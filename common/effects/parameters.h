@@ -45,8 +45,7 @@ GNO_CONST uint kLabelNone = 0;
 GNO_CONST uint kLabelSolid = 1;
 GNO_CONST uint kLabelScatter = 2;
 
-// Most echoes kept per beam; farther ones are lost. A sensor reports at most 5, and a sixth helps to find the
-// strongest.
+// Most echoes kept per beam: the nearest, the farthest, and the strongest of those between. A sensor reports at most 5.
 GNO_CONST uint kMaxEchoes = 6;
 
 // Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.

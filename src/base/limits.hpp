@@ -62,8 +62,10 @@ inline constexpr Limit kSubRays = {"sub-rays per beam on a device", 61,
                                    "The request is refused; the reference takes up to 1,261."};
 inline constexpr Limit kLayers = {"surfaces that a sub-ray passes or hits", 4,
                                   "What lies behind them is not seen; `Counters::lostEchoes` counts the echoes."};
-inline constexpr Limit kEchoes = {"echoes per beam", 6,
-                                  "The farthest ones are dropped; `Counters::lostEchoes` counts them."};
+inline constexpr Limit kEchoes = {
+    "echoes per beam", 6,
+    "The weakest ones between the nearest and the farthest are dropped; `Counters::lostEchoes` "
+    "counts them."};
 inline constexpr Limit kFrames = {"frames of a recorder, or batches of a stream, in flight", 16,
                                   "The recorder, or the stream, is refused."};
 inline constexpr Limit kEntries = {

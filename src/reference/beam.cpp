@@ -173,6 +173,16 @@ Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) 
           strongest->hit};
 }
 
+/// Removes the echo whose power at the receiver is the least of all between the nearest and the farthest one, and the
+/// farther one of equally weak ones.
+void loseWeakest(std::vector<Echo>& echoes, bool& doubt) {
+  const auto powerOf = [](const Echo& echo) { return received(echo.energy, echo.range, 0); };
+  size_t weakest = 1;
+  for (size_t k = 2; k + 1 < echoes.size(); ++k)
+    if (!less(powerOf(echoes[weakest]), powerOf(echoes[k]), doubt)) weakest = k;
+  echoes.erase(echoes.begin() + static_cast<ptrdiff_t>(weakest));
+}
+
 /// A piece belongs to the echo of those before it if the surface around it begins no farther than the separation behind
 /// the surfaces around them.
 std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const Effects& request,
@@ -183,7 +193,7 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
   const auto before = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) - piece.reach; };
   std::vector<Echo> echoes;
   size_t first = 0;
-  while (first < pieces.size() && echoes.size() < kEchoes) {
+  while (first < pieces.size()) {
     size_t end = first + 1;
     Bounded last = behind(pieces[first]);
     for (size_t i = end; i < pieces.size(); ++i) {
@@ -193,8 +203,11 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
     if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);
     first = end;
+    if (echoes.size() > kEchoes) {
+      loseWeakest(echoes, doubt.tie);
+      ++lost;
+    }
   }
-  lost += first < pieces.size();
   return echoes;
 }
 

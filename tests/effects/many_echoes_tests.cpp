@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Beams with more echoes than are kept.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+constexpr double kTangent = 0.02;  // of half the footprint
+
+/// Strips of a footprint, side by side, each a metre behind the one to its left. Together they fill the footprint.
+struct Strip {
+  double distance, begin, end;
+  float reflectance;
+};
+constexpr std::array<Strip, 8> kStrips = {{{10, -1, -0.7, 0.2f},
+                                           {11, -0.7, -0.45, 0.9f},
+                                           {12, -0.45, -0.2, 0.05f},
+                                           {13, -0.2, 0, 0.4f},
+                                           {14, 0, 0.2, 0.02f},
+                                           {15, 0.2, 0.45, 0.8f},
+                                           {16, 0.45, 0.7, 0.3f},
+                                           {17, 0.7, 1, 0.1f}}};
+
+Scene sceneOf(std::span<const Strip> strips) {
+  Scene scene;
+  for (const Strip& strip : strips) {
+    const double d = strip.distance, half = 1.5 * kTangent * d;
+    MeshBuilder builder;
+    builder.quad({d, strip.end * kTangent * d, -half}, {0, (strip.begin - strip.end) * kTangent * d, 0},
+                 {0, 0, 2 * half});
+    scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), {}});
+    scene.meshes.push_back(builder.take(static_cast<uint32_t>(scene.materials.size())));
+    scene.materials.push_back(lambertian(strip.reflectance));
+    scene.materials.back().doubleSided = true;
+  }
+  return scene;
+}
+
+struct Seen {
+  double range, intensity;
+};
+
+/// The returns of the beam along x, in order of range. Other beams have none.
+std::vector<Seen> returnsOf(std::span<const Strip> strips, TestOptions options, uint64_t* lost = nullptr) {
+  options.fields = {Field::intensity};
+  const Scan scan = scanOn(sceneOf(strips), gridSensor(4, 1, 0, 0, 60), Pose(), options);
+  std::vector<Seen> seen;
+  const auto intensities = scan.column<float>(Field::intensity);
+  for (size_t k = 0; k < scan.ranges.size(); ++k)
+    if (scan.hit(k)) seen.push_back({scan.ranges[k], intensities[k]});
+  if (lost) *lost = scan.counters.lostEchoes;
+  return seen;
+}
+
+}  // namespace
+
+TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the strongest of those between") {
+  for (const char* device : {"vulkan", "reference"}) {
+    INFO(device);
+    TestOptions options = optionsOn("vulkan");
+    if (device == std::string("reference")) options.device = DeviceChoice::Kind::reference;
+    options.effects = Effects::none();
+    options.effects.intensity = {EffectUse::on, Effects::Intensity::Model::physical, Effects::Intensity::Scale::unit};
+    options.effects.divergence = {EffectUse::on, 61, Effects::Divergence::Profile::uniform, 2 * std::atan(kTangent),
+                                  2 * std::atan(kTangent)};
+    options.effects.returns.use = EffectUse::on;
+    options.effects.returns.count = 5;
+
+    std::vector<Seen> alone;
+    for (const Strip& strip : kStrips) {
+      const std::vector<Seen> seen = returnsOf({&strip, 1}, options);
+      REQUIRE(seen.size() == 1);
+      CHECK(std::abs(seen[0].range - strip.distance) < 0.05);
+      alone.push_back(seen[0]);
+    }
+    std::vector<Seen> kept(alone.begin() + 1, alone.end() - 1);
+    std::ranges::sort(kept, std::greater(), [](const Seen& one) { return one.intensity / (one.range * one.range); });
+    kept.resize(4);
+    kept.push_back(alone.front());
+    kept.push_back(alone.back());
+    std::ranges::sort(kept, {}, &Seen::range);
+    REQUIRE(kept[2].range > 12.9);  // without the dark strips at 12 and 14 m
+
+    uint64_t lost = 0;
+    const std::vector<Seen> all = returnsOf(kStrips, options, &lost);
+    CHECK(lost == 2);
+    REQUIRE(all.size() == 5);
+    for (size_t k = 0; k < all.size(); ++k) {
+      CHECK(std::abs(all[k].range - kept[k].range) < 1e-5);
+      CHECK(std::abs(all[k].intensity - kept[k].intensity) < 1e-6);
+    }
+    options.effects.returns.count = 1;
+    options.effects.returns.mode = Effects::Returns::Mode::last;
+    CHECK(std::abs(returnsOf(kStrips, options).at(0).range - alone.back().range) < 1e-5);
+    options.effects.returns.mode = Effects::Returns::Mode::first;
+    CHECK(std::abs(returnsOf(kStrips, options).at(0).range - alone.front().range) < 1e-5);
+  }
+}
+
+}  // namespace gnosphere::test
