@@ -109,7 +109,7 @@
   ARRAY(, vec2, strays)                    /* per beam, by rows: tangents of its angle error, to the left and up */ \
   ARRAY(, uint, hardBeams)                 /* beams, by index, for effects_panes; for the later passes of footprints see */ \
                                            /* left_beams.glsl */ \
-  ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range, at most kMaxEchoes, or */ \
+  ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range: keptEchoes() at most, or */ \
                                            /* kMaxLayers with panes; kNone: the beam meets no pane */ \
   ARRAY(, vec4, echoes)                    /* echo by echo, per beam: range, energy, width, cosine of the */ \
                                            /* incidence */ \

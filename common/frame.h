@@ -92,7 +92,7 @@ struct Counters {
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
   uint causes[kCauses];              // beams by Cause, if effects are planned
-  uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
+  uint lostEchoes;                   // echoes beyond keptEchoes() of a beam
   uint ownLinks;                     // entries of `ownLinks`
   uint hardBeams;                    // lines that meet a pane
   uint edgeBeams[kEffortClasses];    // by effort: beams whose footprint does not lie on one triangle and meets no pane

@@ -31,7 +31,7 @@ layout(local_size_x = 64) in;
 // Macros, because glslang 11 fails on constants that depend on specialisation constants.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & (kFieldSignal | kFieldIntensity)) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
-#define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? kMaxEchoes : 1u)
+#define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? keptEchoes(RETURNS) : 1u)
 #define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassEffectsListed)
 #define POINTS ((FIELDS & kFieldPoints) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)

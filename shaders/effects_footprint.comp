@@ -379,16 +379,16 @@ void storeEcho(uint slot, vec3 echo, float light, uint projected) {
 // Keeps an echo behind those that the beam has. If these take all places, the weakest of them but the nearest is lost.
 void keepEcho(uint index, uint count, vec3 echo, float light, uint projected) {
   uint place = count;
-  if (count >= kMaxEchoes) {
+  if (count >= keptEchoes(RETURNS)) {
     atomicAdd(counters.lostEchoes, 1);
     float least = kNothing;
-    [[dont_unroll]] for (uint k = 1; k < kMaxEchoes; ++k) {
+    [[dont_unroll]] for (uint k = 1; k < keptEchoes(RETURNS); ++k) {
       vec4 kept = echoes.at[echoPlace(index, k)];
       float power = received(kept.y, kept.x, 0.0);
       place = power <= least ? k : place;
       least = min(power, least);
     }
-    [[dont_unroll]] for (; place + 1 < kMaxEchoes; ++place) {
+    [[dont_unroll]] for (; place + 1 < keptEchoes(RETURNS); ++place) {
       uint to = echoPlace(index, place), from = echoPlace(index, place + 1);
       echoes.at[to] = echoes.at[from];
       echoOwners.at[to] = echoOwners.at[from];
@@ -468,7 +468,7 @@ void gatherEchoes(uint index, uint beam) {
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }
-  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, kMaxEchoes);
+  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, keptEchoes(RETURNS));
 }
 
 // Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end

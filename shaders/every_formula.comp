@@ -8,7 +8,7 @@
 #include "common/effects/parameters.h"
 
 #define RETURNS parameters.returnsPerBeam
-#define MOST_ECHOES kMaxEchoes
+#define MOST_ECHOES kFewEchoes
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
@@ -22,7 +22,7 @@ layout(std430, binding = 5) writeonly buffer CausesBlock { uint causes[]; };
 layout(std430, binding = 6) writeonly buffer SumsBlock { float sums[]; };
 
 Echo loadEcho(uint k) {
-  return echoes[gl_GlobalInvocationID.x * kMaxEchoes + k];
+  return echoes[gl_GlobalInvocationID.x * kFewEchoes + k];
 }
 void storeReturn(uint j, Return value) {
   returns[gl_GlobalInvocationID.x * parameters.returnsPerBeam + j] = value;
@@ -40,7 +40,7 @@ void main() {
   uint beam = gl_GlobalInvocationID.x;
   vec3 direction = astray(vec3(1.0f, 0.0f, 0.0f), angleError(parameters, beam));
   uint count;
-  causes[beam] = signalsOf(parameters, beam, direction, kMaxEchoes, count);
+  causes[beam] = signalsOf(parameters, beam, direction, kFewEchoes, count);
   GNO_PRECISE float sum = radialSpeed(direction, vec3(1.0f), vec3(0.0f)) + float(count);
   sum = sum + echoWidth(reflected(optics[0], 0.5f), transmitted(optics[0]));
   sums[beam] = sum;

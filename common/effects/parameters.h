@@ -45,8 +45,15 @@ GNO_CONST uint kLabelNone = 0;
 GNO_CONST uint kLabelSolid = 1;
 GNO_CONST uint kLabelScatter = 2;
 
-// Most echoes kept per beam: the nearest, the farthest, and the strongest of those between. A sensor reports at most 5.
-GNO_CONST uint kMaxEchoes = 6;
+// Of more echoes than these a beam keeps the nearest, the farthest, and the strongest of those between. Few are enough
+// for all but surveys, and cost less memory.
+GNO_CONST uint kFewEchoes = 6;
+GNO_CONST uint kMaxEchoes = 16;
+
+// Returns how many echoes a beam keeps that reports so many returns.
+GNO_INLINE uint keptEchoes(uint returns) {
+  return returns < kFewEchoes ? kFewEchoes : kMaxEchoes;
+}
 
 // Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.
 struct Particles {

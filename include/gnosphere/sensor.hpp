@@ -62,7 +62,7 @@ struct Sensor {
   double rangeMax = 0;  ///< metres
   /// Full angles of a beam's elliptical footprint in radians (to 1/e^2 if its profile is gaussian); 0 makes it a line.
   double divergenceHorizontal = 0, divergenceVertical = 0;
-  uint32_t maxReturns = 1;  ///< number of echoes that the sensor reports per beam, 1..5
+  uint32_t maxReturns = 1;  ///< number of echoes that the sensor reports per beam, 1..15
   /// Seconds in which a grid sweeps azimuthSpanDeg, less than those of a turn if that is a sector: column i fires at
   /// i / columns of them. If 0, all columns fire at once. The beams of a list fire at BeamList::times.
   double rotationPeriod = 0;
@@ -92,7 +92,7 @@ struct Sensor {
 GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
-/// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
+/// finite or out of bounds, divergences above 100 mrad, returns outside 1..15, a channel's origin beyond 1 m or a listed
 /// beam's beyond 1 km, a rotation period above 10 s, a scan period that is not finite or shorter than a scan, time
 /// offsets above 1 s or a rotation period, a channel whose own range window is empty, lists of unequal lengths,
 /// patterns of unequal sizes or without beams, organised clouds of another size, or more than 2,147,483,647 beams. Zero

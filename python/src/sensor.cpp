@@ -122,7 +122,7 @@ void bindSensorItself(nb::module_& m) {
           "line.")
       .def_rw("divergence_vertical", &Sensor::divergenceVertical, "Radians, as divergence_horizontal.");
   readWriteWhole(sensor, "max_returns", &Sensor::maxReturns,
-                 "Number of echoes that the sensor reports per beam, 1..5.");
+                 "Number of echoes that the sensor reports per beam, 1..15.");
   sensor
       .def_rw(
           "rotation_period", &Sensor::rotationPeriod,

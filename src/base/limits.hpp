@@ -33,7 +33,7 @@ inline constexpr Limit kColumns = {
     "columns", 1 << 25,
     "The sensor is refused: directions are floats, and neighbouring columns might have the same one."};
 inline constexpr Limit kBeams = {"beams of a sensor", kMostNumber, "The sensor is refused: beams have 31-bit numbers."};
-inline constexpr Limit kReturns = {"returns per beam", 5, "The sensor, or the effect `returns`, is refused."};
+inline constexpr Limit kReturns = {"returns per beam", 15, "The sensor, or the effect `returns`, is refused."};
 inline constexpr Limit kOrigin = {"m from the sensor's origin to a channel's", 1,
                                   "The sensor is refused; a list of beams may have origins farther away."};
 inline constexpr Limit kListedOrigin = {"m from the sensor's origin to that of a beam in a list", 1000,
@@ -63,7 +63,7 @@ inline constexpr Limit kSubRays = {"sub-rays per beam on a device", 61,
 inline constexpr Limit kLayers = {"surfaces that a sub-ray passes or hits", 4,
                                   "What lies behind them is not seen; `Counters::lostEchoes` counts the echoes."};
 inline constexpr Limit kEchoes = {
-    "echoes per beam", 6,
+    "echoes per beam, 6 if it has at most 5 returns", 16,
     "The weakest ones between the nearest and the farthest are dropped; `Counters::lostEchoes` "
     "counts them."};
 inline constexpr Limit kFrames = {"frames of a recorder, or batches of a stream, in flight", 16,

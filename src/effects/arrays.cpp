@@ -54,7 +54,7 @@ std::vector<ArrayContent> beamArrays(const SensorPlan& plan, uint64_t beams) {
   if (plan.footprint() || plan.panes()) {
     addRoom(gpu::Array::hardBeams, sizeof(uint32_t) * (plan.footprint() ? gpu::kEffortClasses : 1));
     addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
-    const uint64_t most = plan.footprint() ? gpu::kMaxEchoes : gpu::kMaxLayers;
+    const uint64_t most = plan.footprint() ? gpu::keptEchoes(plan.returns) : gpu::kMaxLayers;
     addRoom(gpu::Array::echoes, most * sizeof(gpu::vec4));
     addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));

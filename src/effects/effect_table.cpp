@@ -356,7 +356,7 @@ std::vector<EffectInfo> makeTable() {
                 {"dual", "The last and the strongest; if these are one echo, the second strongest as well."}},
                "Which echoes are returned."),
            count<&E::returns, &E::Returns::count>(
-               "count", "", 0, 5, "Only for the mode `all`: largest number of returns; 0 means the sensor's."),
+               "count", "", 0, 15, "Only for the mode `all`: largest number of returns; 0 means the sensor's."),
            number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100,
                                                         "Echoes that are closer together are merged."),
            number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,

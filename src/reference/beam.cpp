@@ -15,8 +15,8 @@ namespace {
 
 /// Most surfaces that one sub-ray meets: all but the last let light pass.
 constexpr size_t kLayers = 4;
-/// Most echoes of one beam; farther ones are dropped.
-constexpr size_t kEchoes = 6;
+/// Most echoes of a beam that reports at most 5 returns, and of one that reports more.
+constexpr size_t kFewEchoes = 6, kManyEchoes = 16;
 // Metres: the beams of a list are projected from a place not farther from their lasers.
 constexpr double kFarthestLaser = 0.52;
 
@@ -185,8 +185,10 @@ void loseWeakest(std::vector<Echo>& echoes, bool& doubt) {
 
 /// A piece belongs to the echo of those before it if the surface around it begins no farther than the separation behind
 /// the surfaces around them.
-std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const Effects& request,
+std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const SensorPlan& plan,
                          BeamDoubt& doubt, uint64_t& lost) {
+  const Effects& request = plan.effects;
+  const size_t most = plan.returns < kFewEchoes ? kFewEchoes : kManyEchoes;
   std::sort(pieces.begin(), pieces.end(),
             [](const Piece& a, const Piece& b) { return std::pair(a.range, a.order) < std::pair(b.range, b.order); });
   const auto behind = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) + piece.reach; };
@@ -203,7 +205,7 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
     if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);
     first = end;
-    if (echoes.size() > kEchoes) {
+    if (echoes.size() > most) {
       loseWeakest(echoes, doubt.tie);
       ++lost;
     }
@@ -317,7 +319,7 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& ligh
     paths.push_back(trace(view, beam, line, effects, i, pieces, doubt, goesOn));
   }
   lost += goesOn;
-  return gather(pieces, paths, plan.effects, doubt, lost);
+  return gather(pieces, paths, plan, doubt, lost);
 }
 
 }  // namespace gnosphere::reference

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.hpp"
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
@@ -161,7 +162,7 @@ void readPulses(const Source& source, const json& root, Sensor& sensor) {
     sensor.divergenceVertical = angles[1] / kMilliPerUnit;
   }
   if (const auto returns = root.find("max_returns"); returns != root.end())
-    sensor.maxReturns = whole(source, *returns, "max_returns", 5, 1);
+    sensor.maxReturns = whole(source, *returns, "max_returns", limits::kReturns.most, 1);
   if (const auto period = root.find("rotation_period"); period != root.end()) {
     sensor.rotationPeriod = number(source, *period, "rotation_period");
   }

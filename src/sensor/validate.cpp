@@ -165,7 +165,8 @@ void validate(const Sensor& sensor) {
       refuse(sensor, "divergence must be within 0..100 mrad, is " + numberText(1000 * divergence));
   }
   if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
-    refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
+    refuse(sensor, "max returns must be within 1.." + std::to_string(limits::kReturns.most) + ", is " +
+                       std::to_string(sensor.maxReturns));
   if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
     refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod));
   checkScanPeriod(sensor);

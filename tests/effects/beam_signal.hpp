@@ -25,7 +25,7 @@ struct BeamSignal {
   VolumeBox loadVolume(uint i) const { return volumes[i]; }
   bool isDead(uint beam) const { return (deadBeams[beam / 32] >> beam % 32 & 1) != 0; }
 
-  static constexpr uint MOST_ECHOES = kMaxEchoes;
+  static constexpr uint MOST_ECHOES = kFewEchoes;
 #define RETURNS uint(returns.size())
 #include "common/effects/signal.h"
 #undef RETURNS

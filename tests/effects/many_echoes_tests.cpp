@@ -20,8 +20,8 @@ struct Strip {
 constexpr std::array<Strip, 8> kStrips = {{{10, -1, -0.7, 0.2f},
                                            {11, -0.7, -0.45, 0.9f},
                                            {12, -0.45, -0.2, 0.05f},
-                                           {13, -0.2, 0, 0.4f},
-                                           {14, 0, 0.2, 0.02f},
+                                           {13, -0.2, 0.013, 0.4f},
+                                           {14, 0.013, 0.2, 0.02f},
                                            {15, 0.2, 0.45, 0.8f},
                                            {16, 0.45, 0.7, 0.3f},
                                            {17, 0.7, 1, 0.1f}}};
@@ -45,7 +45,7 @@ struct Seen {
   double range, intensity;
 };
 
-/// The returns of the beam along x, in order of range. Other beams have none.
+/// The returns of the beam along x, in order of range; no other beam has any.
 std::vector<Seen> returnsOf(std::span<const Strip> strips, TestOptions options, uint64_t* lost = nullptr) {
   options.fields = {Field::intensity};
   const Scan scan = scanOn(sceneOf(strips), gridSensor(4, 1, 0, 0, 60), Pose(), options);
@@ -93,6 +93,14 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     for (size_t k = 0; k < all.size(); ++k) {
       CHECK(std::abs(all[k].range - kept[k].range) < 1e-5);
       CHECK(std::abs(all[k].intensity - kept[k].intensity) < 1e-6);
+    }
+    options.effects.returns.count = 8;
+    const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
+    CHECK(lost == 0);
+    REQUIRE(eight.size() == 8);
+    for (size_t k = 0; k < eight.size(); ++k) {
+      CHECK(std::abs(eight[k].range - alone[k].range) < 1e-5);
+      CHECK(std::abs(eight[k].intensity - alone[k].intensity) < 1e-6);
     }
     options.effects.returns.count = 1;
     options.effects.returns.mode = Effects::Returns::Mode::last;

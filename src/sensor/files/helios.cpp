@@ -313,7 +313,8 @@ void readCommon(SensorSource& source, const Scanner& scanner) {
   sensor.maxReturns = static_cast<uint32_t>(
       returns >= 1 && limits::kReturns.holds(returns) ? returns : static_cast<double>(limits::kReturns.most));
   if (returns != sensor.maxReturns)
-    source.assume("at most 5 returns a beam, not " + (returns >= 1 ? shownNumber(returns) : "any number of them"));
+    source.assume("at most " + std::to_string(limits::kReturns.most) + " returns a beam, not " +
+                  (returns >= 1 ? shownNumber(returns) : "any number of them"));
   sensor.rangeMin = attributeOf(source, node, "rangeMin_m", 0);
   if (node.attribute("rangeMax_m"))
     sensor.rangeMax = attributeOf(source, node, "rangeMax_m", 0);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/lasting.hpp"
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "sensor/beams.hpp"
@@ -309,7 +310,9 @@ void readIsaac(SensorSource& source, const json& root) {
   sensor.rangeMin = numberIn(source, profile, "nearRangeM", 0);
   sensor.rangeMax = numberIn(source, profile, "farRangeM");
   const double returns = numberIn(source, profile, "maxReturns", 1);
-  if (!(returns >= 1 && returns <= 5)) source.refuse("'maxReturns' is " + numberText(returns) + ", expected is 1..5");
+  if (!(returns >= 1 && limits::kReturns.holds(returns)))
+    source.refuse("'maxReturns' is " + numberText(returns) + ", expected is 1.." +
+                  std::to_string(limits::kReturns.most));
   sensor.maxReturns = static_cast<uint32_t>(returns);
   readReach(source, profile);
   const std::vector<Window> windows = readRanges(source, profile);
