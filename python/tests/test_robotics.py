@@ -1018,7 +1018,8 @@ def test_the_command(arm, tmp_path):
     options = ["--search", tmp_path / "packages", "--joint", "slide=0.5", "-o", tmp_path / "arm.glb"]
     said = subprocess.run([*command, arm, *options], check=True, capture_output=True, text=True)
     assert "joint shoulder: -1 to 1" in said.stdout and "lidar top: 270 beams" in said.stdout
-    assert re.search(r"\n  on tip at \S+, \S+, \S+; in the world at \S+, \S+, \S+\n", said.stdout)
+    turned = "yaw_pitch_roll_deg 90.000, 0.000, 0.000"
+    assert f"\n  on tip at 0.100, 0.000, 0.200, {turned}; in the world at 0.100, 0.000, 1.800\n" in said.stdout
     assert "left out: geometry that is no box, sphere, cylinder, capsule or mesh (1)" in said.stdout and not said.stderr
     scene = gnosphere.load_scene(tmp_path / "arm.glb")
     assert [instance.name for instance in scene.instances] == ["plinth", "upper", "tip", "follower"]

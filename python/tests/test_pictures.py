@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of scans, pixel by pixel where closed forms say what is seen."""
+
+import numpy as np
+import pytest
+
+import gnosphere
+from gnosphere import adapter, pictures, primitives
+
+BRIGHT, DARK = (253, 231, 37), (68, 1, 84)
+
+
+def scan_of(shapes: adapter.Shapes, sensor: gnosphere.Sensor, effects=None) -> gnosphere.Scan:
+    """A scan on the reference, which needs no Vulkan."""
+    options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+    return adapter.Lidar(shapes, sensor, effects=effects or gnosphere.Effects.none(), options=options).cast(
+        gnosphere.Shot()
+    )
+
+
+def box(half, place=(0, 0, 0), alpha=1.0) -> adapter.Shapes:
+    shapes = adapter.Shapes()
+    rows = np.column_stack([np.eye(3), place])
+    shapes.instance(shapes.mesh(primitives.box(half), shapes.material((0.5, 0.5, 0.5, alpha))), rows)
+    return shapes
+
+
+def listed(azimuths, elevations) -> gnosphere.Sensor:
+    """A list of beams, angles in degrees."""
+    around, up = np.broadcast_arrays(np.radians(azimuths), np.radians(elevations))
+    directions = np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=-1)
+    return gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(directions)])
+
+
+def test_colours_reach_from_low_to_high():
+    found = pictures.colours(np.array([2, 8, -1, 9, np.nan, 3.2]), 2, 8)
+    expected = [BRIGHT, DARK, BRIGHT, DARK, pictures.NOTHING, (122, 209, 81)]
+    assert np.abs(found.astype(int) - expected).max() <= 1  # they are cut to whole numbers
+
+
+def test_the_farthest_range_is_above_98_of_100():
+    scan = scan_of(box((1, 500, 500), (11, 0, 0)), listed(np.linspace(0, 60, 1000), 0))
+    assert (scan.ranges < pictures.farthest_of(scan)).sum() == 980
+
+
+def test_from_above_x_is_up_and_y_is_left():
+    azimuths = np.array([3, 30, -20, 93, 135, 175, 260])
+    scan = scan_of(box((9.7, 9.7, 9.7)), listed(azimuths, 0))
+    x, y = np.cos(np.radians(azimuths)), np.sin(np.radians(azimuths))
+    x, y = np.stack([x, y]) * 9.7 / np.maximum(np.abs(x), np.abs(y))
+    for farthest in (20.0, 9.0):  # at 9 m no point of this box is in the picture
+        image = pictures.from_above(scan, farthest, 40)
+        expected = {(int((1 - a / farthest) * 20), int((1 - b / farthest) * 20)) for a, b in zip(x, y)}
+        drawn = np.argwhere((image != pictures.NOTHING).any(axis=2))
+        assert {tuple(place) for place in drawn.tolist()} == (expected if farthest == 20 else set())
+    # Without a range the picture reaches as far as the returns.
+    assert np.array_equal(pictures.from_above(scan), pictures.from_above(scan, pictures.farthest_of(scan)))
+
+
+def test_from_above_the_highest_point_of_a_pixel_is_seen_and_bright():
+    """A wall before the sensor has many points above each other; another one, whose beams are level, is darker."""
+    shapes = box((1, 500, 500), (11, 0, 0))
+    elevations = np.linspace(-10, 10, 100)
+    for turned in (elevations, -elevations):
+        scan = scan_of(shapes, listed(np.r_[np.zeros(100), [40]], np.r_[turned, [-10]]))
+        image = pictures.from_above(scan, 20.0, 40)
+        assert image[10, 20].tolist() == [*BRIGHT]
+        assert image[10, int((1 - 10 * np.tan(np.radians(40)) / 20) * 20)].tolist() == [*DARK]
+
+
+def test_a_range_image_has_the_first_returns_and_nothing_where_there_is_none():
+    shapes = box((9, 9, 9))
+    shapes.instance(
+        shapes.mesh(primitives.box((1, 2, 2)), shapes.material((1, 1, 1, 0.1))), np.eye(4) + 5 * np.eye(4, k=3)
+    )
+    effects = gnosphere.Effects.none()
+    effects.transmission.use = effects.returns.use = effects.intensity.use = gnosphere.EffectUse.on
+    sensor = gnosphere.Sensor(
+        columns=12, channels=[gnosphere.Channel()], range_max=11, max_returns=2, azimuth_start_deg=90,
+        azimuth_span_deg=-360,
+    )  # fmt: skip
+    scan = scan_of(shapes, sensor, effects)
+    assert scan.returns == 2 and np.isfinite(scan.ranges.reshape(-1, 2)[:, 1]).any()
+    azimuths = np.radians(90 - 30 * np.arange(12))
+    expected = 9 / np.maximum(np.abs(np.cos(azimuths)), np.abs(np.sin(azimuths)))
+    expected[3] = 4  # the pane
+    image = pictures.range_image(scan, 11.0)
+    assert image.shape == (128, 12, 3)
+    found = image[0].astype(int) - pictures.colours(expected, 0, 11.0)
+    assert np.abs(found).max() <= 1
+    # Of 24 beams those within 25 degrees of an axis see the walls within 10 m.
+    sensor.columns, sensor.range_max = 24, 10
+    unseen = (pictures.range_image(scan_of(box((9, 9, 9)), sensor))[0] == pictures.NOTHING).all(axis=1)
+    assert unseen.tolist() == [column % 6 not in (0, 1, 5) for column in range(24)]
+
+
+def test_the_name_of_a_sensor_is_text_in_a_page():
+    sensor = listed([0], 0)
+    sensor.name = "<b>&"
+    line = scan_of(box((9, 9, 9)), sensor)._repr_html_().partition("</p>")[0]
+    assert "&lt;b>&amp;" in line and "<b>" not in line
+
+
+@pytest.mark.parametrize("downwards", (False, True))
+@pytest.mark.parametrize("clockwise", (False, True))
+def test_the_axes_of_a_shown_scan_count_channels_and_columns(monkeypatch, downwards, clockwise):
+    """Whatever the order of the beams, the value over a column and a channel is that of their beam."""
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.switch_backend("agg")
+    monkeypatch.setattr(plt, "show", lambda: None)
+    channels = [gnosphere.Channel(up) for up in ((20, 5, -10) if downwards else (-10, 5, 20))]
+    span = -90 if clockwise else 90
+    sensor = gnosphere.Sensor(
+        columns=8, channels=channels, range_max=100, azimuth_start_deg=-span / 2, azimuth_span_deg=span, max_returns=2,
+    )  # fmt: skip
+    shapes = box((9, 9, 9))
+    shapes.instance(
+        shapes.mesh(primitives.box((1, 2, 2)), shapes.material((1, 1, 1, 0.1))), np.eye(4) + 5 * np.eye(4, k=3)
+    )
+    effects = gnosphere.Effects.none()
+    effects.transmission.use = effects.returns.use = effects.intensity.use = gnosphere.EffectUse.on
+    scan = scan_of(shapes, sensor, effects)
+    pictures.show(scan)
+    (shown,) = plt.gcf().axes[0].images
+    left, right, bottom, top = shown.get_extent()
+    values = np.asarray(shown.get_array())
+    around = np.radians(-span / 2 + span / 8 * np.arange(8))
+    up = np.radians([channel.elevation_deg for channel in channels])[:, None]
+    ways = np.abs(np.stack(np.broadcast_arrays(np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up))))
+    expected = 9 / ways.max(axis=0)
+    pane = 4 / ways[0]
+    expected = np.where((pane * ways[1] < 2) & (pane * ways[2] < 2), pane, expected)  # its front; no beam meets a side
+    for channel in range(3):
+        for column in range(8):
+            row = int((top - channel - 0.5) / (top - bottom) * len(values))
+            place = int((column + 0.5 - left) / (right - left) * values.shape[1])
+            assert values[row, place] == pytest.approx(expected[channel, column], rel=1e-5)
+    plt.close("all")
