@@ -574,10 +574,10 @@ def test_a_convex_of_drake_is_its_hull(device, tmp_path, scale):
             np.testing.assert_allclose(lidar.scan(query).ranges, [expected], atol=PRECISION)
 
 
-def in_a_process_without_sapien(test):
+def in_a_process_without_sapien(test, file=__file__):
     """Whether a test was run in one: sapien and bpy have a libOpenImageDenoise.so.2 each, and a process loads one."""
     if "sapien" in sys.modules:
-        name = f"{__file__}::{test}"
+        name = f"{file}::{test}"
         subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", name], check=True)
         return True
     return False

@@ -167,7 +167,7 @@ def test_each_call_of_the_drop_in_counts_as_it_is_made(device):
             function(model, data, np.zeros(3), vec, groups, 1, exclude, geoms, distances, None, 2, cutoff)
             answers.append((*distances, *geoms))
         assert answers[0] == pytest.approx(answers[1], abs=1e-5), (number, groups, exclude, cutoff, way)
-    gm.mj_multiRay(model, data, np.zeros(3), np.eye(3).reshape(-1), every, 1, -1, geoms, distances, None, 1, 1e3)
+    gm.mj_multiRay(model, data, np.zeros(3), np.eye(3).reshape(-1), every, 1, 1, geoms, distances, None, 1, 1e3)
     assert distances.tolist() == [pytest.approx(3.5), answers[1][1]]  # one ray was asked for
 
 
