@@ -79,6 +79,21 @@ def test_an_array_of_records_becomes_a_cloud():
         ros2.cloud_of_array(np.zeros(3, [("t", "<i8")]), "top", 0)
 
 
+def test_the_rows_of_an_array_are_dense_unless_they_are_not():
+    points = np.array([(1.5, 2), (2.5, 3)], [("x", "<f8"), ("n", "u1")])
+    cloud = ros2.cloud_of_array(points, "top", 5)
+    assert (cloud.height, cloud.width, cloud.point_step, cloud.dense) == (1, 2, 9, True)
+    assert not ros2.cloud_of_array(points, "top", 5, False).dense
+    every_other = np.zeros(4, points.dtype)
+    every_other[::2] = points
+    assert ros2.cloud_of_array(every_other[::2], "top", 5).data == points.tobytes()
+    for wrong in (points.astype([("x", ">f8"), ("n", "u1")]), np.zeros(2, [("x", "?")]), np.zeros(2, [("x", "<f2")])):
+        with pytest.raises(ValueError, match="the field x has the type .*, which a PointCloud2 cannot have"):
+            ros2.cloud_of_array(wrong, "top", 5)
+    with pytest.raises(ValueError, match="records with one or two dimensions"):
+        ros2.cloud_of_array(np.zeros((2, 2, 2), points.dtype), "top", 5)
+
+
 def test_a_scan_becomes_a_cloud_and_a_laser_scan(town, device):
     sensor = gnosphere.builtin_sensor("VLP-16")
     simulator = gnosphere.Simulator(town, [gnosphere.SensorRequest(sensor, gnosphere.Effects.none())],

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plug-in gnosphere.testing: golden clouds that are the same, that differ, that are written anew."""
 
+import base64
 import re
 import struct
 import zlib
@@ -11,7 +12,7 @@ import pytest
 from conftest import REPOSITORY, at, beams
 
 import gnosphere
-from gnosphere import pictures, testing
+from gnosphere import pictures, primitives, testing
 
 pytest_plugins = ["pytester"]
 
@@ -208,6 +209,90 @@ def test_differences_entry_by_entry(square):
         "another range", "another owner", "only in the golden cloud", "only in the scan", "the same",
     ]  # fmt: skip
     assert found.worst == {"range": 0.5, "point": 0}
+
+
+class Cloud(dict):
+    """What difference() asks of a scan: fields by name, and the arrays that every scan has."""
+
+    def __init__(self, count: int, x: float, **fields: list) -> None:
+        super().__init__({name: np.array(values, float) for name, values in fields.items()})
+        self.ranges = self["range"] = np.full(count, x, np.float32)
+        self.points = np.tile(np.float32([x, 0, 0]), (count, 1))
+        self.triangles, self.instances = np.zeros((2, count), np.uint32)
+
+
+def test_differences_of_fields_owners_and_what_is_absent():
+    a, b = (Cloud(6, 10, normal=[[1, 0, 0]] * 6, incidence=[0.5] * 6) for _ in range(2))
+    b.triangles[0] += 1
+    b["normal"][1, 2] += 0.5  # in one of three components
+    b["incidence"][2] = np.nan  # absent in one of them
+    a["incidence"][3] = b["incidence"][3] = np.nan  # absent in both
+    a.ranges[4] = np.nan
+    b["incidence"][4] += 1  # of a beam that only one of them has
+    found = testing.difference(a, b, {"normal": 0.1, "incidence": 0.1})
+    assert [list(testing.KINDS)[kind] for kind in found.kinds] == [
+        "another owner", "another value", "another value", "the same", "only in the scan", "the same",
+    ]  # fmt: skip
+    assert found.worst == {"normal": 0.5, "incidence": np.inf}
+    assert found.counts() == {"another value": 2, "another owner": 1, "only in the scan": 1}
+
+
+def test_points_far_away_may_be_apart_by_what_rounding_adds():
+    """Single precision has steps of 4e-6 m at 50 m, and so points of one range may be apart."""
+    for x, allowed in ((50.0, True), (1.0, False)):
+        a, b = Cloud(9, x), Cloud(9, x)
+        b.points[:, 1] += np.float32(4e-5)
+        counts = testing.difference(a, b, {"range": 0.0}).counts()
+        assert counts == ({} if allowed else {"another place": 9})
+
+
+def cells(text: str) -> list[list[str]]:
+    """The rows of the tables of a page."""
+    rows = re.findall(r"<tr>(.*?)</tr>", text)
+    return [re.findall(r"<td>(.*?)</td>", row) for row in rows if "<td>" in row]
+
+
+def test_the_page_lists_entries_by_beam_and_the_gravest_first(tmp_path):
+    """Of a head of three channels with two returns."""
+    wall = gnosphere.Mesh(*primitives.box((9, 9, 9)), [gnosphere.MeshPart(0, 12, 1)])
+    pane = gnosphere.Mesh(*primitives.box((4, 4, 4)), [gnosphere.MeshPart(0, 12, 0)])
+    materials = [gnosphere.Material("glass", (1, 1, 1, 0.1), alpha_mode="blend"), gnosphere.Material("wall")]
+    scene = gnosphere.Scene(materials, [wall, pane], [gnosphere.Instance(0), gnosphere.Instance(1)])
+    sensor = gnosphere.Sensor(
+        columns=5, channels=[gnosphere.Channel(up) for up in (-5, 0, 5)], range_max=100, max_returns=2,
+        azimuth_span_deg=-90,
+    )  # fmt: skip
+    effects = gnosphere.Effects.none()
+    effects.transmission.use = effects.returns.use = effects.intensity.use = gnosphere.EffectUse.on
+    options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+    simulator = gnosphere.Simulator(scene, gnosphere.SensorRequest(sensor, effects), options)
+    before, scan = simulator.scan(gnosphere.Pose()), simulator.scan(gnosphere.Pose())
+    assert scan.returns == 2 and np.isfinite(scan.ranges).all()
+    changed, gone = 2 * (1 * 5 + 3) + 1, 2 * (2 * 5 + 4)  # the second return of a beam, the first one of another
+    scan.ranges[changed] += 0.25
+    scan.instances[gone] = gnosphere.NO_TRIANGLE
+    scan.triangles[gone], scan.ranges[gone] = gnosphere.NO_TRIANGLE, np.nan
+    found = testing.difference(before, scan, {"range": 0.01})
+    text = testing.page_of("name", tmp_path / "a.pcd", tmp_path / "b.pcd", before, scan, found, "said")
+    listed = [row for row in cells(text) if len(row) == 7]
+    expected = [
+        ["2", "4", "only in the golden cloud", f"{before.ranges[gone]:.6g}", "nan",
+         f"instance 1, triangle {before.triangles[gone]}", "none"],
+        ["1", "3", "another range", f"{before.ranges[changed]:.6g}", f"{before.ranges[changed] + 0.25:.6g}",
+         *[f"instance 0, triangle {before.triangles[changed]}"] * 2],
+    ]  # fmt: skip
+    assert listed == expected
+    # The picture of what differs has a pixel of each beam, which has the colour of its gravest entry.
+    data = re.search(r'base64,([^"]*)" title="What differs"', text)
+    assert data
+    picture = decode(base64.b64decode(data[1]))
+    rows = picture[len(picture) // 6 :: len(picture) // 3]
+    pixels = [tuple(pixel) for row in rows for pixel in row.tolist()]
+    kinds = testing.KINDS
+    assert pixels == [  # the highest channel on top, columns from left to right
+        *[kinds["the same"]] * 4, kinds["only in the golden cloud"],
+        *[kinds["the same"]] * 3, kinds["another range"], kinds["the same"], *[kinds["the same"]] * 5,
+    ]  # fmt: skip
 
 
 def test_points_elsewhere_at_the_same_range_differ():
