@@ -190,12 +190,22 @@ def test_materials_of_one_colour_that_differ_otherwise_are_several():
         shapes.material((1, 0, 0)), shapes.material((1, 0, 0, 0.75)), shapes.material((1, 0, 0), double_sided=False),
         *(shapes.material((1, 0, 0), image=image) for image in images), shapes.material((1, 0, 0), image=images[0]),
         shapes.material((3, -1, 0)),
+        shapes.material((1, 0, 0), "paint"),
     ]  # fmt: skip
-    assert numbers == [0, 1, 2, 3, 4, 3, 0]  # colours end at 0 and 1
+    assert numbers == [0, 1, 2, 3, 4, 3, 0, 5]  # colours end at 0 and 1
     scene = shapes.scene()
-    assert [material.double_sided for material in scene.materials] == [True, True, False, True, True]
-    assert [material.alpha_image for material in scene.materials] == [gnosphere.NO_IMAGE] * 3 + [0, 1]
-    assert [material.alpha_mode.name for material in scene.materials] == ["opaque", "blend", "opaque", "mask", "mask"]
+    assert [material.double_sided for material in scene.materials] == [True, True, False, True, True, True]
+    assert [material.alpha_image for material in scene.materials] == [gnosphere.NO_IMAGE] * 3 + [
+        0, 1, gnosphere.NO_IMAGE,
+    ]  # fmt: skip
+    assert [material.alpha_mode.name for material in scene.materials] == [
+        "opaque",
+        "blend",
+        "opaque",
+        "mask",
+        "mask",
+        "opaque",
+    ]
 
 
 def test_instances_and_meshes_keep_their_names_classes_and_texture_coordinates():

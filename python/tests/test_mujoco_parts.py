@@ -8,6 +8,7 @@ import pytest
 from test_mujoco import write_png
 
 import gnosphere
+from gnosphere import robotics
 
 mujoco = pytest.importorskip("mujoco")
 gm = pytest.importorskip("gnosphere.mujoco")
@@ -53,8 +54,8 @@ def test_flexes_and_skins_belong_to_groups_and_classes(device):
     cloth = """<body name="of {1}" pos="0 0 {0}"><flexcomp name="{1}" type="grid" count="5 5 1" spacing=".3 .3 .3" dim="2" radius=".001"
         group="{2}"><edge equality="true"/></flexcomp></body>"""
     text = f"""<worldbody>{cloth.format(2, "lower", 0)}{cloth.format(3, "upper", 3)}
-        <body name="bone"><geom size=".01" group="5"/></body></worldbody><deformable>
-        <skin name="hide" group="4" vertex="-1 -1 1 1 -1 1 1 1 1 -1 1 1" face="0 1 2 0 2 3"><bone body="bone"
+        <body name="bone"><geom size=".01" group="5"/></body></worldbody><asset><material name="fur" rgba=".2 .4 .6 1"/></asset>
+        <deformable><skin name="hide" group="4" material="fur" vertex="-1 -1 1 1 -1 1 1 1 1 -1 1 1" face="0 1 2 0 2 3"><bone body="bone"
         bindpos="0 0 0" bindquat="1 0 0 0" vertid="0 1 2 3" vertweight="1 1 1 1"/></skin></deformable>"""
     model, data = model_of(text)
     classes = {"lower": 2, "upper": 3, "hide": 4}
@@ -69,6 +70,10 @@ def test_flexes_and_skins_belong_to_groups_and_classes(device):
         scan = lidar.scan(data)
         np.testing.assert_allclose(scan.ranges, [distance], atol=1e-3)
         assert scan["class"].tolist() == [kind]
+        if kind == 4:
+            scene = lidar._shapes.shapes.scene()
+            fur = scene.materials[scene.meshes[scene.instances[scan.instances[0]].mesh].parts[0].material]
+            assert (fur.name, fur.base_color) == ("fur", pytest.approx((0.2, 0.4, 0.6, 1)))
 
 
 def test_colours_are_those_of_geoms_unless_a_material_has_them():
@@ -226,3 +231,96 @@ def test_worlds_have_scenes_and_warnings_of_their_own(device):
     batch = worlds.scan([*datas, datas[1]])
     assert batch.points.shape[-1] == 3
     np.testing.assert_allclose(batch.points[:, 0, 0], [3, 5, 5], rtol=1e-5)
+
+
+RAIL = """<worldbody><geom type="plane" size="0 0 .1" pos="0 0 -1"/><geom type="box" size=".5 9e3 9" pos="20 0 0"/>
+<body name="car"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>
+<geom size=".1" group="3"/><site name="roof"/></body></worldbody>"""
+
+
+def drive(model, data, lidar, places):
+    """Records the car at places, pairs of a time and of x and y."""
+    for time, x, y in places:
+        data.time, data.qpos[:] = time, (x, y)
+        mujoco.mj_forward(model, data)
+        lidar.record(data)
+
+
+def test_a_sensor_is_where_the_records_between_have_it(device):
+    """It goes to and fro within a turn, so its mean motion says little."""
+    model, data = model_of(RAIL)
+    times = np.arange(0, 0.11, 0.01)
+    sensor = gnosphere.Sensor(range_min=0, range_max=100, rotation_period=0.1)
+    sensor.patterns = [gnosphere.BeamList([[1.0, 0, 0]] * 11, times=times)]
+    lidar = gm.Lidar(model, sensor, site="roof", options=gnosphere.SimulatorOptions(device))
+    places = [(0.02 * i, 3.0 * (i % 2), 0) for i in range(6)]
+    drive(model, data, lidar, places)
+    expected = 19.5 - np.interp(times, *np.array(places).T[:2])
+    np.testing.assert_allclose(lidar.scan(data).ranges, expected, atol=0.01)  # at 150 m/s
+
+
+def test_the_ground_is_below_a_sensor_that_moves_far_from_the_origin(device):
+    model, data = model_of(RAIL)
+    sensor = gnosphere.Sensor(range_min=0, range_max=100, rotation_period=0.1)
+    sensor.patterns = [gnosphere.BeamList([[0, 0, -1.0]] * 3, times=[0, 0.05, 0.1])]
+    tessellation = gm.Tessellation(plane=30)
+    lidar = gm.Lidar(
+        model, sensor, site="roof", tessellation=tessellation, options=gnosphere.SimulatorOptions(device)
+    )  # fmt: skip
+    drive(model, data, lidar, [(0, 0, 5000), (0.1, 1, 5001)])
+    np.testing.assert_allclose(lidar.scan(data).ranges, [1, 1, 1], atol=1e-3)
+
+
+def test_patterns_that_last_for_other_times_have_turns_of_their_own(device):
+    """The second pattern lasts for half of the time of the first one."""
+    model, data = model_of(RAIL)
+    sensor = gnosphere.Sensor(range_min=0, range_max=100)
+    sensor.patterns = [
+        gnosphere.BeamList([[1.0, 0, 0]] * 3, times=np.array([0, 0.5, 1]) * last) for last in (0.1, 0.05)
+    ]
+    lidar = gm.Lidar(model, sensor, site="roof", options=gnosphere.SimulatorOptions(device))
+    for turn, duration in enumerate((0.1, 0.05, 0.1)):
+        start = float(turn)
+        drive(model, data, lidar, [(start, 0, 0), (start + 0.05, 5, 0), (start + 0.1, 10, 0)])
+        expected = 9.5 + 100 * (duration - np.array([0, 0.5, 1]) * duration)
+        np.testing.assert_allclose(lidar.scan(data).ranges, expected, atol=1e-4)
+
+
+MACHINE = """<worldbody><geom name="floor" type="plane" size="2 2 .1"/><body name="cart" pos="0 0 1"><freejoint/>
+<geom name="box" type="box" size=".1 .2 .3" pos=".1 .2 .3" quat=".9 .1 .2 .3"/>
+<body pos="0 0 1"><joint name="hinge" axis="0 1 0" range="-1 2" limited="true"/><joint axis="1 0 0"/>
+<joint name="ball" type="ball"/><geom name="ball" type="sphere" size=".5" pos="1 0 0"/>
+<body name="end" pos="1 0 0" euler="10 20 30"><joint name="slide" type="slide" axis="0 0 1"/>
+<geom name="tip" type="box" size=".1 .1 .1"/><geom name="hull" type="box" size=".2 .2 .2" group="3"/></body></body></body>
+</worldbody>"""
+
+
+def test_joints_and_geoms_of_mjcf_are_where_mujoco_has_them(tmp_path):
+    file = tmp_path / "machine.xml"
+    file.write_text(f'<mujoco><compiler angle="radian"/>{MACHINE}</mujoco>')
+    for collisions, names in ((False, ["floor", "box", "ball", "tip"]), (True, ["hull"])):
+        robot = robotics.load(file, collisions=collisions)
+        assert not robot.left_out
+        assert robot.joint_limits == {"hinge": (-1, 2), "slide": (-np.inf, np.inf)}
+        model = mujoco.MjModel.from_xml_path(str(file))
+        data = mujoco.MjData(model)
+        for hinge, slide in ((0, 0), (0.7, 0.4), (-0.5, -3)):
+            rows = robot.move({"hinge": hinge, "slide": slide})
+            data.joint("hinge").qpos, data.joint("slide").qpos = hinge, slide
+            mujoco.mj_kinematics(model, data)
+            geoms = [model.geom(name).id for name in names]
+            expected = np.concatenate([data.geom_xmat.reshape(-1, 3, 3), data.geom_xpos[:, :, None]], axis=2)[geoms]
+            np.testing.assert_allclose(rows, expected, atol=1e-9)
+    assert robotics.load(file).frames == ["world", "cart", "body 2", "end"]
+    counts = [robotics.load(file, tolerance=tolerance).scene.meshes[2].triangle_count() for tolerance in (1e-2, 1e-4)]
+    assert counts[1] > 20 * counts[0]
+
+
+def test_what_robots_of_mjcf_lack_is_told(tmp_path):
+    file = tmp_path / "cloth.xml"
+    file.write_text(
+        """<mujoco><worldbody><body name="a"><flexcomp name="cloth" type="grid" count="3 3 1" spacing=".2 .2 .2"
+        dim="2" radius=".001"><edge equality="true"/></flexcomp></body></worldbody></mujoco>"""
+    )
+    with pytest.warns(UserWarning, match=r"leaves out flexes and skins, which gnosphere.mujoco has \(1\)$"):
+        assert not robotics.load(file).frames
