@@ -110,6 +110,16 @@ def test_flat_shapes():
     assert volume(field) == pytest.approx(4 * 3 * 2 * 0.5 + cells * (lower + upper).sum())
 
 
+def test_a_cone_and_a_divided_plane():
+    cone = primitives.cone(0.5, 2, 1e-4)
+    assert is_closed(cone) and volume(cone) == pytest.approx(np.pi * 0.25 * 4 / 3, rel=1e-3)
+    assert cone[0][cone[0][:, 2] == 2].tolist() == [[0, 0, 2]]  # its tip
+    vertices, faces = primitives.plane(3000, 20, 1.0)
+    for axis, cuts in ((0, (1, 10, 100, 1000, 3000)), (1, (1, 10, 20))):
+        assert np.unique(vertices[:, axis]).tolist() == sorted([*cuts, *np.negative(cuts)])
+    assert len(faces) == 2 * 9 * 5
+
+
 def wall() -> adapter.Shapes:
     """A wall 0.2 m thick, and a pane before it."""
     shapes = adapter.Shapes()

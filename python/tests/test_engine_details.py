@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What adapters of engines read beside shapes: formats of vertices, colours, names, frames of inertia, clients, and what is
-ignored. Each is skipped without its package."""
+"""What adapters of engines read beside shapes: formats of vertices, colours, names, frames of inertia, clients, and
+what is ignored. Each is skipped without its package."""
 
 import numpy as np
 import pytest
@@ -34,8 +34,8 @@ def options(device):
 
 
 def panda_geom(core, x, columns=("vertex",), double=False, first=0, connected=True):
-    """A square of 2 m across the x axis at x, whose four corners follow `first` others; its triangles name their corners,
-    or have them in a row."""
+    """A square of 2 m across the x axis at x, whose four corners follow `first` others; its triangles name their
+    corners, or have them in a row."""
     layout = core.GeomVertexArrayFormat()
     for column in columns:
         kind = core.Geom.CPoint if column == "vertex" else core.Geom.CNormal
@@ -117,8 +117,8 @@ def test_colours_names_and_frames_of_panda3d(device, scenes):
     assert colours(scenes[-1]) == [(0.5, 0.5, 0.5, 1), (0.75, 0.25, 0.125, 1), (0.75, 0.25, 0.125, 1)]
 
 
-ROBOT = """<robot name="rover"><link name="base"><inertial><origin xyz="0.3 -0.2 0.1" rpy="0.3 0.2 0.9"/><mass value="1"/>
-<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="3"/></inertial>{base}</link>
+ROBOT = """<robot name="rover"><link name="base"><inertial><origin xyz="0.3 -0.2 0.1" rpy="0.3 0.2 0.9"/>
+<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="3"/></inertial>{base}</link>
 <link name="arm"><inertial><origin xyz="0.1 0.4 -0.2" rpy="0.5 0.1 -0.4"/><mass value="1"/>
 <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="3"/></inertial>{arm}</link>
 <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 1" rpy="0.1 0.2 0.3"/>
@@ -128,8 +128,8 @@ SHAPE = """<{0}><origin xyz="0.2 0.1 0.3" rpy="0.4 0.5 0.6"/><geometry>{1}</geom
 
 
 def test_links_of_pybullet_are_where_its_rays_meet_them_in_the_client_that_is_given(device, tmp_path, scenes):
-    """A base and a link with frames of inertia that are turned, and a mesh of another size than its file. There is a wall
-    in the first client, which the LiDAR in the second one does not see."""
+    """A base and a link with frames of inertia that are turned, and a mesh of another size than its file. There is a
+    wall in the first client, which the LiDAR in the second one does not see."""
     pb = pytest.importorskip("pybullet")
     from gnosphere.engines.pybullet import Lidar
 

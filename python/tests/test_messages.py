@@ -107,6 +107,19 @@ def test_the_intensities_of_a_laser_scan_belong_to_its_ranges(device):
     assert line["intensities"][[0, 5]].tolist() == [0, 0]  # not NaN, for beams without a return
 
 
+def test_beams_to_both_sides_of_180_degrees_that_fire_in_another_order(device):
+    """They are sorted from behind the widest gap, which is not at 180 degrees."""
+    azimuths = np.radians([-170, 160, 180, -160, 170])
+    directions = np.stack([np.cos(azimuths), np.sin(azimuths), 0 * azimuths], axis=1)
+    sensor = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(directions)])
+    lidar = adapter.Lidar(
+        room(4), sensor, effects=gnosphere.Effects.none(), options=gnosphere.SimulatorOptions(device)
+    )  # fmt: skip
+    line = adapter.laser_scan(lidar._scan_at([at(1)], gnosphere.Pose(), 0, None), sensor)  # the room has moved
+    assert np.degrees([line["angle_min"], line["angle_max"]]) % 360 == pytest.approx([160, 200], abs=1e-4)
+    np.testing.assert_allclose(line["ranges"], 3 / np.cos(np.radians([20, 10, 0, 10, 20])), rtol=1e-5)
+
+
 def test_records_are_of_returns_alone(device):
     shapes = adapter.Shapes()
     shapes.instance(shapes.mesh(primitives.box((1, 5, 5))), [[1, 0, 0, 11], [0, 1, 0, 5], [0, 0, 1, 0]])
@@ -124,9 +137,10 @@ def test_records_are_of_returns_alone(device):
 
 
 def test_stamps_are_whole_nanoseconds():
-    """Seconds in double precision are rounded, not cut: 1.1 s is less than 1100 million nanoseconds, but rounds to them."""
+    """Seconds in double precision are rounded, not cut: 1.1 s may be a little less than 1100 million nanoseconds."""
     for stamp, sec, nanosec in (
-        (1.1, 1, 100_000_000), (0.3, 0, 300_000_000), (4.35, 4, 350_000_000), (1.9999999999, 2, 0), (-0.25, -1, 750_000_000),
+        (1.1, 1, 100_000_000), (0.3, 0, 300_000_000), (4.35, 4, 350_000_000), (1.9999999999, 2, 0),
+        (-0.25, -1, 750_000_000),
     ):  # fmt: skip
         assert adapter.header("", stamp)["stamp"] == {"sec": sec, "nanosec": nanosec}
 

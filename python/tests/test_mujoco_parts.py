@@ -32,7 +32,8 @@ SKIN = """<worldbody><body name="low" pos="2 0 0" euler="10 20 30"><joint type="
 <body name="high" pos="0 0 1"><joint axis="0 1 0"/><geom size=".01" group="4"/></body></body></worldbody>
 <deformable><skin name="skin" inflate="{}" vertex="2 -1 0 2 1 0 2 1 1 2 -1 1 2.5 0 .5" face="0 1 2 0 2 3 0 1 4 1 2 4">
 <bone body="low" bindpos="2 0 .1" bindquat=".9 .1 .3 .2" vertid="0 1 2 4" vertweight="1 .75 .25 .5"/>
-<bone body="high" bindpos="2 0 1" bindquat=".8 -.1 .3 .4" vertid="1 2 3 4" vertweight=".25 .75 1 .5"/></skin></deformable>"""
+<bone body="high" bindpos="2 0 1" bindquat=".8 -.1 .3 .4" vertid="1 2 3 4" vertweight=".25 .75 1 .5"/></skin>
+</deformable>"""
 
 
 @pytest.mark.parametrize("inflate", (0, 0.05))
@@ -51,12 +52,13 @@ def test_the_vertices_of_a_skin_are_those_that_mujoco_draws(inflate):
 
 def test_flexes_and_skins_belong_to_groups_and_classes(device):
     """Two cloths over each other and a skin under them, each in a group of its own."""
-    cloth = """<body name="of {1}" pos="0 0 {0}"><flexcomp name="{1}" type="grid" count="5 5 1" spacing=".3 .3 .3" dim="2" radius=".001"
-        group="{2}"><edge equality="true"/></flexcomp></body>"""
+    cloth = """<body name="of {1}" pos="0 0 {0}"><flexcomp name="{1}" type="grid" count="5 5 1" spacing=".3 .3 .3"
+        dim="2" radius=".001" group="{2}"><edge equality="true"/></flexcomp></body>"""
     text = f"""<worldbody>{cloth.format(2, "lower", 0)}{cloth.format(3, "upper", 3)}
-        <body name="bone"><geom size=".01" group="5"/></body></worldbody><asset><material name="fur" rgba=".2 .4 .6 1"/></asset>
-        <deformable><skin name="hide" group="4" material="fur" vertex="-1 -1 1 1 -1 1 1 1 1 -1 1 1" face="0 1 2 0 2 3"><bone body="bone"
-        bindpos="0 0 0" bindquat="1 0 0 0" vertid="0 1 2 3" vertweight="1 1 1 1"/></skin></deformable>"""
+        <body name="bone"><geom size=".01" group="5"/></body></worldbody><asset>
+        <material name="fur" rgba=".2 .4 .6 1"/></asset><deformable><skin name="hide" group="4" material="fur"
+        vertex="-1 -1 1 1 -1 1 1 1 1 -1 1 1" face="0 1 2 0 2 3"><bone body="bone" bindpos="0 0 0" bindquat="1 0 0 0"
+        vertid="0 1 2 3" vertweight="1 1 1 1"/></skin></deformable>"""
     model, data = model_of(text)
     classes = {"lower": 2, "upper": 3, "hide": 4}
     for groups, distance, kind in (
@@ -96,7 +98,8 @@ def test_classes_by_the_names_of_geoms_meshes_and_bodies():
         <geom name="own" type="mesh" mesh="hull"/><geom type="mesh" mesh="hull"/>
         <body name="plane"><geom name="left" type="mesh" mesh="wing"/><geom size=".1"/></body></worldbody>""")
     for classes, expected in (
-        ({"hull": 1, "plane": 2}, [1, 1, 2, 2]), ({"own": 3, "wing*": 4}, [3, 0, 4, 0]), ({"left": 5, "p*": 6}, [0, 0, 5, 6]),
+        ({"hull": 1, "plane": 2}, [1, 1, 2, 2]), ({"own": 3, "wing*": 4}, [3, 0, 4, 0]),
+        ({"left": 5, "p*": 6}, [0, 0, 5, 6]),
     ):  # fmt: skip
         lidar = gm.Lidar(model, "VLP-16", classes=classes, effects=NONE)
         assert [instance.class_id for instance in lidar._shapes.shapes.instances] == expected
@@ -121,8 +124,8 @@ def test_a_texture_repeats_over_a_mesh_and_may_let_a_part_of_the_light_through(d
     """A square of 2 m whose texture stands on it twice: its left half has an alpha below a half."""
     write_png(tmp_path / "net.png")
     (tmp_path / "model.xml").write_text("""<mujoco><asset><texture name="net" type="2d" file="net.png" nchannel="4"/>
-        <material name="net" texture="net" texrepeat="2 1"/><mesh name="panel" vertex="0 -1 -1 0 1 -1 0 1 1 0 -1 1 .1 0 -1"
-        face="0 1 2 0 2 3 0 1 4" texcoord="0 0 1 0 1 1 0 1 1 1" inertia="shell"/></asset><worldbody>
+        <material name="net" texture="net" texrepeat="2 1"/><mesh name="panel" vertex="0 -1 -1 0 1 -1 0 1 1 0 -1 1
+        .1 0 -1" face="0 1 2 0 2 3 0 1 4" texcoord="0 0 1 0 1 1 0 1 1 1" inertia="shell"/></asset><worldbody>
         <geom type="mesh" mesh="panel" material="net" pos="4 0 0"/></worldbody></mujoco>""")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     data = mujoco.MjData(model)
@@ -178,10 +181,12 @@ def test_each_call_of_the_drop_in_counts_as_it_is_made(device):
 
 def test_rangefinders_of_several_bodies_have_the_cutoffs_that_are_given(device):
     """Two bodies that turn, with sites whose axes z lie askew; a finder does not see its own body."""
-    site = '<site name="{0}1" euler="0 90 0" pos=".1 0 0"/><site name="{0}2" euler="0 80 20"/><site name="{0}3" euler="90 0 0"/>'
+    site = """<site name="{0}1" euler="0 90 0" pos=".1 0 0"/><site name="{0}2" euler="0 80 20"/>
+        <site name="{0}3" euler="90 0 0"/>"""
     text = f"""<worldbody><geom type="box" size=".5 30 30" pos="12 0 0"/><geom type="box" size="30 .5 30" pos="0 -9 0"/>
         <body name="a" euler="0 0 20"><geom type="box" size=".5 .5 .5"/>{site.format("a")}</body>
-        <body name="b" pos="0 3 0" euler="0 10 -20"><geom type="box" size=".5 .5 .5"/>{site.format("b")}</body></worldbody>
+        <body name="b" pos="0 3 0" euler="0 10 -20"><geom type="box" size=".5 .5 .5"/>{site.format("b")}</body>
+        </worldbody>
         <sensor>{"".join(f'<rangefinder site="{name}" cutoff="{cutoff}"/>' for name, cutoff in (
             ("b1", 0), ("a1", 5), ("a2", 0), ("b3", 8), ("a3", 0), ("b2", 11)))}</sensor>"""
     model, data = model_of(text)
@@ -220,7 +225,8 @@ def test_what_hangs_from_the_world_is_not_of_its_tree():
 def test_worlds_have_scenes_and_warnings_of_their_own(device):
     """Two models in turn, whose meshes have the same numbers and other shapes; only the first has what is left out."""
     mesh = '<asset><mesh name="m" vertex="{0} -1 -1 {0} 1 -1 {0} 0 1 {1} 0 0"/></asset>'
-    rope = """<body name="end" pos="9 9 9"><flexcomp name="rope" type="grid" count="4 1 1" spacing=".2 .2 .2" dim="1" radius=".01"/>
+    rope = """<body name="end" pos="9 9 9"><flexcomp name="rope" type="grid" count="4 1 1" spacing=".2 .2 .2" dim="1"
+        radius=".01"/>
         </body>"""
     texts = [mesh.format(x, x + 1) + '<worldbody><geom type="mesh" mesh="m"/>{}</worldbody>' for x in (3, 5)]
     models, datas = zip(*(model_of(text.format(more)) for text, more in zip(texts, (rope, ""))))
@@ -291,8 +297,8 @@ MACHINE = """<worldbody><geom name="floor" type="plane" size="2 2 .1"/><body nam
 <body pos="0 0 1"><joint name="hinge" axis="0 1 0" range="-1 2" limited="true"/><joint axis="1 0 0"/>
 <joint name="ball" type="ball"/><geom name="ball" type="sphere" size=".5" pos="1 0 0"/>
 <body name="end" pos="1 0 0" euler="10 20 30"><joint name="slide" type="slide" axis="0 0 1"/>
-<geom name="tip" type="box" size=".1 .1 .1"/><geom name="hull" type="box" size=".2 .2 .2" group="3"/></body></body></body>
-</worldbody>"""
+<geom name="tip" type="box" size=".1 .1 .1"/><geom name="hull" type="box" size=".2 .2 .2" group="3"/></body></body>
+</body></worldbody>"""
 
 
 def test_joints_and_geoms_of_mjcf_are_where_mujoco_has_them(tmp_path):

@@ -68,6 +68,17 @@ def test_from_above_the_highest_point_of_a_pixel_is_seen_and_bright():
         assert image[10, int((1 - 10 * np.tan(np.radians(40)) / 20) * 20)].tolist() == [*DARK]
 
 
+def test_from_above_heights_have_colours_between_bright_and_dark():
+    """A third of the points each 1 m below, at and 1 m above the sensor, on a wall 10 m ahead."""
+    azimuths = np.repeat([0, 20, -20], 100)
+    heights = np.repeat([-1, 0, 1], 100)
+    elevations = np.degrees(np.arctan(heights / 10 * np.cos(np.radians(azimuths))))
+    image = pictures.from_above(scan_of(box((1, 500, 500), (11, 0, 0)), listed(azimuths, elevations)), 20.0, 40)
+    aside = int((1 - 10 * np.tan(np.radians(20)) / 20) * 20)
+    for column, colour in ((20, DARK), (aside, (38, 144, 137)), (39 - aside, BRIGHT)):
+        assert np.abs(image[10, column].astype(int) - colour).max() <= 1
+
+
 def test_a_range_image_has_the_first_returns_and_nothing_where_there_is_none():
     shapes = box((9, 9, 9))
     shapes.instance(

@@ -177,7 +177,8 @@ def test_limits_of_joints_of_sdf(tmp_path):
     links = link(BOX, "a") + link(BOX, "b")
     limit = "<xyz>0 0 1</xyz><limit><lower>{}</lower><upper>{}</upper></limit>"
     for kind, low, high, expected in (
-        ("revolute", -1, 2, (-1, 2)), ("continuous", -1, 2, (-np.inf, np.inf)), ("revolute", -1e16, 1e16, (-np.inf, np.inf)),
+        ("revolute", -1, 2, (-1, 2)), ("continuous", -1, 2, (-np.inf, np.inf)),
+        ("revolute", -1e16, 1e16, (-np.inf, np.inf)),
         ("prismatic", 0, 1e16, (-np.inf, np.inf)),
     ):  # fmt: skip
         robot = sdf(tmp_path, links + joint(kind, limit.format(low, high)))
@@ -201,8 +202,9 @@ def test_a_mimic_of_sdf_has_a_reference(tmp_path):
 
 
 def test_poses_of_sdf_inside_a_link_may_be_relative_to_another_frame(tmp_path):
-    links = f"""<link name="a"><pose>1 0 0 0.3 0 0</pose>{visual("<box/>", '<pose relative_to="f">1 2 3 0 0 0.5</pose>')}
-        </link><frame name="f"><pose>0 5 0 0 0.4 0</pose></frame>"""
+    box = visual("<box/>", '<pose relative_to="f">1 2 3 0 0 0.5</pose>')
+    links = f"""<link name="a"><pose>1 0 0 0.3 0 0</pose>{box}</link>
+        <frame name="f"><pose>0 5 0 0 0.4 0</pose></frame>"""
     row = sdf(tmp_path, links).move({})[0]
     np.testing.assert_allclose(row[:, 3], [0, 5, 0] + about("y", 0.4) @ [1, 2, 3], atol=1e-9)
     np.testing.assert_allclose(row[:, :3], about("y", 0.4) @ about("z", 0.5), atol=1e-9)
@@ -300,7 +302,8 @@ def seen(geometry, inside="", origin='<origin xyz="1 2 3" rpy="0.1 0.2 0.3"/>', 
     ("shape", "half"),
     [
         ('<box size="1 2 3"/>', (0.5, 1, 1.5)), ('<sphere radius="0.7"/>', (0.7, 0.7, 0.7)),
-        ('<cylinder radius="0.2" length="3"/>', (0.2, 0.2, 1.5)), ('<capsule radius="0.2" length="3"/>', (0.2, 0.2, 1.7)),
+        ('<cylinder radius="0.2" length="3"/>', (0.2, 0.2, 1.5)),
+        ('<capsule radius="0.2" length="3"/>', (0.2, 0.2, 1.7)),
     ],
 )  # fmt: skip
 def test_sizes_and_places_of_urdf(tmp_path, shape, half):
@@ -324,8 +327,8 @@ def test_colours_and_names_of_urdf(tmp_path):
     red, own = '<material name="red"/>', '<material name="red"><color rgba="0 1 0 0.5"/></material>'
     shapes = seen(mesh) + seen(mesh, red) + seen(mesh, own) + seen(box, red) + seen(box, own) + seen(box)
     assert colours(urdf(tmp_path, shapes)) == [
-        (0.25, 0.5, 0.75, 1, "ink"), (1, 0, 0, 1, "red"), (0, 1, 0, 0.5, "red"), (1, 0, 0, 1, "red"), (0, 1, 0, 0.5, "red"),
-        (0.5, 0.5, 0.5, 1, ""),
+        (0.25, 0.5, 0.75, 1, "ink"), (1, 0, 0, 1, "red"), (0, 1, 0, 0.5, "red"), (1, 0, 0, 1, "red"),
+        (0, 1, 0, 0.5, "red"), (0.5, 0.5, 0.5, 1, ""),
     ]  # fmt: skip
     named = seen(box).replace("<visual>", '<visual name="door">') + seen(box, red)
     instances = urdf(tmp_path, named, classes={"door": 3, "red": 4}).scene.instances
@@ -401,8 +404,8 @@ def test_colours_of_files_without_materials_are_grey(tmp_path):
 
 DAE = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>
 <unit name="inch" meter="0.5"/><up_axis>Z_UP</up_axis></asset><library_effects><effect id="e"><profile_COMMON>
-<technique sid="t"><lambert><diffuse><color>0.2 0.4 0.6 1</color></diffuse></lambert></technique></profile_COMMON></effect>
-</library_effects><library_materials><material id="ink" name="ink"><instance_effect url="#e"/></material>
+<technique sid="t"><lambert><diffuse><color>0.2 0.4 0.6 1</color></diffuse></lambert></technique></profile_COMMON>
+</effect></library_effects><library_materials><material id="ink" name="ink"><instance_effect url="#e"/></material>
 </library_materials><library_geometries>{}</library_geometries><library_visual_scenes><visual_scene id="s">{}
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 

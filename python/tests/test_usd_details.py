@@ -99,8 +99,8 @@ def test_transforms_of_usd_at_their_earliest_time(tmp_path):
 
 @pytest.mark.parametrize(
     ("kind", "half"),
-    [("Cube", (1, 1, 1)), ("Sphere", (1, 1, 1)), ("Cylinder", (1, 1, 1)), ("Cone", (1, 1, 1)), ("Capsule", (0.5, 0.5, 1)),
-     ("Plane", (1, 1, 0))],
+    [("Cube", (1, 1, 1)), ("Sphere", (1, 1, 1)), ("Cylinder", (1, 1, 1)), ("Cone", (1, 1, 1)),
+     ("Capsule", (0.5, 0.5, 1)), ("Plane", (1, 1, 0))],
 )  # fmt: skip
 def test_sizes_of_usd_that_are_not_stated(tmp_path, kind, half):
     from pxr import Usd, UsdGeom
@@ -192,7 +192,8 @@ def test_colours_of_usd(tmp_path):
     found = read(
         tmp_path, ink, plain, mesh(shown, "A"), painted(shown + "\n    " + bound("Ink"), "B"),
         painted(shown + "\n    " + bound("Plain"), "C"), mesh("", "D"),
-        'def Xform "Top"\n{\n    color3f[] primvars:displayColor = [(1, 0, 1)] (\n        interpolation = "constant"\n    )\n    '
+        'def Xform "Top"\n{\n    color3f[] primvars:displayColor = [(1, 0, 1)] (\n'
+        '        interpolation = "constant"\n    )\n    '
         + mesh("", "E") + "}\n",
     )  # fmt: skip
     assert colours(found) == [
@@ -244,7 +245,10 @@ def test_labels_of_usd(tmp_path):
     """The nearest prim that has labels, of the type class, states the class."""
 
     def labels(kind, data, name="s"):
-        return f'string semantic:{name}:params:semanticType = "{kind}"\n    string semantic:{name}:params:semanticData = "{data}"'
+        return (
+            f'string semantic:{name}:params:semanticType = "{kind}"\n'
+            f'    string semantic:{name}:params:semanticData = "{data}"'
+        )
 
     prims = [
         mesh(labels("class", "wall, grey"), "A"), mesh(labels("color", "red"), "B"),
@@ -286,7 +290,7 @@ LIDAR = """def Xform "Mast"
 
 
 def test_the_place_of_an_omni_lidar(tmp_path):
-    """Its transforms are in the order that it states, some of them undone; a mast that is scaled moves it twice as far."""
+    """Its transforms are in the order that it states, some undone; a mast that is scaled moves it twice as far."""
     for order, turn in (
         (
             ("xformOp:translate", "xformOp:rotateZ", "xformOp:rotateX:tilt"),
