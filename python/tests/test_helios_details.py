@@ -230,7 +230,7 @@ def test_wavelengths(surveys, wavelength, taken, told):  # noqa: F811
 def test_the_ground_below_a_leg_is_where_its_filters_put_it(surveys):  # noqa: F811
     """A square far from the origin of its file, which is turned about x and then about z, scaled and moved. What is no
     ground lies below it."""
-    corners = [(x, y, 2) for x, y in ((499, -1), (501, -1), (501, 1), (499, 1))]
+    corners = [(x, y, 2) for x, y in ((500000.3, -1), (500002.3, -1), (500002.3, 1), (500000.3, 1))]
     lines = [f"v {x} {y} {z}" for x, y, z in corners]
     (surveys / "data" / "ground.obj").write_text("\n".join([*lines, "f 1 2 3 4", ""]))
     (surveys / "data" / "plate.obj").write_text(
@@ -247,7 +247,7 @@ def test_the_ground_below_a_leg_is_where_its_filters_put_it(surveys):  # noqa: F
     about_x = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
     about_z = np.array([[np.cos(around), -np.sin(around), 0], [np.sin(around), np.cos(around), 0], [0, 0, 1]])
     turn = about_z @ about_x
-    for place in ((2500, 0), (2498, 3), (2504, -4)):  # in the file's axes, scaled
+    for place in ((2500005, 0), (2500002, 3), (2500011, -4)):  # in the file's axes, scaled
         x, y, z = turn @ [*place, 10] + [7, -3, 5]
         text = TERRESTRIAL.replace('x="0" y="0"', f'x="{x}" y="{y}" z="50"')
         assert read(surveys, text).legs[0].drive["ego"]["trajectory"]["waypoints"][0]["position"] == pytest.approx(

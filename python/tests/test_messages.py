@@ -197,6 +197,16 @@ def test_a_mesh_file_is_one_mesh_of_all_its_instances(tmp_path):
     np.testing.assert_allclose(found, [[[999, 60, -1], [1001, 80, 1]], [[2003, -10, -1], [2007, 10, 1]]], atol=1e-3)
 
 
+def test_a_mesh_file_far_from_its_origin(tmp_path):
+    """Its coordinates are no numbers of single precision, so they are kept beside an origin."""
+    (tmp_path / "far.obj").write_text("v 500000.3 0 0\nv 500001.3 0 0\nv 500000.3 2 0\nf 1 2 3\n")
+    assert gnosphere.load_scene(tmp_path / "far.obj").meshes[0].origin[0] > 400000
+    vertices, _ = adapter.load_mesh(tmp_path / "far.obj", 0.5)
+    np.testing.assert_allclose(
+        sorted(vertices.tolist()), [[250000.15, 0, 0], [250000.15, 1, 0], [250000.65, 0, 0]], atol=0.02
+    )
+
+
 def test_materials_of_one_colour_that_differ_otherwise_are_several():
     shapes = adapter.Shapes()
     images = [gnosphere.AlphaImage(np.full((2, 2), value, np.uint8)) for value in (0, 255)]

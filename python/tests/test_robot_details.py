@@ -63,11 +63,12 @@ def by_height(points):
 
 
 def test_a_mesh_of_sdf_is_scaled_and_then_turned_and_moved(tmp_path):
-    write_tetrahedron(tmp_path / "t.obj", (1000, 0, 0))
+    far = (500000.3, 0, 0)  # so the file's mesh has an origin of its own
+    write_tetrahedron(tmp_path / "t.obj", far)
     mesh = "<mesh><uri>t.obj</uri><scale>2 3 4</scale></mesh>"
     (points,) = corners(sdf(tmp_path, link(visual(mesh, "<pose>1 2 3 0.1 0.2 0.3</pose>"))))
-    expected = (TETRAHEDRON + [1000, 0, 0]) * [2, 3, 4] @ rpy(0.1, 0.2, 0.3).T + [1, 2, 3]
-    np.testing.assert_allclose(by_height(points), by_height(expected), atol=1e-3)
+    expected = (TETRAHEDRON + far) * [2, 3, 4] @ rpy(0.1, 0.2, 0.3).T + [1, 2, 3]
+    np.testing.assert_allclose(by_height(points), by_height(expected), atol=0.1)
 
 
 def test_the_normal_of_a_plane_of_sdf_is_in_the_frame_of_its_visual(tmp_path):
