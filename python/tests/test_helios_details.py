@@ -97,6 +97,8 @@ def test_the_way_of_a_leg(surveys):  # noqa: F811
     along = np.subtract(end["position"], start["position"])
     assert along == pytest.approx(30 * third.duration * way / np.linalg.norm(way))
     assert start["yaw_deg"] == pytest.approx(np.degrees(np.arctan2(50, -100)))
+    first = read(surveys, AIRBORNE, 'x="70" y="-50"', 'x="-30" y="-50" z="135"').legs[0]
+    assert first.drive["ego"]["trajectory"]["waypoints"][0]["yaw_deg"] == 90  # it has not moved yet
 
 
 def test_a_platform_without_a_speed_goes_70_metres_a_second(surveys):  # noqa: F811

@@ -266,6 +266,12 @@ def test_an_entity_stands_where_init_puts_it_until_its_trajectory_begins(tmp_pat
     assert [point["time"] for point in waypoints] == [0.0, 1.499, 1.5, 2.0]
     assert waypoints[0]["position"] == waypoints[1]["position"] == [-9.0, 7.0, 0.0]
     assert waypoints[2]["position"] == [1.0, 0.0, 0.0]
+    # A trajectory that begins at once leaves no time for that.
+    at_once = text.replace('<Vertex time="1.5">', '<Vertex time="0">').replace("$there", "4")
+    (tmp_path / "a.xosc").write_text(at_once)
+    with pytest.warns(UserWarning, match="vertices without"):
+        (walker,) = robotics.read_traffic(tmp_path / "a.xosc", {"pedestrian": "person"})
+    assert [point["time"] for point in walker["trajectory"]["waypoints"]] == [0.0, 2.0]
 
 
 def test_trajectories_of_open_scenario_follow_each_other(tmp_path):
@@ -326,3 +332,56 @@ def test_open_scenario(tmp_path):
     (tmp_path / "b.xml").write_text("<net/>")
     with pytest.raises(ValueError, match="is XML of <net>"):
         robotics.read_traffic(tmp_path / "b.xml", {})
+
+
+def test_the_faster_of_two_speeds_says_how_far_a_vehicle_of_sumo_comes(tmp_path):
+    """It starts or stops within a time step, in which it comes 24 m, and 10 m beyond is what it may."""
+    for speeds in ((30, 0), (0, 30)):
+        both = [f'<vehicle id="a" x="{24 * i}" y="0" angle="90" speed="{v}"/>' for i, v in enumerate(speeds)]
+        (actor,) = robotics.read_traffic(fcd(tmp_path / "fcd.xml", *both), {"*": "car"}, lengths={"*": 0.0})
+        assert len(actor["trajectory"]["waypoints"]) == 2
+    both = [f'<vehicle id="a" x="{28 * i}" y="0" angle="90" speed="30"/>' for i in range(2)]
+    with pytest.warns(UserWarning, match="while they are absent or teleport"):
+        assert len(robotics.read_traffic(fcd(tmp_path / "fcd.xml", *both), {"*": "car"}, lengths={"*": 0.0})) == 2
+
+
+def test_detours_of_sumo_within_a_time_step_are_no_degrees(tmp_path):
+    """A bus that drives a loop of 200 m is 5 m further after it."""
+    steps = (f'<vehicle id="a" x="{5 * i}" y="0" angle="90" speed="20"/>' for i in range(3))
+    (actor,) = robotics.read_traffic(fcd(tmp_path / "fcd.xml", *steps, step=10), {"*": "car"}, lengths={"*": 0.0})
+    assert len(actor["trajectory"]["waypoints"]) == 3
+
+
+def test_kinds_of_entities_of_open_scenario(tmp_path):
+    """The category of a vehicle, a pedestrian or a thing, or what each of them is where none is stated."""
+    place = """<Private entityRef="{0}"><PrivateAction><TeleportAction><Position><WorldPosition x="{1}" y="0"/>
+</Position></TeleportAction></PrivateAction></Private>"""
+    things = [
+        ('<Vehicle vehicleCategory="truck"/>', "truck"), ('<Pedestrian pedestrianCategory="animal"/>', "animal"),
+        ('<MiscObject miscObjectCategory="barrier"/>', "barrier"), ("<Vehicle/>", "vehicle"),
+        ("<MiscObject/>", "miscobject"),        ('<CatalogReference catalogName="c" entryName="van"/>', "van"),
+    ]  # fmt: skip
+    entities = "".join(f'<ScenarioObject name="{i}">{text}</ScenarioObject>' for i, (text, _) in enumerate(things))
+    places = "".join(place.format(i, i) for i in range(len(things)))
+    (tmp_path / "a.xosc").write_text(
+        f"<OpenSCENARIO><Entities>{entities}</Entities><Storyboard><Init><Actions>{places}</Actions></Init>"
+        "</Storyboard></OpenSCENARIO>"
+    )
+    actors = robotics.read_traffic(tmp_path / "a.xosc", {kind: f"model of {kind}" for _, kind in things})
+    assert [actor["model"] for actor in actors] == [f"model of {kind}" for _, kind in things]
+    assert [actor["trajectory"]["waypoints"][0]["position"] for actor in actors] == [[i, 0, 0] for i in range(6)]
+
+
+def test_the_actors_of_a_group_of_open_scenario_go_one_way(tmp_path):
+    both = '<EntityRef entityRef="Walker"/><EntityRef entityRef="Ego"/>'
+    text = XOSC.replace('<EntityRef entityRef="Walker"/>', both).replace(
+        '<Vertex time="3"><Position><LanePosition/></Position></Vertex>', ""
+    )
+    (tmp_path / "a.xosc").write_text(text)
+    ego, walker = robotics.read_traffic(tmp_path / "a.xosc", {"car": "car", "pedestrian": "person"})
+    assert (ego["name"], walker["name"]) == ("Ego", "Walker")
+    assert ego["trajectory"] == walker["trajectory"] and len(ego["trajectory"]["waypoints"]) == 2
+    clothoid = text.replace("<Polyline>", "<Clothoid>").replace("</Polyline>", "</Clothoid>")
+    (tmp_path / "a.xosc").write_text(clothoid)
+    with pytest.warns(UserWarning, match=r"leaves out trajectories that are no polylines \(1\)"):
+        robotics.read_traffic(tmp_path / "a.xosc", {"*": "car"})
