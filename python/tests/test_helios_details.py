@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from test_helios import AIRBORNE, PLATFORMS, SCANNERS, SCENE, TERRESTRIAL, surveys  # noqa: F401
+from test_helios import AIRBORNE, PLATFORMS, SCANNERS, SCENE, TERRESTRIAL, surveys
 
 from gnosphere import adapter, helios
 from gnosphere.helios.assets import Assets, Settings, rotation_of
@@ -45,7 +45,7 @@ def test_turns_about_fixed_axes_and_about_their_own():
     np.testing.assert_allclose(own @ np.eye(3), [[0, -1, 0], [0, 0, -1], [1, 0, 0]], atol=1e-12)
 
 
-def test_a_mount_goes_from_the_axes_of_helios_to_those_of_drives(surveys):  # noqa: F811
+def test_a_mount_goes_from_the_axes_of_helios_to_those_of_drives(surveys):
     """There y looks forward and x to the right; here x looks forward and y to the left."""
     mount = mounted(surveys, '<scannerMount x="1" y="2" z="3"><rot axis="x" angle_deg="90"/></scannerMount>')
     assert mount["position"] == [2, -1, 3]
@@ -56,7 +56,7 @@ def test_a_mount_goes_from_the_axes_of_helios_to_those_of_drives(surveys):  # no
     np.testing.assert_allclose(turned(mount) @ [0, 0, 1], [1, 0, 0], atol=1e-9)
 
 
-def test_settings_come_before_those_of_templates_and_these_before_theirs(surveys):  # noqa: F811
+def test_settings_come_before_those_of_templates_and_these_before_theirs(surveys):
     text = """<document><s id="far" a="1" b="2" c="3" d="1"/><s id="near" template="far" b="20" c="30" e="true" f="0"/>
         <survey/></document>"""
     (surveys / "s.xml").write_text(text)
@@ -66,7 +66,7 @@ def test_settings_come_before_those_of_templates_and_these_before_theirs(surveys
     assert [settings.flag(name, False) for name in "defz"] == [True, True, False, False]
 
 
-def test_folders_of_assets_are_searched_before_those_around_the_survey(surveys, tmp_path_factory):  # noqa: F811
+def test_folders_of_assets_are_searched_before_those_around_the_survey(surveys, tmp_path_factory):
     other = tmp_path_factory.mktemp("assets")
     (other / "data").mkdir()
     (other / "data" / "platforms.xml").write_text(PLATFORMS.replace('z="1.5"', 'z="2.5"'))
@@ -75,7 +75,7 @@ def test_folders_of_assets_are_searched_before_those_around_the_survey(surveys, 
         assert leg.drive["sensors"][0]["mount"]["position"] == [0, 0, height]
 
 
-def test_the_way_of_a_leg(surveys):  # noqa: F811
+def test_the_way_of_a_leg(surveys):
     """133 lines take a little less than the way; the next leg climbs straight up and keeps the heading."""
     climb = AIRBORNE.replace('x="70" y="0"', 'x="70" y="-50" z="135"').replace(' active="false"', "")
     survey = helios.read_survey(surveys / "air.xml", epoch=1e9)
@@ -101,7 +101,7 @@ def test_the_way_of_a_leg(surveys):  # noqa: F811
     assert first.drive["ego"]["trajectory"]["waypoints"][0]["yaw_deg"] == 90  # it has not moved yet
 
 
-def test_a_platform_without_a_speed_goes_70_metres_a_second(surveys):  # noqa: F811
+def test_a_platform_without_a_speed_goes_70_metres_a_second(surveys):
     for kind in ("linearpath", "groundvehicle", "multicopter"):
         (surveys / "data" / "platforms.xml").write_text(PLATFORMS.replace("linearpath", kind))
         text = AIRBORNE.replace(' movePerSec_m="30"', "")
@@ -113,7 +113,7 @@ def test_a_platform_without_a_speed_goes_70_metres_a_second(surveys):  # noqa: F
         assert survey.legs[1].drive["start"] == pytest.approx(150 / 70)
 
 
-def test_random_offsets_of_legs_are_told(surveys):  # noqa: F811
+def test_random_offsets_of_legs_are_told(surveys):
     with pytest.warns(UserWarning, match=r"leaves out random offsets of legs \(1\)"):
         read(surveys, AIRBORNE, "<survey ", '<survey legRandomOffset="true" ')
 
@@ -131,7 +131,7 @@ def sector(folder, **settings):
     return leg
 
 
-def test_sectors_of_a_head(surveys):  # noqa: F811
+def test_sectors_of_a_head(surveys):
     def numbers(leg):
         sensor = leg.sensor
         return leg.duration, sensor.columns, sensor.azimuth_start_deg, sensor.azimuth_span_deg
@@ -154,7 +154,7 @@ def test_sectors_of_a_head(surveys):  # noqa: F811
     assert (leg.drive["rate"], leg.drive["duration"]) == pytest.approx((1 / 6, 12))
 
 
-def test_elevations_of_a_head_may_end_on_one_side_alone(surveys):  # noqa: F811
+def test_elevations_of_a_head_may_end_on_one_side_alone(surveys):
     def elevations(**settings):
         return [channel.elevation_deg for channel in sector(surveys, **settings).sensor.channels]
 
@@ -164,7 +164,7 @@ def test_elevations_of_a_head_may_end_on_one_side_alone(surveys):  # noqa: F811
     assert elevations(verticalAngleMin_deg=-10.5) == [up for up in everything if up > -10.5]
 
 
-def test_pulses_a_second_are_the_first_that_the_scanner_has(surveys):  # noqa: F811
+def test_pulses_a_second_are_the_first_that_the_scanner_has(surveys):
     (surveys / "data" / "scanners.xml").write_text(
         SCANNERS.replace('pulseFreqs_Hz="2000"', 'pulseFreqs_Hz="1000,2000"')
     )
@@ -172,7 +172,7 @@ def test_pulses_a_second_are_the_first_that_the_scanner_has(surveys):  # noqa: F
         assert len(sector(surveys, pulseFreq_hz=rate).sensor.channels) == pulses
 
 
-def test_lines_of_a_mirror_are_no_faster_than_it_can_be(surveys):  # noqa: F811
+def test_lines_of_a_mirror_are_no_faster_than_it_can_be(surveys):
     """120 lines a second of 2000 pulses would be 16 2/3 pulses each; with 16 they would be 125."""
     text = AIRBORNE.replace("#polygon", "#head").replace('scanFreq_hz="40"', 'scanFreq_hz="120"')
     leg = read(surveys, text, 'scanAngle_deg="20" ').legs[0]
@@ -180,7 +180,7 @@ def test_lines_of_a_mirror_are_no_faster_than_it_can_be(surveys):  # noqa: F811
     assert leg.sensor.beam_count() * scans == round(100 / 30 / (17 / 2000)) * 17
 
 
-def test_a_scan_angle_is_no_wider_than_the_mirror_lets_out(surveys):  # noqa: F811
+def test_a_scan_angle_is_no_wider_than_the_mirror_lets_out(surveys):
     def beams(angle, **scanner):
         text = SCANNERS
         for name, value in scanner.items():
@@ -198,7 +198,7 @@ def test_a_scan_angle_is_no_wider_than_the_mirror_lets_out(surveys):  # noqa: F8
         assert opened == pytest.approx(2 * widest, rel=0.05)  # but for the step between two pulses
 
 
-def test_settings_of_the_survey_replace_those_of_the_scanner(surveys):  # noqa: F811
+def test_settings_of_the_survey_replace_those_of_the_scanner(surveys):
     own = read(surveys, AIRBORNE)
     first, second = own.legs
     assert (first.sensor.range_min, first.sensor.divergence_horizontal) == (10, 0.0005)
@@ -216,7 +216,7 @@ def test_settings_of_the_survey_replace_those_of_the_scanner(surveys):  # noqa: 
 @pytest.mark.parametrize(
     ("wavelength", "taken", "told"), ((905, 905, 0), (1064, 905, 1), (1300, 1550, 1), (1550, 1550, 0), (532, 905, 1))
 )
-def test_wavelengths(surveys, wavelength, taken, told):  # noqa: F811
+def test_wavelengths(surveys, wavelength, taken, told):
     (surveys / "data" / "scanners.xml").write_text(
         SCANNERS.replace('id="head"', f'id="head" wavelength_nm="{wavelength}"')
     )
@@ -229,7 +229,7 @@ def test_wavelengths(surveys, wavelength, taken, told):  # noqa: F811
     assert survey.legs[0].drive["sensors"][0]["effects"]["intensity"] == {"wavelength": taken}
 
 
-def test_the_ground_below_a_leg_is_where_its_filters_put_it(surveys):  # noqa: F811
+def test_the_ground_below_a_leg_is_where_its_filters_put_it(surveys):
     """A square far from the origin of its file, which is turned about x and then about z, scaled and moved. What is no
     ground lies below it."""
     corners = [(x, y, 2) for x, y in ((500000.3, -1), (500002.3, -1), (500002.3, 1), (500000.3, 1))]
@@ -259,7 +259,7 @@ def test_the_ground_below_a_leg_is_where_its_filters_put_it(surveys):  # noqa: F
         read(surveys, TERRESTRIAL)
 
 
-def test_of_several_grounds_the_lowest_counts(surveys):  # noqa: F811
+def test_of_several_grounds_the_lowest_counts(surveys):
     (surveys / "data" / "m.mtl").write_text("newmtl soil\nnewmtl roof\nhelios_reflectance 150\n")
     survey = read(surveys, TERRESTRIAL, 'x="0" y="0"', 'x="0" y="30"')  # under the plate, which is ground now
     assert survey.legs[0].drive["ego"]["trajectory"]["waypoints"][0]["position"] == [0, 30, 5]
@@ -272,7 +272,7 @@ def test_of_several_grounds_the_lowest_counts(surveys):  # noqa: F811
     }
 
 
-def test_parts_that_are_put_on_the_ground_are_told(surveys):  # noqa: F811
+def test_parts_that_are_put_on_the_ground_are_told(surveys):
     for value, told in (("-1", True), ("0", False), ("false", False)):
         param = f'<param type="integer" key="onGround" value="{value}"/></filter></part>'
         (surveys / "data" / "scene.xml").write_text(SCENE.replace("</filter></part>", param, 1))
