@@ -114,6 +114,7 @@ def test_a_cone_and_a_divided_plane():
     cone = primitives.cone(0.5, 2, 1e-4)
     assert is_closed(cone) and volume(cone) == pytest.approx(np.pi * 0.25 * 4 / 3, rel=1e-3)
     assert cone[0][cone[0][:, 2] == 2].tolist() == [[0, 0, 2]]  # its tip
+    assert np.linalg.norm(cone[0][cone[0][:, 2] == -2][:, :2], axis=1).max() == pytest.approx(0.5)
     vertices, faces = primitives.plane(3000, 20, 1.0)
     for axis, cuts in ((0, (1, 10, 100, 1000, 3000)), (1, (1, 10, 20))):
         assert np.unique(vertices[:, axis]).tolist() == sorted([*cuts, *np.negative(cuts)])

@@ -181,6 +181,33 @@ def test_links_of_pybullet_are_where_its_rays_meet_them_in_the_client_that_is_gi
             pb.disconnect(client)
 
 
+def test_links_of_pybullet_keep_up_with_their_base_in_a_step(device):
+    """A box and another one beside it, which go on by 1 m in a step."""
+    pb = pytest.importorskip("pybullet")
+    from gnosphere.engines.pybullet import Lidar
+
+    client = pb.connect(pb.DIRECT)
+    try:
+        box = pb.createCollisionShape(pb.GEOM_BOX, halfExtents=[0.25] * 3, physicsClientId=client)
+        body = pb.createMultiBody(
+            1, box, -1, [5, 0, 0], linkMasses=[1], linkCollisionShapeIndices=[box], linkVisualShapeIndices=[-1],
+            linkPositions=[[0, 2, 0]], linkOrientations=[[0, 0, 0, 1]], linkInertialFramePositions=[[0, 0, 0]],
+            linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0], linkJointTypes=[pb.JOINT_FIXED],
+            linkJointAxis=[[0, 0, 1]], physicsClientId=client,
+        )  # fmt: skip
+        pb.setTimeStep(0.1, client)
+        pb.changeDynamics(body, -1, linearDamping=0, physicsClientId=client)
+        pb.resetBaseVelocity(body, [10, 0, 0], physicsClientId=client)
+        sensor = listed([[1, 0, 0], [1, 0, 0]], 0, 100)
+        sensor.patterns = [gnosphere.BeamList([[1, 0, 0]] * 2, [[0, 0, 0], [0, 2, 0]])]
+        lidar = Lidar(sensor, client=client, **options(device))
+        for x in (5, 6, 7):
+            np.testing.assert_allclose(lidar.scan(gnosphere.Pose()).ranges, [x - 0.25] * 2, atol=1e-3)
+            pb.stepSimulation(client)
+    finally:
+        pb.disconnect(client)
+
+
 def test_colours_classes_and_sizes_of_sapien(device, tmp_path, scenes):
     sapien = pytest.importorskip("sapien")
     from gnosphere.engines.sapien import Lidar

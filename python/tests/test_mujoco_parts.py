@@ -52,9 +52,9 @@ def test_the_vertices_of_a_skin_are_those_that_mujoco_draws(inflate):
 
 def test_flexes_and_skins_belong_to_groups_and_classes(device):
     """Two cloths over each other and a skin under them, each in a group of its own."""
-    cloth = """<body name="of {1}" pos="0 0 {0}"><flexcomp name="{1}" type="grid" count="5 5 1" spacing=".3 .3 .3"
+    cloth = """<body name="of {1}" pos="0 0 {0}"><flexcomp name="{1}" type="grid" count="{3}" spacing=".3 .3 .3"
         dim="2" radius=".001" group="{2}"><edge equality="true"/></flexcomp></body>"""
-    text = f"""<worldbody>{cloth.format(2, "lower", 0)}{cloth.format(3, "upper", 3)}
+    text = f"""<worldbody>{cloth.format(2, "lower", 0, "5 5 1")}{cloth.format(3, "upper", 3, "4 7 1")}
         <body name="bone"><geom size=".01" group="5"/></body></worldbody><asset>
         <material name="fur" rgba=".2 .4 .6 1"/></asset><deformable><skin name="hide" group="4" material="fur"
         vertex="-1 -1 1 1 -1 1 1 1 1 -1 1 1" face="0 1 2 0 2 3"><bone body="bone" bindpos="0 0 0" bindquat="1 0 0 0"
@@ -159,7 +159,10 @@ def test_rays_turn_with_the_matrix_of_their_frame(device):
 
 def test_each_call_of_the_drop_in_counts_as_it_is_made(device):
     """Bodies, groups, cutoffs, directions, counts and models of earlier calls are not those of a later one."""
-    models = [model_of(TWO_WALLS), model_of(TWO_WALLS.replace('pos="9 0 0"', 'pos="8 0 0"'))]
+    models = [
+        model_of(TWO_WALLS),
+        model_of(TWO_WALLS.replace('size=".5 .5 .5" pos="9 0 0"', 'size="1.5 .5 .5" pos="8 0 0"')),
+    ]
     every, behind = None, np.array([0, 0, 1, 0, 0, 0], np.uint8)
     calls = [
         (0, every, 1, 1e3, [1, 0, 0]), (0, every, -1, 1e3, [1, 0, 0]), (0, behind, 1, 1e3, [1, 0, 0]),
@@ -228,11 +231,11 @@ def test_worlds_have_scenes_and_warnings_of_their_own(device):
     rope = """<body name="end" pos="9 9 9"><flexcomp name="rope" type="grid" count="4 1 1" spacing=".2 .2 .2" dim="1"
         radius=".01"/>
         </body>"""
-    texts = [mesh.format(x, x + 1) + '<worldbody><geom type="mesh" mesh="m"/>{}</worldbody>' for x in (3, 5)]
+    texts = [mesh.format(x, 2 * x) + '<worldbody><geom type="mesh" mesh="m"/>{}</worldbody>' for x in (3, 5)]
     models, datas = zip(*(model_of(text.format(more)) for text, more in zip(texts, (rope, ""))))
     options = gnosphere.SimulatorOptions(device)
     with pytest.warns(UserWarning, match=r"gnosphere.mujoco leaves out flexes of one dimension \(1\)$"):
-        worlds = gm.Worlds([*models, models[1]], listed([[1, 0, -0.2]] / np.hypot(1, 0.2)), fields="x", effects=NONE,
+        worlds = gm.Worlds([*models, models[1]], listed([[1, 0, -0.1]] / np.hypot(1, 0.1)), fields="x", effects=NONE,
                            options=options)  # fmt: skip
     batch = worlds.scan([*datas, datas[1]])
     assert batch.points.shape[-1] == 3
