@@ -10,7 +10,7 @@ from test_robotics import BOX, NONE, corners, quiet, sensor
 
 import gnosphere
 from gnosphere import robotics
-from gnosphere.robotics.__main__ import place_of, shown
+from gnosphere.robotics.__main__ import main, place_of, shown
 
 
 def about(axis, angle):
@@ -446,6 +446,34 @@ def test_a_mesh_of_one_file_with_two_colours_is_two(tmp_path):
     assert [colour[0] for colour in colours(robot)] == [1, 0.5, 1]
     first, second, third = (instance.mesh for instance in robot.scene.instances)
     assert first == third != second
+
+
+def test_the_command_takes_what_collides(tmp_path, monkeypatch, capsys):
+    body = link(visual("<box/>") + visual("<box><size>4 6 8</size></box>", kind="collision"))
+    (tmp_path / "m.sdf").write_text(f'<sdf version="1.9"><model name="m">{body}</model></sdf>')
+    for option, extent in (
+        ([], "from -0.500 -0.500 -0.500 to 0.500"),
+        (["--collisions"], "from -2.000 -3.000 -4.000 to 2"),
+    ):
+        monkeypatch.setattr("sys.argv", ["gnosphere.robotics", str(tmp_path / "m.sdf"), *option])
+        assert main() == 0 and extent in capsys.readouterr().out
+
+
+def test_submeshes_of_one_file_are_meshes_of_their_own(tmp_path):
+    pieces = [f"o {name}\nv 0 0 {z}\nv 1 0 {z}\nv 0 1 {z}\nf -3 -2 -1\n" for name, z in (("low", 0), ("high", 2))]
+    (tmp_path / "parts.obj").write_text("".join(pieces))
+    mesh = "<mesh><uri>parts.obj</uri>{}</mesh>"
+    names = [mesh.format(f"<submesh><name>{name}</name></submesh>") for name in ("low", "high")] + [mesh.format("")]
+    robot = sdf(tmp_path, link("".join(map(visual, names))))
+    assert [points[:, 2].tolist() for points in corners(robot)] == [[0] * 3, [2] * 3, [0] * 3 + [2] * 3]
+
+
+def test_joints_of_sdf_of_other_kinds_are_told(tmp_path):
+    links = "".join(link(BOX, name) for name in "abc")
+    body = links + joint("ball", "") + joint("fixed", "", "k", "a", "c")
+    (tmp_path / "m.sdf").write_text(f'<sdf version="1.9"><model name="m">{body}</model></sdf>')
+    with pytest.warns(UserWarning, match=r"leaves out the motion of ball joints \(1\)$"):
+        assert not robotics.load(tmp_path / "m.sdf").joint_limits
 
 
 @pytest.mark.parametrize("angles", ((0.3, 0.2, 0.1), (-2, 1.5, 3), (0, 0, 0), (0, -0.5, 0)))

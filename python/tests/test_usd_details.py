@@ -50,6 +50,16 @@ def test_the_orientation_of_faces_of_usd(tmp_path):
         assert normals(read(tmp_path, mesh(orientation))) == [[0, 0, up], [0, 0, up]]
 
 
+def test_files_that_are_no_usd_are_refused(tmp_path):
+    for name, text in (("a.usda", ""), ("b.usda", "#usda 1.0\ndef {"), ("c.usdc", "PXR-USDC"), ("d.usdz", "PK")):
+        (tmp_path / name).write_text(text)
+        with pytest.raises(ValueError, match=rf"{name}: cannot be opened as USD: \S+.*") as told:
+            robotics.load(tmp_path / name)
+        assert "\n" not in str(told.value)
+    with pytest.raises(FileNotFoundError, match="none.usda"):
+        robotics.load(tmp_path / "none.usda")
+
+
 def test_holes_of_usd_are_no_faces(tmp_path):
     assert normals(read(tmp_path, mesh("int[] holeIndices = [0]"))) == [[0, 0, 1]]
     (one,) = read(tmp_path, mesh("int[] holeIndices = [0]")).scene.meshes
@@ -115,6 +125,16 @@ def test_sizes_of_usd_that_are_not_stated(tmp_path, kind, half):
         np.testing.assert_allclose([*theirs.ComputeAlignedRange().GetMin()], found[0], atol=2e-3)
 
 
+def test_a_plane_of_usd_is_divided_at_metres_whatever_the_unit(tmp_path):
+    """So single precision is as fine near its middle as for a small one."""
+    for unit in (1.0, 0.01):
+        plane = f'def Plane "Ground"\n{{\n    double width = {50 / unit}\n    double length = {4 / unit}\n}}\n'
+        (points,) = corners(read(tmp_path, plane, unit=unit))
+        expected = [-25, -10, -1, 1, 10, 25], [-2, -1, 1, 2]
+        for axis, values in enumerate(expected):
+            np.testing.assert_allclose(np.unique(np.round(points[:, axis], 4)), values, atol=1e-4)
+
+
 def scattered(extra, prototype=""):
     """Three cubes of 1 m, of a prototype that is itself moved along z."""
     return f"""def PointInstancer "Many"
@@ -159,6 +179,21 @@ def test_what_is_scattered_in_usd(tmp_path):
     np.testing.assert_allclose(bounds(hidden)[1], [[19.75, 4.75, -0.25], [20.25, 5.25, 0.25]], atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    (
+        ("[0, 0, 0]", "[0, 0, 1]", "point instancers whose prototypes, indices and places do not fit"),
+        ("[0, 0, 0]", "[0, -1, 0]", "point instancers whose prototypes, indices and places do not fit"),
+        (", (20, 0, 0)]", "]", "point instancers whose prototypes, indices and places do not fit"),
+        ("[</Many/Stone>]", "[</Many/Rock>]", "the prototype /Many/Rock, which is not there"),
+    ),
+)
+def test_what_cannot_be_scattered_in_usd_is_told(tmp_path, old, new, told):
+    file = write(tmp_path, scattered("").replace(old, new))
+    with pytest.warns(UserWarning, match=rf"leaves out {told} \({3 if 'Rock' in new else 1}\)$"):
+        assert not robotics.load(file).frames
+
+
 def material(name, inputs, kind="UsdPreviewSurface"):
     return f"""def Material "{name}"
 {{
@@ -200,6 +235,12 @@ def test_colours_of_usd(tmp_path):
         (0.2, 0.4, 0.6, 0.5, ""), (1, 0.5, 0.25, 0.75, "Ink"), (0.2, 0.4, 0.6, 0.25, "Plain"), (0.5, 0.5, 0.5, 1, ""),
         (1, 0, 1, 1, ""),
     ]  # fmt: skip
+
+
+def test_colours_of_usd_by_their_indices(tmp_path):
+    """The first value is that of the first index."""
+    shown = "color3f[] primvars:displayColor = [(1, 0, 0), (0, 0, 1)]\n    int[] primvars:displayColor:indices = [1]"
+    assert colours(read(tmp_path, mesh(shown))) == [(0, 0, 1, 1, "")]
 
 
 def test_opacities_of_omni_pbr_count_where_they_are_enabled(tmp_path):
@@ -301,6 +342,7 @@ def test_the_place_of_an_omni_lidar(tmp_path):
             about("x", np.pi / 6) @ about("z", np.pi / 2),
         ),
         (("xformOp:translate", "!invert!xformOp:rotateZ"), about("z", -np.pi / 2)),
+        (("xformOp:translate", "xformOp:notThere", "xformOp:rotateZ"), about("z", np.pi / 2)),
     ):
         robot = robotics.load(write(tmp_path, LIDAR % ", ".join(f'"{name}"' for name in order), mesh()))
         (head,) = robot.sensors
@@ -316,6 +358,11 @@ def test_the_place_of_an_omni_lidar(tmp_path):
         )
     )
     np.testing.assert_allclose(robot.pose().position, (1.01, 0, 0.05), atol=1e-9)
+    # One that says so has no part in the transforms above it.
+    alone = LIDAR % '"!resetXformStack!", "xformOp:translate", "xformOp:rotateZ"'
+    robot = robotics.load(write(tmp_path, alone, mesh(), unit=0.1))
+    np.testing.assert_allclose(robot.pose().position, (0.05, 0, 0), atol=1e-9)
+    np.testing.assert_allclose(adapter.rows_of(robot.pose())[:3, :3], about("z", np.pi / 2), atol=1e-6)
 
 
 def test_profiles_that_cameras_name(tmp_path):

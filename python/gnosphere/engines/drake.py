@@ -42,7 +42,7 @@ def _triangles(shape: Any, tolerance: float) -> Optional[primitives.Triangles]:
     if isinstance(shape, Convex):
         return _fans(shape.GetConvexHull())
     if isinstance(shape, Mesh) and shape.source().is_path():
-        return adapter.load_mesh(shape.source().path(), shape.scale3())
+        return adapter.load_mesh(str(shape.source().path()), shape.scale3().tolist())
     return None
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Optional
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from .. import primitives
 from ..adapter import Array
@@ -29,9 +29,12 @@ OTHER_SENSORS = ("Lidar", "OmniRadar")
 
 
 def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Kinematics:
-    stage = Usd.Stage.Open(str(path))
-    if stage is None:
-        raise ValueError("cannot be opened as USD")
+    with path.open("rb"):
+        pass  # USD would not say whether there is such a file
+    try:
+        stage = Usd.Stage.Open(str(path))
+    except Tf.ErrorException as error:
+        raise ValueError(f"cannot be opened as USD: {_first_line(error)}") from error
     Reader(stage, parts, resources, collisions).walk()
     return lambda joints: {frame: np.eye(4) for frame in {*parts.frames, *(s.frame for s in parts.sensors)}}, {}
 
@@ -70,6 +73,11 @@ class Reader:
         # The type is not known to this USD, as OmniLidar, so its own transform is not in there.
         order = prim.GetAttribute("xformOpOrder")
         for name in (order.Get() if order else None) or ():
+            if name == UsdGeom.XformOpTypes.resetXformStack:
+                place = self._to_world
+                continue
+            if not prim.GetAttribute(name.removeprefix("!invert!")):
+                continue  # as USD itself does
             operation = UsdGeom.XformOp(prim.GetAttribute(name.removeprefix("!invert!")), name.startswith("!invert!"))
             place = place @ np.array(operation.GetOpTransform(self.time)).T
         return place
@@ -169,9 +177,14 @@ class Reader:
         indices = np.array(instancer.GetProtoIndicesAttr().Get(self.time) or (), np.int64)
         mask = np.array(instancer.ComputeMaskAtTime(self.time) or np.ones(len(indices), bool), bool)
         targets = instancer.GetPrototypesRel().GetTargets()
+        if len(transforms) != np.count_nonzero(mask):
+            return self.parts.leave_out("point instancers whose prototypes, indices and places do not fit")
         place, path = self._place(instancer.GetPrim()), instancer.GetPath().pathString
         for number, (index, transform) in enumerate(zip(indices[mask], transforms)):
             root = self.stage.GetPrimAtPath(targets[index])
+            if not root:
+                self.parts.leave_out(f"the prototype {targets[index]}, which is not there")
+                continue
             at = place @ np.array(transform).T @ np.linalg.inv(np.array(self._xforms.GetLocalToWorldTransform(root)).T)
             for prim in Usd.PrimRange(root, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
                 if prim.IsA(UsdGeom.PointInstancer):
@@ -186,6 +199,12 @@ class Reader:
             usd_lidars.mount(prim, self.parts, self.resources, self._place(prim), self.time)
         elif kind in OTHER_SENSORS:
             self.parts.leave_out(f"sensors of the type {kind}")
+
+
+def _first_line(error: Any) -> str:
+    """What USD says first about an error, without where in its sources it stands."""
+    said = [str(getattr(each, "commentary", each)) for each in error.args]
+    return next((line for text in said for line in text.splitlines() if line), "no error is told")
 
 
 def _value(attribute: Any, time: Any, default: Any) -> Any:

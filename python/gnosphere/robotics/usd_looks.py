@@ -87,7 +87,7 @@ class Looks:
 
     def _first(self, prim: Any, name: str) -> Any:
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-        values = primvar.Get(self._time) if primvar and primvar.HasValue() else None
+        values = primvar.ComputeFlattened(self._time) if primvar and primvar.HasValue() else None
         return values[0] if values is not None and len(values) else None
 
 
