@@ -286,13 +286,13 @@ def laser_scan(
     frame: Optional[int] = None,
 ) -> dict[str, Any]:
     """One channel of a scan as the members of sensor_msgs/LaserScan, in the order in which its beams fire: clockwise if
-    `angle_increment` is less than 0. `stamp` is the time of its first beam in seconds. Beams that fire in another order than that
-    of their azimuths are sorted by azimuth, and have a `time_increment` of 0. A beam without a return has infinity (REP
-    117), also if `NearHits.hide` has taken the return; one that the sensor masks, and with the field `cause` one that is
-    dead or whose return was lost at random, has NaN. Beams on both sides of 180 degrees have angles beyond it, without a
-    gap. `frame` is the number of the scan (Shot.frame), which a sensor with several patterns needs. Raises ValueError for
-    a channel that the scan does not have, for a scan of another sensor, and if its beams are not evenly spaced in
-    azimuth."""
+    `angle_increment` is less than 0. `stamp` is the time of its first beam in seconds. Beams that fire in another order
+    than that of their azimuths are sorted by azimuth, and have a `time_increment` of 0. As REP 117 wants it, a beam
+    without a return has infinity, and one that the sensor masks NaN; with the field `cause` one that is dead or whose
+    return was lost at random has NaN, too, and one that a surface nearer than its least range blocks has -infinity.
+    Beams on both sides of 180 degrees have angles beyond it, without a gap. `frame` is the number of the scan
+    (Shot.frame), which a sensor with several patterns needs. Raises ValueError for a channel that the scan does not
+    have, for a scan of another sensor, and if its beams are not evenly spaced in azimuth."""
     if (scan.columns, scan.channels) != (sensor.width(), sensor.height()):
         raise ValueError(
             f"the scan has {scan.channels} x {scan.columns} beams, and the sensor {sensor.name} has {sensor.height()} x "
@@ -326,10 +326,11 @@ def laser_scan(
         raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
     ranges = scan.ranges[entries][order]
     invalid = np.isin(order + channel * columns, sensor.masked_beams)
+    nothing = np.full(columns, np.inf, np.float32)
     if scan.has(gno.Field.cause):
-        invalid |= np.isin(
-            scan.column(gno.Field.cause)[entries][order], [int(gno.Cause.dead), int(gno.Cause.dropped_out)]
-        )
+        causes = scan.column(gno.Field.cause)[entries][order]
+        invalid |= np.isin(causes, [int(gno.Cause.dead), int(gno.Cause.dropped_out)])
+        nothing[causes == int(gno.Cause.too_near)] = -np.inf
     nearest, farthest = own(beams.range_min), own(beams.range_max)
     message: dict[str, Any] = {
         "header": header(frame_id, stamp),
@@ -337,10 +338,10 @@ def laser_scan(
         "angle_max": float(angles[-1]),
         "angle_increment": float(steps.mean()) if len(steps) else 0.0,
         "time_increment": increment,
-        "scan_time": sensor.scan_period or sensor.rotation_period,
+        "scan_time": sensor.scan_period or sensor.rotation_period or float(np.max(beams.times, initial=0)),
         "range_min": float(nearest.min()) if len(nearest) else sensor.range_min,
         "range_max": float(farthest.max()) if len(farthest) else sensor.range_max,
-        "ranges": np.where(np.isnan(ranges) & ~invalid, np.float32(np.inf), ranges),
+        "ranges": np.where(np.isnan(ranges) & ~invalid, nothing, ranges),
         "intensities": np.empty(0, np.float32),
     }
     if scan.has(gno.Field.intensity):

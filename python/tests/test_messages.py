@@ -6,7 +6,7 @@ import pytest
 from conftest import at, beams
 
 import gnosphere
-from gnosphere import adapter, primitives
+from gnosphere import adapter, primitives, ros2
 
 
 def room(half: float, color=(0.5, 0.5, 0.5, 1.0)) -> adapter.Shapes:
@@ -84,6 +84,37 @@ def test_laser_scans_tell_beams_that_cannot_answer_from_those_that_meet_nothing(
     effects.drop_out.general_rate = 1.0
     lost = adapter.laser_scan(adapter.Lidar(shapes, sensor, effects=effects, **options).cast(gnosphere.Shot()), sensor)
     assert np.isnan(lost["ranges"]).tolist() == [True] * 4 + [False] * 2
+
+
+def test_the_time_of_a_list_of_beams_is_that_of_its_last_one(device):
+    azimuths = np.radians(np.arange(-20, 21, 10))
+    directions = np.stack([np.cos(azimuths), np.sin(azimuths), 0 * azimuths], axis=1)
+    sensor = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList(directions, times=0.01 * np.arange(5))])
+    options = gnosphere.SimulatorOptions(device)
+    scan = adapter.Lidar(room(4), sensor, effects=gnosphere.Effects.none(), options=options).cast(gnosphere.Shot())
+    line, message = adapter.laser_scan(scan, sensor), ros2.laser_scan_of(sensor, scan, 0, "mast", 0)
+    for name, value in (("scan_time", 0.04), ("time_increment", 0.01), ("angle_min", azimuths[0])):
+        assert line[name] == pytest.approx(value, rel=1e-5) and getattr(message, name) == pytest.approx(value, rel=1e-5)
+
+
+def test_laser_scans_tell_what_is_too_near(device):
+    """A wall 10 m ahead, beside it a box at 2 m, which is nearer than the least range of 3 m and hides the wall."""
+    shapes = adapter.Shapes()
+    for half, place in (((1, 50, 50), (11, 0, 0)), ((0.5, 1, 1), (2.5, 1.05, 0))):
+        shapes.instance(shapes.mesh(primitives.box(half)), np.column_stack([np.eye(3), place]))
+    sensor = gnosphere.Sensor(
+        columns=12, channels=[gnosphere.Channel()], range_min=3, range_max=100, near_hits="hide", azimuth_start_deg=-90
+    )
+    ahead, beside = 10 / np.cos(np.radians([-60, -30, 0, 60])), np.full(5, np.inf)
+    for fields, near in (("cause", -np.inf), ("", np.inf)):
+        lidar = adapter.Lidar(
+            shapes, sensor, effects=gnosphere.Effects.none(), fields=fields, options=gnosphere.SimulatorOptions(device)
+        )
+        scan = lidar.cast(gnosphere.Shot())
+        expected = [np.inf, *ahead[:3], near, ahead[3], np.inf, *beside]
+        np.testing.assert_allclose(adapter.laser_scan(scan, sensor)["ranges"], expected, rtol=1e-5)
+        # As the message of gnosphere.ros2 has it.
+        np.testing.assert_allclose(ros2.laser_scan_of(sensor, scan, 0, "mast", 0).ranges, expected, rtol=1e-5)
 
 
 def test_the_intensities_of_a_laser_scan_belong_to_its_ranges(device):
