@@ -11,6 +11,7 @@ from test_robotics import BOX, NONE, corners, quiet, sensor
 import gnosphere
 from gnosphere import robotics
 from gnosphere.robotics.__main__ import main, place_of, shown
+from gnosphere.robotics.resources import parse_xml
 
 
 def about(axis, angle):
@@ -457,6 +458,14 @@ def test_the_command_takes_what_collides(tmp_path, monkeypatch, capsys):
     ):
         monkeypatch.setattr("sys.argv", ["gnosphere.robotics", str(tmp_path / "m.sdf"), *option])
         assert main() == 0 and extent in capsys.readouterr().out
+
+
+def test_prefixes_that_nobody_declares_beside_those_that_xml_has(tmp_path):
+    text = '<!-- a --><robot xml:lang="en" xmlns:known="k"><link drake:x="1" known:y="2"/><other:joint/></robot>'
+    (tmp_path / "m.xml").write_text(text)
+    root = parse_xml(tmp_path / "m.xml")
+    assert [element.tag for element in root] == ["link", "{other}joint"]
+    assert root[0].attrib == {"{drake}x": "1", "{k}y": "2"}
 
 
 def test_submeshes_of_one_file_are_meshes_of_their_own(tmp_path):

@@ -243,6 +243,11 @@ def test_colours_of_usd_by_their_indices(tmp_path):
     assert colours(read(tmp_path, mesh(shown))) == [(0, 0, 1, 1, "")]
 
 
+def test_a_shader_with_several_colours_has_its_diffuse_one(tmp_path):
+    inputs = "color3f inputs:base_color = (0, 0, 1)\n        color3f inputs:diffuseColor = (1, 0.5, 0.25)"
+    assert colours(read(tmp_path, material("M", inputs), painted(bound("M")))) == [(1, 0.5, 0.25, 1, "M")]
+
+
 def test_opacities_of_omni_pbr_count_where_they_are_enabled(tmp_path):
     for enabled, opacity in (
         ("", 0.25),
