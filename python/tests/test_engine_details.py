@@ -290,14 +290,25 @@ def test_what_blender_hides_and_the_lidar_ignores(device, scenes):
     glass.node_tree.nodes.clear()
     glass.diffuse_color = (0.2, 0.4, 0.6, 0.25)
     boxes[1].data.materials.append(glass)
+    veil = bpy.data.materials.new("veil")  # whose alpha comes of a node, so it is as in the viewport
+    shader = veil.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (0.5, 0.25, 0.75, 1)
+    veil.node_tree.links.new(veil.node_tree.nodes.new("ShaderNodeValue").outputs[0], shader.inputs["Alpha"])
+    veil.diffuse_color = (1, 1, 1, 0.5)
+    boxes[2].data.materials.append(veil)
     # An object whose instances are shown in its place.
     bpy.ops.mesh.primitive_cube_add(size=0.1, location=(0, 20, 0))
     bpy.context.object.parent = boxes[0]
     boxes[0].instance_type, boxes[0].show_instancer_for_viewport = "VERTS", False
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    lidar = Lidar(depsgraph, listed([[1, 0, 0]], 0, 100), **options(device))
+    with pytest.warns(
+        UserWarning, match=r"leaves out the nodes of the Alpha of materials, which are as in the viewport"
+    ):
+        lidar = Lidar(depsgraph, listed([[1, 0, 0]], 0, 100), **options(device))
     assert lidar.scan(depsgraph, gnosphere.Pose()).ranges == pytest.approx([5])
     assert "box 0" not in lidar.names
     assert colours(scenes[-1])[lidar.names.index("box 1")] == (0.2, 0.4, 0.6, 0.25)
-    lidar = Lidar(depsgraph, listed([[1, 0, 0]], 0, 100), ignore_objects=["box 1"], **options(device))
+    assert colours(scenes[-1])[lidar.names.index("box 2")] == (0.5, 0.25, 0.75, 0.5)
+    with pytest.warns(UserWarning, match="leaves out the nodes of the Alpha"):
+        lidar = Lidar(depsgraph, listed([[1, 0, 0]], 0, 100), ignore_objects=["box 1"], **options(device))
     assert lidar.scan(depsgraph, gnosphere.Pose()).ranges == pytest.approx([8])

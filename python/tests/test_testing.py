@@ -229,6 +229,8 @@ def test_differences_of_fields_owners_and_what_is_absent():
     a["incidence"][3] = b["incidence"][3] = np.nan  # absent in both
     a.ranges[4] = np.nan
     b["incidence"][4] += 1  # of a beam that only one of them has
+    a.ranges[5] = b.ranges[5] = np.nan
+    b["incidence"][5] += 1  # of a beam that none of them has
     found = testing.difference(a, b, {"normal": 0.1, "incidence": 0.1})
     assert [list(testing.KINDS)[kind] for kind in found.kinds] == [
         "another owner", "another value", "another value", "the same", "only in the scan", "the same",
@@ -293,6 +295,23 @@ def test_the_page_lists_entries_by_beam_and_the_gravest_first(tmp_path):
         *[kinds["the same"]] * 4, kinds["only in the golden cloud"],
         *[kinds["the same"]] * 3, kinds["another range"], kinds["the same"], *[kinds["the same"]] * 5,
     ]  # fmt: skip
+
+
+def test_of_beams_that_share_a_pixel_the_page_shows_the_gravest(tmp_path):
+    """Of 1800 columns two share a pixel, whichever of them differs."""
+    box = gnosphere.Mesh(*primitives.box((9, 9, 9)), [gnosphere.MeshPart(0, 12, 0)])
+    scene = gnosphere.Scene([gnosphere.Material()], [box], [gnosphere.Instance(0)])
+    sensor = gnosphere.Sensor(columns=1800, channels=[gnosphere.Channel()], range_max=100)
+    options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+    simulator = gnosphere.Simulator(scene, gnosphere.SensorRequest(sensor, gnosphere.Effects.none()), options)
+    before, scan = simulator.scan(gnosphere.Pose()), simulator.scan(gnosphere.Pose())
+    scan.ranges[[100, 501]] += 0.25
+    found = testing.difference(before, scan, {"range": 0.01})
+    text = testing.page_of("name", tmp_path / "a.npy", tmp_path / "b.npy", before, scan, found, "said")
+    data = re.search(r'base64,([^"]*)" title="What differs"', text)
+    assert data
+    (row,) = np.unique(decode(base64.b64decode(data[1])), axis=0)
+    assert np.flatnonzero((row == testing.KINDS["another range"]).all(axis=1)).tolist() == [899 - 250, 899 - 50]
 
 
 def test_points_elsewhere_at_the_same_range_differ():
