@@ -6,11 +6,16 @@ import math
 
 import numpy as np
 import pytest
-from test_helios import AIRBORNE, PLATFORMS, SCANNERS, SCENE, TERRESTRIAL, surveys
+from helios_surveys import AIRBORNE, PLATFORMS, SCANNERS, SCENE, TERRESTRIAL, write_surveys
 
 from gnosphere import adapter, helios
 from gnosphere.helios.assets import Assets, Settings, rotation_of
 from gnosphere.helios.survey import ET
+
+
+@pytest.fixture
+def surveys(tmp_path):
+    return write_surveys(tmp_path)
 
 
 def turned(mount) -> np.ndarray:
@@ -133,8 +138,11 @@ def sector(folder, **settings):
 
 def test_sectors_of_a_head(surveys):
     def numbers(leg):
-        sensor = leg.sensor
-        return leg.duration, sensor.columns, sensor.azimuth_start_deg, sensor.azimuth_span_deg
+        """Seconds, lines, and degrees from where to how far, of all scans, which are no longer than 10 s."""
+        sensor, scans = leg.sensor, round(leg.drive["duration"] * leg.drive["rate"])
+        assert sensor.rotation_period <= 10
+        span = scans * sensor.azimuth_span_deg
+        return round(leg.duration, 4), scans * sensor.columns, sensor.azimuth_start_deg, span
 
     assert numbers(sector(surveys)) == pytest.approx((12, 240, -30, 120))
     assert numbers(sector(surveys, max_duration=6)) == pytest.approx((6, 120, -30, 60))
@@ -150,7 +158,7 @@ def test_sectors_of_a_head(surveys):
         assert len(leg.sensor.channels) == 100
     # Two turns are two scans.
     leg = sector(surveys, headRotatePerSec_deg=60, headRotateStart_deg=370, headRotateStop_deg=370 + 720)
-    assert numbers(leg) == pytest.approx((12, 120, 10, 360))
+    assert numbers(leg) == pytest.approx((12, 240, 10, 720))
     assert (leg.drive["rate"], leg.drive["duration"]) == pytest.approx((1 / 6, 12))
 
 
