@@ -148,7 +148,7 @@ TEST_CASE("values out of range are refused with the range and the unit") {
   refused(R"({"rain": {"rate": 501}})", "rain.rate must be 0..500 mm/h, is 501");
   refused(R"({"divergence": {"sub_rays": 1262}})", "divergence.sub_rays must be a whole number, 1..1261, is 1262");
   refused(R"({"divergence": {"horizontal": 3}})", "divergence.horizontal must be 0..0.1 rad, is 3");
-  refused(R"({"returns": {"count": 6}})", "returns.count must be a whole number, 0..5, is 6");
+  refused(R"({"returns": {"count": 16}})", "returns.count must be a whole number, 0..15, is 16");
   refused(R"({"intensity": {"wavelength": 1064}})", "intensity.wavelength must be 905 or 1550 nm, is 1064");
   refused(R"({"detection": {"reflectance": 0}})", "detection.reflectance must be 0.001..1, is 0");
   refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,-1], "extinction": 1}]}})",

@@ -346,7 +346,7 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
   CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [3])"), ContainsSubstring("must be 2 numbers, has 1"));
   CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [3, 101])"), ContainsSubstring("0..100 mrad, is 101"));
   CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [-1, 0])"), ContainsSubstring("0..100 mrad, is -1"));
-  for (const char* returns : {"0", "6", "1.5", "-1", "\"2\""})
+  for (const char* returns : {"0", "16", "1.5", "-1", "\"2\""})
     CHECK_THAT(more(R"("elevation_deg": [1], "max_returns": )" + std::string(returns)), ContainsSubstring("returns"));
   CHECK_THAT(more(R"("elevation_deg": [1], "rotation_period": 10.5)"), ContainsSubstring("0..10 s, is 10.5"));
   CHECK_THAT(more(R"("elevation_deg": [1], "origin": [0, 0, 0])"), ContainsSubstring("'origin' has 3"));
