@@ -17,14 +17,14 @@ struct Strip {
   double distance, begin, end;
   float reflectance;
 };
-constexpr std::array<Strip, 8> kStrips = {{{10, -1, -0.7, 0.2f},
-                                           {11, -0.7, -0.45, 0.9f},
-                                           {12, -0.45, -0.2, 0.05f},
-                                           {13, -0.2, 0.013, 0.4f},
-                                           {14, 0.013, 0.2, 0.02f},
-                                           {15, 0.2, 0.45, 0.8f},
-                                           {16, 0.45, 0.7, 0.3f},
-                                           {17, 0.7, 1, 0.1f}}};
+constexpr std::array<Strip, 8> kStrips = {{{10, -1, -0.72, 0.2f},
+                                           {11, -0.72, -0.5, 0.9f},
+                                           {12, -0.5, -0.3, 0.05f},
+                                           {13, -0.3, -0.1, 0.4f},
+                                           {14, -0.1, 0.1, 0.02f},
+                                           {15, 0.1, 0.3, 0.8f},
+                                           {16, 0.3, 0.6, 0.3f},
+                                           {17, 0.6, 1, 0.1f}}};
 
 Scene sceneOf(std::span<const Strip> strips) {
   Scene scene;
