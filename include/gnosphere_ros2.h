@@ -46,7 +46,8 @@ typedef struct gno_ros2_options {
   gno_ros2_durability durability;
   uint32_t depth;         /* of the queue; newer messages replace the oldest ones. The default is 5 */
   int32_t domain;         /* 0 to 232; -1, the default: what ROS_DOMAIN_ID says, or 0 */
-  int32_t localhost_only; /* 0 or 1; -1, the default: what ROS_LOCALHOST_ONLY says, or 0 */
+  int32_t localhost_only; /* 0 or 1; -1, the default: what ROS_LOCALHOST_ONLY and
+                             ROS_AUTOMATIC_DISCOVERY_RANGE say */
 } gno_ros2_options;
 
 /* A field of a cloud. `type` has ROS's numbers: 1 int8, 2 uint8, 3 int16, 4 uint16, 5 int32, 6 uint32, 7 float32,

@@ -107,8 +107,10 @@ struct Qos {
 /// Options of a publisher, beside its topic.
 struct PublisherOptions {
   Qos qos;
-  std::optional<uint32_t> domain;     ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
-  std::optional<bool> localhostOnly;  ///< unless given what ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says
+  std::optional<uint32_t> domain;  ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
+  /// True: subscribers on this machine alone. False: those on its networks, and the peers of ROS_STATIC_PEERS. Unless
+  /// given what ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE say. The topics of a domain must have the same.
+  std::optional<bool> localhostOnly;
 };
 
 /// Numbers of messages of a publisher, by what has become of them.

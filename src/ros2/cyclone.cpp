@@ -26,18 +26,11 @@ dds_entity_t entityOf(dds_entity_t made, const char* what) {
   return made;
 }
 
-// Linux's loopback interface knows no multicast, so the processes ask each other at the ports of the first hundred.
-constexpr const char* kLocalhost =
-    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-    "<MaxAutoParticipantIndex>99</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
-    "</Domain></CycloneDDS>";
-
-std::string configuration(bool localhostOnly) {
+/// Returns the configuration of a topic's domain with that of the environment, of which the later one counts.
+std::string configuration(const std::string& discovery) {
   const char* const own = std::getenv("CYCLONEDDS_URI");
   const std::string chosen = own ? own : "";
-  if (!localhostOnly) return chosen;
-  return chosen.empty() ? kLocalhost : kLocalhost + ("," + chosen);  // what comes later counts
+  return discovery + (discovery.empty() || chosen.empty() ? "" : ",") + chosen;
 }
 
 // Cyclone DDS 0.10 starts six threads for a domain on the loopback interface, and one more thread for multicast.
@@ -59,9 +52,9 @@ void needThreads() {
 /// A domain of this process, which all its topics share.
 class Domain {
  public:
-  Domain(uint32_t number, bool localhostOnly) : localhostOnly_(localhostOnly) {
+  Domain(uint32_t number, const std::string& discovery) : discovery_(discovery) {
     needThreads();
-    const dds_entity_t made = dds_create_domain(number, configuration(localhostOnly).c_str());
+    const dds_entity_t made = dds_create_domain(number, configuration(discovery).c_str());
     if (made != DDS_RETCODE_PRECONDITION_NOT_MET)  // another part of the process has made it
       domain_ = entityOf(made, "the domain");
     participant_ = dds_create_participant(number, nullptr, nullptr);
@@ -73,23 +66,24 @@ class Domain {
   Domain& operator=(const Domain&) = delete;
 
   dds_entity_t participant() const { return participant_; }
-  bool localhostOnly() const { return localhostOnly_; }
+  const std::string& discovery() const { return discovery_; }
 
  private:
-  bool localhostOnly_;
+  std::string discovery_;
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-std::shared_ptr<Domain> domainOf(uint32_t number, bool localhostOnly) {
+std::shared_ptr<Domain> domainOf(uint32_t number, const std::string& discovery) {
   static std::mutex mutex;
   static auto* const domains = new std::map<uint32_t, std::weak_ptr<Domain>>;
   const std::lock_guard lock(mutex);
   std::weak_ptr<Domain>& known = (*domains)[number];
   std::shared_ptr<Domain> domain = known.lock();
-  if (!domain) known = domain = std::make_shared<Domain>(number, localhostOnly);
-  if (domain->localhostOnly() != localhostOnly)
-    throw Failure{"other topics of the domain " + std::to_string(number) + " are " +
-                  (localhostOnly ? "on every network" : "on this machine only")};
+  if (!domain) known = domain = std::make_shared<Domain>(number, discovery);
+  if (domain->discovery() != discovery)
+    throw Failure{"other topics of the domain " + std::to_string(number) +
+                  " have another range of discovery or other peers (the option for this machine only, "
+                  "ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS)"};
   return domain;
 }
 
@@ -225,7 +219,7 @@ struct Writing {
 
 class CycloneWire : public Wire {
  public:
-  explicit CycloneWire(const Topic& topic) : domain_(domainOf(topic.domain, topic.localhostOnly)) {
+  explicit CycloneWire(const Topic& topic) : domain_(domainOf(topic.domain, topic.discovery)) {
     topic_ = entityOf(
         dds_create_topic(domain_->participant(), &descriptorOf(topic.type), topic.name.c_str(), nullptr, nullptr),
         "the topic");

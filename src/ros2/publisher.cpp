@@ -13,9 +13,11 @@
 #include <thread>
 
 #include "base/maker_process.hpp"
+#include "base/os.hpp"
 #include "base/threads.hpp"
 #include "gnosphere/error.hpp"
 #include "ros2/check.hpp"
+#include "ros2/discovery.hpp"
 #include "ros2/wire.hpp"
 
 namespace gnosphere::ros2 {
@@ -53,14 +55,6 @@ uint32_t domainFromEnvironment() {
   return domain;
 }
 
-bool localhostFromEnvironment() {
-  const auto is = [](const char* name, const char* value) {
-    const char* text = std::getenv(name);
-    return text && std::string(text) == value;
-  };
-  return is("ROS_LOCALHOST_ONLY", "1") || is("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-}
-
 /// The name that a topic of ROS has on the wire.
 std::string wireName(const std::string& topic) {
   const auto invalid = [&] {
@@ -91,7 +85,7 @@ Topic topicOf(MessageType type, const std::string& name, const PublisherOptions&
   if (topic.domain > kLastDomain)
     refusePublisher("the domain is " + std::to_string(topic.domain) + "; the last one is " +
                     std::to_string(kLastDomain));
-  topic.localhostOnly = options.localhostOnly ? *options.localhostOnly : localhostFromEnvironment();
+  topic.discovery = discoveryConfiguration(discoveryVariables(), options.localhostOnly, os::processNumber());
   return topic;
 }
 

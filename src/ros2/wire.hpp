@@ -15,7 +15,7 @@ struct Topic {
   std::string name;  ///< on the wire, "rt/points"
   Qos qos;
   uint32_t domain = 0;
-  bool localhostOnly = false;
+  std::string discovery;  ///< configuration of Cyclone DDS before that of CYCLONEDDS_URI; empty for its own
 };
 
 /// The writer of one topic.

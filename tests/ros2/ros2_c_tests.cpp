@@ -98,14 +98,14 @@ TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   options.reliability = 2;
   CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "reliability"));
   CHECK(failed(gno_ros2_publish_clock(nullptr, 0), "the handle of the publisher is null"));
-  // A publisher that is not to stay on this machine is on every network, whatever the environment says of others.
+  // A publisher that is not to stay on this machine is on its networks, whatever the environment says of others.
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
   options = gno_ros2_options_init();
   options.localhost_only = 0;
   REQUIRE(gno_ros2_publisher_create(0, "a", &options, &publisher) == GNO_OK);
   gno_ros2_publisher other = nullptr;
   CHECK(gno_ros2_publisher_create(0, "b", nullptr, &other) != GNO_OK);
-  CHECK(std::string(gno_last_error()).find("are on every network") != std::string::npos);
+  CHECK(std::string(gno_last_error()).find("have another range of discovery") != std::string::npos);
   unsetenv("ROS_LOCALHOST_ONLY");
   REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);
   REQUIRE(gno_ros2_publisher_create(GNO_ROS2_POINT_CLOUD2, "a", nullptr, &publisher) == GNO_OK);
