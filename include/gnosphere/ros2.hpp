@@ -161,7 +161,7 @@ enum class Driver {
   hesai,      ///< HesaiLidar_ROS_2.0: timestamp in seconds since 1970
   robosense,  ///< rslidar_sdk, XYZIRT: as hesai
   livox,      ///< livox_ros_driver2, xfer_format 0: timestamp in nanoseconds since 1970
-  autoware,   ///< PointXYZIRCAEDT, as Nebula's drivers publish it: time_stamp in nanoseconds
+  autoware,   ///< PointXYZIRCAEDT of Autoware: time_stamp in nanoseconds, azimuth in the sense in which the head turns
 };
 /// Returns the driver of this name, such as "ouster".
 GNOSPHERE_API std::optional<Driver> driverNamed(std::string_view name);

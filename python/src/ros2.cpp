@@ -229,7 +229,7 @@ void bindRos2(nb::module_& parent) {
       .value("robosense", Driver::robosense, "rslidar_sdk, XYZIRT: as hesai")
       .value("livox", Driver::livox, "livox_ros_driver2, xfer_format 0: timestamp in nanoseconds since 1970")
       .value("autoware", Driver::autoware,
-             "PointXYZIRCAEDT, as Nebula's drivers publish it: time_stamp in nanoseconds");
+             "PointXYZIRCAEDT of Autoware: time_stamp in nanoseconds, azimuth in the sense in which the head turns");
   m.def(
       "driver_cloud_of",
       [](const SharedScan& scan, Driver driver, const std::string& frame, int64_t stamp, const Effects& effects) {

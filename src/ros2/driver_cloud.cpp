@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -30,37 +31,39 @@ struct Return {
 
 /// A return, and what its fields depend on beside it.
 struct Point {
-  const Return& value;
+  const Return* value;
   const Effects& effects;
-  int64_t stamp;  ///< ns, of the cloud
+  int64_t stamp;   ///< ns, of the cloud
+  bool clockwise;  ///< whether azimuths grow clockwise, as the head turns
+  bool single;     ///< whether the scan has at most one return of a beam
   /// Returns the nanoseconds after the stamp.
-  double offset() const { return std::round(double{value.time} * kPerSecond); }
+  double offset() const { return std::round(double{value->time} * kPerSecond); }
   int64_t time() const { return stamp + static_cast<int64_t>(offset()); }
 };
 
 double x(const Point& point) {
-  return point.value.x;
+  return point.value->x;
 }
 double y(const Point& point) {
-  return point.value.y;
+  return point.value->y;
 }
 double z(const Point& point) {
-  return point.value.z;
+  return point.value->z;
 }
 double range(const Point& point) {
-  return point.value.range;
+  return point.value->range;
 }
 double millimetres(const Point& point) {
-  return double{point.value.range} * kMilliPerUnit;
+  return double{point.value->range} * kMilliPerUnit;
 }
 double ring(const Point& point) {
-  return point.value.ring;
+  return point.value->ring;
 }
 double zero(const Point&) {
   return 0;
 }
 double seconds(const Point& point) {
-  return point.value.time;
+  return point.value->time;
 }
 double nanoseconds(const Point& point) {
   return point.offset();
@@ -76,27 +79,35 @@ double unixSeconds(const Point& point) {
 /// Returns 100 for a diffuse white surface, more for retro-reflectors, at most 255.
 double reflectivity(const Point& point) {
   const bool unit = point.effects.intensity.scale == Effects::Intensity::Scale::unit;
-  return std::clamp(double{point.value.intensity} * (unit ? 100 : 1), 0.0, 255.0);
+  return std::clamp(double{point.value->intensity} * (unit ? 100 : 1), 0.0, 255.0);
 }
 double azimuth(const Point& point) {
-  const double angle = std::atan2(y(point), x(point));
-  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+  const double angle = std::atan2(point.clockwise ? -y(point) : y(point), x(point));
+  return (angle < 0 ? 2 * std::numbers::pi : 0) + angle;
 }
 double elevation(const Point& point) {
   return std::atan2(z(point), lengthOf(x(point), y(point)));
 }
 /// Livox's tag has the number of the return in bits 4 and 5; bits of 0 are a point without doubt.
 double livoxTag(const Point& point) {
-  return std::min(point.value.number - 1, 3) << 4;
+  return std::min(point.value->number - 1, 3) << 4;
 }
-/// Autoware's ReturnType: 0 unless the mode of returns tells which one is the strongest or the last.
+/// Whether the effect `returns` is off, so that a beam returns its strongest echo alone.
+bool returnsStrongest(const Point& point) {
+  const Effects::Returns& returns = point.effects.returns;
+  return point.single &&
+         (returns.use == EffectUse::off ||
+          (returns.use == EffectUse::automatic && returns.mode == Effects::Returns::Mode::all && returns.count == 0));
+}
+/// Autoware's ReturnType: 0 unless the effect `returns` tells which one is the strongest or the last.
 double autowareReturn(const Point& point) {
   enum Type { unknown, singleStrongest, singleLast, dualStrongestFirst, dualWeakLast = 6, dualOnly };
+  if (returnsStrongest(point)) return singleStrongest;
   switch (point.effects.returns.mode) {
     case Effects::Returns::Mode::strongest: return singleStrongest;
     case Effects::Returns::Mode::last: return singleLast;
     case Effects::Returns::Mode::lastStrongest:
-      return point.value.count < 2 ? dualOnly : point.value.number == 1 ? dualStrongestFirst : dualWeakLast;
+      return point.value->count < 2 ? dualOnly : point.value->number == 1 ? dualStrongestFirst : dualWeakLast;
     default: return unknown;
   }
 }
@@ -138,7 +149,7 @@ constexpr DriverField kCustomFields[] = {
     {"z", offsetof(LivoxPoint, z), Type::f32, z},
     {"reflectivity", offsetof(LivoxPoint, reflectivity), Type::u8, reflectivity},
     {"tag", offsetof(LivoxPoint, tag), Type::u8, livoxTag}, {"line", offsetof(LivoxPoint, line), Type::u8, ring}};
-// The drivers of Nebula publish the PointXYZIRCAEDT of autoware_point_types.
+// Nebula's drivers publish the PointXYZIRCAEDT of autoware_point_types.
 constexpr DriverField kAutoware[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::u8, reflectivity}, {"return_type", 13, Type::u8, autowareReturn},
@@ -184,11 +195,27 @@ T as(double value) {
     return static_cast<T>(std::clamp(std::round(value), 0.0, double{std::numeric_limits<T>::max()}));
 }
 
+/// Whether the head turns clockwise: in the order of times, the azimuths of a ring's returns fall far more often than
+/// they rise. The azimuths of a head that does not turn rise about as often.
+bool turnsClockwise(std::span<const Return> returns) {
+  std::vector<const Return*> before(65536);  // by ring
+  size_t falling = 0, rising = 0;
+  for (const Return& now : returns) {
+    const Return* const last = std::exchange(before[now.ring], &now);
+    if (!last || last->time == now.time) continue;
+    const double turned = double{last->x} * now.y - double{last->y} * now.x;  // a cross product
+    falling += turned < 0;
+    rising += turned > 0;
+  }
+  return falling > 2 * rising;
+}
+
 template <typename T>
-void fill(PointCloud2& cloud, const DriverField& field, std::span<const Return> returns, const Effects& effects) {
+void fill(PointCloud2& cloud, const DriverField& field, std::span<const Return> returns, Point point) {
   uint8_t* to = cloud.data.data() + field.offset;
   for (const Return& value : returns) {
-    const T converted = as<T>(field.valueOf({value, effects, cloud.stamp}));
+    point.value = &value;
+    const T converted = as<T>(field.valueOf(point));
     std::memcpy(to, &converted, sizeof(converted));
     to += cloud.pointStep;
   }
@@ -219,14 +246,16 @@ PointCloud2 cloudOf(const Scan& scan, const DriverLayout& layout, const std::str
   cloud.width = static_cast<uint32_t>(returns.size());
   cloud.pointStep = layout.step;
   cloud.data.resize(returns.size() * layout.step);
+  const bool hasAzimuth = std::ranges::any_of(layout.fields, [](const auto& f) { return f.valueOf == azimuth; });
+  const Point point = {nullptr, effects, stamp, hasAzimuth && turnsClockwise(returns), scan.returns == 1};
   for (const DriverField& field : layout.fields) {
     cloud.fields.push_back({field.name, field.offset, field.type, 1});
     switch (field.type) {
-      case Type::u8: fill<uint8_t>(cloud, field, returns, effects); break;
-      case Type::u16: fill<uint16_t>(cloud, field, returns, effects); break;
-      case Type::u32: fill<uint32_t>(cloud, field, returns, effects); break;
-      case Type::f64: fill<double>(cloud, field, returns, effects); break;
-      default: fill<float>(cloud, field, returns, effects); break;
+      case Type::u8: fill<uint8_t>(cloud, field, returns, point); break;
+      case Type::u16: fill<uint16_t>(cloud, field, returns, point); break;
+      case Type::u32: fill<uint32_t>(cloud, field, returns, point); break;
+      case Type::f64: fill<double>(cloud, field, returns, point); break;
+      default: fill<float>(cloud, field, returns, point); break;
     }
   }
   return cloud;
