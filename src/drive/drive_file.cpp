@@ -13,6 +13,7 @@
 #include "drive/fingerprint.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
+#include "ros2/driver_cloud.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
@@ -92,6 +93,9 @@ void DriveReader::frames() {
   drive_.worldFrame = object.value("world", drive_.worldFrame);
   drive_.vehicleFrame = object.value("vehicle", drive_.vehicleFrame);
   if (drive_.worldFrame == drive_.vehicleFrame) refuse("frames", "the world and the vehicle need two names");
+  for (const char* name : {"world", "vehicle"})
+    if (const std::string frame = object.value(name, ""); frame.starts_with('/'))
+      refuse(std::string("frames.") + name, "is " + inQuotes(frame) + "; tf2 refuses frames that begin with a slash");
 }
 
 void DriveReader::sensors() {
@@ -110,7 +114,11 @@ void DriveReader::sensors() {
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
     rigged.offset = object.value("offset", 0.0);
     rigged.livoxCustom = object.value("driver", "") == "livox-custom";
-    if (object.contains("driver")) rigged.driver = ros2::driverNamed(object["driver"].get<std::string>());
+    if (object.contains("driver")) {
+      rigged.driver = ros2::driverNamed(object["driver"].get<std::string>());
+      if (const std::string why = ros2::mistakeOfDriver(rigged.sensor, rigged.driver); !why.empty())
+        refuse(path + ".driver", why);
+    }
     if (rigged.rate * period > 1 + 1e-9)
       refuse(path + ".rate",
              "is " + shown(object["rate"]) + " scans a second, but the sensor takes " + shown(period) + " s for one");
@@ -186,6 +194,7 @@ Drive DriveReader::read(const fs::path& file) {
   ignores();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();
+  warnOfEnd();
   warnOfSensors();
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);

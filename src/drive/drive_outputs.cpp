@@ -5,6 +5,7 @@
 #include "drive/formats/format.hpp"
 #include "drive/ros.hpp"
 #include "drive/schedule.hpp"
+#include "ros2/driver_cloud.hpp"
 
 namespace gnosphere::drive {
 
@@ -55,6 +56,17 @@ std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, c
     for (size_t s = 0; s < (oneSensor ? 1 : names.size()); ++s) sensors.push_back(s);
   if (oneSensor && sensors.size() > 1) refuse(path, "the format has one lidar; name one sensor");
   return sensors;
+}
+
+/// Checks that an output with rings, whose numbers have 16 bits, can have those of its sensors.
+void DriveReader::checkRings(const Output& output, const std::string& path) {
+  const bool chosen = std::ranges::find(output.fields, Field::ring) != output.fields.end();
+  if (!chosen && output.format != "mcap" && output.format != "nuscenes") return;
+  for (const size_t index : output.sensors)
+    if (const RigSensor& sensor = drive_.sensors[index]; ros2::lastRingOf(sensor.sensor) > 65535)
+      refuse(path + (chosen ? ".fields" : ".sensors"), "the field 'ring' is 16 bits wide, and " +
+                                                           inQuotes(sensor.name) + " has " +
+                                                           std::to_string(sensor.sensor.height()) + " channels");
 }
 
 /// Checks that ROS 2 can play the bag of an output.
@@ -148,6 +160,7 @@ void DriveReader::outputs() {
       if (object.contains(name) && !format.survey)
         refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
+    if (mistakes_.empty()) checkRings(output, path);
     if (format.survey) survey(object, output, path);
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
     if (output.format == "osi") checkTrace(output, path);

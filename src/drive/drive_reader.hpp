@@ -82,6 +82,8 @@ class DriveReader {
   void warnOfWeather(const RigSensor& sensor, const std::string& path);
   void warnOfMotion(size_t sensor, const std::string& path);
   void warnOfSpeeds(size_t sensor, const std::string& path);
+  void warnOfEnd();
+  void warnOfLines(const RigSensor& sensor, const std::string& path);
   void imu();
   void frames();
   void times();
@@ -92,6 +94,7 @@ class DriveReader {
   void checkFolder(const std::string& name, const std::string& path);
   std::vector<size_t> sensorsOf(const nlohmann::json& output, bool oneSensor, const std::string& path);
   void checkTrace(const Output& output, const std::string& path);
+  void checkRings(const Output& output, const std::string& path);
   void checkBag(const Output& output, const std::string& path);
   void warnOfSamples(const Output& output, const std::string& path);
   void survey(const nlohmann::json& object, Output& output, const std::string& path);

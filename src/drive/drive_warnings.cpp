@@ -7,6 +7,8 @@
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/schedule.hpp"
+#include "ros2/driver_cloud.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
@@ -101,6 +103,39 @@ void DriveReader::warnOfClocks() {
                                 secondsText(drive_.duration));
 }
 
+/// Warns of scans that go on when the trajectory of a vehicle that moves has ended: it stops at once, which no inertial
+/// unit measures.
+void DriveReader::warnOfEnd() {
+  const Trajectory& ego = drive_.ego;
+  const double last = drive_.start + drive_.duration;
+  if (ego.end() < last - kSlack || !ego.movesWithin(ego.end() - Trajectory::kAround, ego.end())) return;
+  size_t found = drive_.sensors.size();
+  double latest = 0, shorter = drive_.duration;  // the end of scans, and a duration without those that end too late
+  for (size_t s = 0; s < drive_.sensors.size(); ++s) {
+    const auto scan = lastScanOf(drive_, s, drive_.frameCount() - 1);
+    if (!scan || scan->end <= ego.end() + kSlack) continue;
+    if (scan->end > latest) found = s;
+    latest = std::max(latest, scan->end);
+    shorter = std::min(shorter, scan->start - drive_.start);
+  }
+  if (found == drive_.sensors.size()) return;
+  shorter = 1e-3 * std::floor(1e3 * (shorter + 1e-9));  // whole milliseconds, which secondsText() does not round up
+  warn("ego.trajectory", "ends at " + secondsText(ego.end()) + ", and the last scan of " +
+                             inQuotes(drive_.sensors[found].name) + " at " + secondsText(latest) +
+                             ", so the vehicle stops at once and stands for the rest of it; give a longer trajectory" +
+                             (shorter > 0 ? ", or a duration of at most " + secondsText(shorter) : ""));
+}
+
+/// Warns of heads whose lines are more than nodes for Livox's expect.
+void DriveReader::warnOfLines(const RigSensor& sensor, const std::string& path) {
+  constexpr uint32_t kMostLines = 6;  // of Livox's heads: those of the Avia
+  const uint32_t lines = ros2::lastRingOf(sensor.sensor) + 1;
+  if ((sensor.livoxCustom || sensor.driver == ros2::Driver::livox) && lines > kMostLines)
+    warn(path + ".driver", "Livox's heads have at most 6 lines, and " + inQuotes(sensor.name) + " has " +
+                               std::to_string(lines) +
+                               "; nodes such as FAST-LIO drop points whose line is not below their scan_line");
+}
+
 /// Warns of a mounting on a vehicle so far away that its numbers may be in another unit. A site, where nothing
 /// drives, may be larger.
 void DriveReader::warnOfMount(const Pose& mount, const std::string& path) {
@@ -175,6 +210,7 @@ void DriveReader::warnOfSensors() {
     warnOfWeather(sensor, path);
     warnOfMotion(s, path);
     warnOfSpeeds(s, path);
+    warnOfLines(sensor, path);
   }
   if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");
 }

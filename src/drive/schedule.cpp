@@ -40,11 +40,18 @@ std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame) {
   return scans;
 }
 
+std::optional<ScanSpan> lastScanOf(const Drive& drive, size_t sensor, uint64_t frame) {
+  const RigSensor& rigged = drive.sensors[sensor];
+  const uint64_t count = firstScan(rigged, endOf(drive, frame));
+  if (count == 0) return {};
+  const double start = startOf(drive, rigged, count - 1);
+  return ScanSpan{start, start + durationOf(rigged.sensor, count - 1)};
+}
+
 double endOfScans(const Drive& drive, uint64_t frame) {
   double end = drive.start + endOf(drive, frame);
-  for (const RigSensor& sensor : drive.sensors)
-    if (const uint64_t count = firstScan(sensor, endOf(drive, frame)); count > 0)
-      end = std::max(end, startOf(drive, sensor, count - 1) + durationOf(sensor.sensor, count - 1));
+  for (size_t s = 0; s < drive.sensors.size(); ++s)
+    if (const auto last = lastScanOf(drive, s, frame)) end = std::max(end, last->end);
   return end;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "drive/drive.hpp"
@@ -18,6 +19,14 @@ struct PlannedScan {
 
 /// The scans that start within a frame, in order of time, then of sensors. Scans depend on nothing but the drive file.
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame);
+
+/// When a scan starts and ends, on the clock of the trajectories.
+struct ScanSpan {
+  double start = 0, end = 0;
+};
+
+/// Returns the span of the last scan of a sensor in the frames up to this one; none if it makes none.
+std::optional<ScanSpan> lastScanOf(const Drive& drive, size_t sensor, uint64_t frame);
 
 /// Returns when the last scan of the frames up to this one ends, on the clock of the trajectories, or the frame itself
 /// if that is later.

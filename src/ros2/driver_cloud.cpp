@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans in the point layouts of drivers. Each layout is a table of fields, and each field has a function of a return.
+#include "ros2/driver_cloud.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,8 +17,8 @@
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
-#include "gnosphere/ros2.hpp"
 #include "scan/fields.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::ros2 {
 namespace {
@@ -221,25 +223,35 @@ void fill(PointCloud2& cloud, const DriverField& field, std::span<const Return> 
   }
 }
 
-void check(const DriverLayout& layout, std::span<const Return> returns) {
-  for (const DriverField& field : layout.fields) {
-    const auto refuse = [&](const std::string& why) {
-      throw Error(ErrorCode::invalidArgument,
-                  std::string("the field '") + field.name + "' of the driver " + layout.name + " " + why);
-    };
-    if (field.type == Type::u32 && field.valueOf == nanoseconds && !returns.empty() &&
-        double{returns.back().time} * kPerSecond > std::numeric_limits<uint32_t>::max())
-      refuse("has times up to 4.29 s, and the scan takes longer");
-    if (field.type == Type::u8 && field.valueOf == ring &&
-        std::any_of(returns.begin(), returns.end(), [](const Return& value) { return value.ring > 255; }))
-      refuse("has numbers up to 255, and the scan has more channels");
+/// Returns the most that an unsigned type holds.
+double mostOf(Type type) {
+  switch (type) {
+    case Type::u8: return std::numeric_limits<uint8_t>::max();
+    case Type::u16: return std::numeric_limits<uint16_t>::max();
+    default: return std::numeric_limits<uint32_t>::max();
   }
+}
+
+/// Returns why a layout does not hold times up to `last` seconds and rings up to `lastRing`; empty if it does.
+std::string mistakeOf(const DriverLayout& layout, double last, uint32_t lastRing) {
+  for (const DriverField& field : layout.fields) {
+    const std::string subject = std::string("the field '") + field.name + "' of the driver " + layout.name + " ";
+    if (field.valueOf == nanoseconds && last * kPerSecond > mostOf(field.type))
+      return subject + "has times up to 4.29 s, and the scan takes longer";
+    if (field.valueOf == ring && lastRing > mostOf(field.type))
+      return subject + "has numbers up to " + std::to_string(static_cast<uint32_t>(mostOf(field.type))) +
+             ", and the scan has more channels";
+  }
+  return "";
 }
 
 PointCloud2 cloudOf(const Scan& scan, const DriverLayout& layout, const std::string& frame, int64_t stamp,
                     const Effects& effects) {
   const std::vector<Return> returns = returnsOf(scan);
-  check(layout, returns);
+  uint32_t lastRing = 0;
+  for (const Return& value : returns) lastRing = std::max<uint32_t>(lastRing, value.ring);
+  if (const std::string why = mistakeOf(layout, returns.empty() ? 0 : returns.back().time, lastRing); !why.empty())
+    throw Error(ErrorCode::invalidArgument, why);
   PointCloud2 cloud;
   cloud.stamp = stamp;
   cloud.frame = frame;
@@ -267,6 +279,20 @@ std::optional<Driver> driverNamed(std::string_view name) {
   for (size_t i = 0; i < std::size(kLayouts); ++i)
     if (name == kLayouts[i].name) return static_cast<Driver>(i);
   return std::nullopt;
+}
+
+uint32_t lastRingOf(const Sensor& sensor) {
+  uint32_t last = static_cast<uint32_t>(std::max<size_t>(sensor.channels.size(), 1)) - 1;
+  for (const BeamList& list : sensor.patterns)
+    for (const uint16_t ring : list.rings) last = std::max<uint32_t>(last, ring);
+  return last;
+}
+
+std::string mistakeOfDriver(const Sensor& sensor, std::optional<Driver> driver) {
+  double last = lastTimeOf(sensor);
+  for (size_t channel = 0; channel < sensor.channels.size() && sensor.columns > 0; ++channel)
+    last = std::max(last, timeOf(sensor, (channel + 1) * sensor.columns - 1));  // of the last column
+  return mistakeOf(driver ? kLayouts[static_cast<size_t>(*driver)] : kCustom, last, lastRingOf(sensor));
 }
 
 PointCloud2 driverCloudOf(const Scan& scan, Driver driver, const std::string& frame, int64_t stamp,

@@ -395,6 +395,9 @@ TEST_CASE("frames of ROS 2 have the names that the drive file states") {
   CHECK(drive::mountsOf(drive, std::vector<size_t>{0})[0].parent == "base_footprint");
   checkRefused(changed("/frames", {{"world", "a"}, {"vehicle", "a"}}),
                {"frames: the world and the vehicle need two names"});
+  checkRefused(
+      changed("/frames", {{"world", "/map"}, {"vehicle", "/base_link"}}),
+      {"frames.world: is '/map'; tf2 refuses frames that begin with a slash", "frames.vehicle: is '/base_link'"});
   json["sensors"][0]["name"] = "odom";
   json["outputs"] = {{{"format", "mcap"}}};
   checkRefused(json, {"the sensor 'odom' has the name of the frame of the world"});
@@ -430,4 +433,50 @@ TEST_CASE("a sensor has the driver of ROS 2 that the drive file names") {
   CHECK(folder.read(json).sensors[0].livoxCustom);
   CHECK(drive::cloudTypeOf(folder.read(json).sensors[0]) == ros2::MessageType::livoxCustom);
   checkRefused(changed("/sensors/0/driver", "ousters"), {"sensors[0].driver: 'ousters' is unknown", "ouster"});
+}
+
+TEST_CASE("a sensor whose scans the types of its driver do not hold is refused before it scans") {
+  Json slow = smallHead();
+  slow["rotation_period"] = 4.4;  // the last of 90 columns fires after 4.351 s
+  const auto with = [](const Json& sensor, const std::string& driver) {
+    Json json = smallDrive();
+    json["sensors"][0]["sensor"] = sensor;
+    json["sensors"][0]["driver"] = driver;
+    return json;
+  };
+  const DriveFolder folder;
+  for (const auto& [driver, field] :
+       {std::pair("ouster", "t"), {"autoware", "time_stamp"}, {"livox-custom", "offset_time"}})
+    checkRefused(with(slow, driver), {"sensors[0].driver: the field '" + std::string(field) + "' of the driver ",
+                                      " has times up to 4.29 s, and the scan takes longer"});
+  for (const char* driver : {"velodyne", "hesai", "livox"}) CHECK_NOTHROW(folder.read(with(slow, driver)));
+  slow["rotation_period"] = 4.34;  // after 4.2918 s
+  CHECK_NOTHROW(folder.read(with(slow, "ouster")));
+
+  const auto tall = [](size_t channels) {
+    Json head = smallHead();
+    head["columns"] = 1;
+    head["elevation_deg"] = std::vector<double>(channels);
+    return head;
+  };
+  for (const char* driver : {"livox", "livox-custom"}) {
+    CHECK_NOTHROW(folder.read(with(tall(256), driver)));
+    checkRefused(with(tall(257), driver), {"the field 'line' of the driver livox has numbers up to 255"});
+  }
+  CHECK_NOTHROW(folder.read(with(tall(257), "autoware")));
+  checkRefused(with(tall(65537), "autoware"), {"the field 'channel' of the driver autoware has numbers up to 65535"});
+
+  Json json = smallDrive();
+  json["sensors"][0]["sensor"] = tall(65536);
+  json["outputs"] = {{{"format", "npy"}}, {{"format", "mcap"}}, {{"format", "nuscenes"}}};
+  CHECK_NOTHROW(folder.read(json));
+  json["sensors"][0]["sensor"] = tall(65537);
+  json["outputs"] = {{{"format", "npy"}}};
+  checkRefused(json, {"outputs[0].fields: the field 'ring' is 16 bits wide, and 'top' has 65537 channels"});
+  for (const char* format : {"mcap", "nuscenes"}) {
+    json["outputs"] = {{{"format", format}}};
+    checkRefused(json, {"outputs[0].sensors: the field 'ring' is 16 bits wide, and 'top' has 65537 channels"});
+  }
+  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z"}}, {{"format", "mcap"}, {"sensors", {"side"}}}};
+  CHECK_NOTHROW(folder.read(json));
 }

@@ -78,15 +78,64 @@ TEST_CASE("a file whose positions have steps of single precision is warned of on
 
 TEST_CASE("a drive that goes on when its vehicle has arrived is warned of") {
   Json json = quietDrive();
-  json["start"] = 0.25;
+  json["start"] = 0.2;
   json["duration"] = 1.5;
   CHECK(warningsOf(json) ==
-        Warnings{"ego.trajectory: ends at 1 s, and the drive from 0.25 s to 1.75 s, so the vehicle stands for the last "
-                 "0.75 s; give a shorter duration"});
-  json["duration"] = 0.75;
+        Warnings{"ego.trajectory: ends at 1 s, and the drive from 0.2 s to 1.7 s, so the vehicle stands for the last "
+                 "0.7 s; give a shorter duration"});
+  json["duration"] = 0.8;
   CHECK(warningsOf(json).empty());
   json["duration"] = 1.5;
   json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};  // it is meant to stand
+  CHECK(warningsOf(json).empty());
+}
+
+TEST_CASE("a scan that goes on when its moving vehicle has arrived is warned of") {
+  Json json = quietDrive();
+  json["sensors"][1]["offset"] = 0.15;  // the last scan is from 0.95 to 1.05 s
+  const std::string end = ", so the vehicle stops at once and stands for the rest of it; give a longer trajectory";
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: ends at 1 s, and the last scan of 'side' at 1.05 s" + end +
+                                     ", or a duration of at most 0.95 s"});
+  json["duration"] = 0.95;
+  CHECK(warningsOf(json).empty());
+  json["duration"] = 1;
+  json["sensors"][0]["offset"] = 0.07;
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: ends at 1 s, and the last scan of 'top' at 1.07 s" + end +
+                                     ", or a duration of at most 0.95 s"});
+  json["sensors"][0]["offset"] = 0;
+  json["sensors"][1]["offset"] = 0.25;
+  json["sensors"][1]["rate"] = 6;  // the last scan is from 0.91666 to 1.01666 s
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: ends at 1 s, and the last scan of 'side' at 1.017 s" + end +
+                                     ", or a duration of at most 0.916 s"});
+  json["duration"] = 0.916;
+  CHECK(warningsOf(json).empty());
+  json["weather"] = Json::array();
+  json["start"] = 0.95;
+  json["duration"] = 0.05;
+  json["sensors"][1]["offset"] = 0;
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: ends at 1 s, and the last scan of 'top' at 1.05 s" + end});
+  json["actors"] = Json::array();
+  json["ego"]["trajectory"]["waypoints"].push_back(waypoint(2, 2, 0, 0));  // it stands until it has ended
+  CHECK(warningsOf(json).empty());
+  json["start"] = 1.95;
+  CHECK(warningsOf(json).empty());
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  CHECK(warningsOf(json).empty());
+}
+
+TEST_CASE("more lines than Livox's heads have are warned of where their driver is named") {
+  Json json = quietDrive();
+  for (const char* driver : {"livox", "livox-custom"}) {
+    json["sensors"][1]["driver"] = driver;
+    CHECK(
+        warningsOf(json) ==
+        Warnings{"sensors[1].driver: Livox's heads have at most 6 lines, and 'side' has 8; nodes such as FAST-LIO drop "
+                 "points whose line is not below their scan_line"});
+  }
+  json["sensors"][1]["driver"] = "ouster";
+  CHECK(warningsOf(json).empty());
+  json["sensors"][1]["driver"] = "livox-custom";
+  json["sensors"][1]["sensor"]["elevation_deg"] = {-10, -5, -3, 0, 3, 5};
   CHECK(warningsOf(json).empty());
 }
 
@@ -171,6 +220,7 @@ TEST_CASE("motion within scans that effects turn off is warned of where points h
 TEST_CASE("an actor that stands with any angle does not move") {
   Json json = quietDrive();
   json["start"] = 0.3;  // between two waypoints, where orientations are interpolated
+  json["sensors"][1]["offset"] = 0;
   json["sensors"][0]["sensor"].erase("rotation_period");
   json["outputs"][0]["fields"] = "x,y,z,range,radial_speed,class,instance";
   json["outputs"][0]["sensors"] = {"top"};
