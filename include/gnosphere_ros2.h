@@ -21,7 +21,8 @@ enum {
   GNO_ROS2_TRANSFORMS = 2,
   GNO_ROS2_CLOCK = 3,
   GNO_ROS2_IMU = 4,
-  GNO_ROS2_LIVOX_CUSTOM = 5
+  GNO_ROS2_LIVOX_CUSTOM = 5,
+  GNO_ROS2_ODOMETRY = 6
 };
 typedef int32_t gno_ros2_reliability;
 enum { GNO_ROS2_RELIABLE = 0, GNO_ROS2_BEST_EFFORT = 1 };
@@ -105,6 +106,19 @@ typedef struct gno_ros2_imu {
   double linear_acceleration_covariance[9];
 } gno_ros2_imu;
 
+/* nav_msgs/Odometry. Covariances are matrices of six rows: x, y, z, and about these axes. */
+typedef struct gno_ros2_odometry {
+  size_t struct_size;
+  int64_t stamp;
+  const char* frame;
+  const char* child_frame;
+  gno_pose pose; /* of the child frame in the frame */
+  double pose_covariance[36];
+  double linear_velocity[3];  /* m/s along the axes of the child frame */
+  double angular_velocity[3]; /* rad/s about the axes of the child frame */
+  double twist_covariance[36];
+} gno_ros2_odometry;
+
 /* What has become of the messages of a publisher. */
 typedef struct gno_ros2_counts {
   size_t struct_size;
@@ -132,6 +146,7 @@ GNO_API gno_status gno_ros2_publish_transforms(gno_ros2_publisher publisher, con
                                                size_t count);
 GNO_API gno_status gno_ros2_publish_clock(gno_ros2_publisher publisher, int64_t nanoseconds);
 GNO_API gno_status gno_ros2_publish_imu(gno_ros2_publisher publisher, const gno_ros2_imu* imu);
+GNO_API gno_status gno_ros2_publish_odometry(gno_ros2_publisher publisher, const gno_ros2_odometry* odometry);
 /* The returns of a scan with these fields, as a cloud. */
 GNO_API gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
                                          size_t field_count, const char* frame, int64_t stamp);
@@ -157,6 +172,7 @@ GNO_INIT(gno_ros2_options, value.depth = 5; value.domain = -1; value.localhost_o
 GNO_INIT(gno_ros2_cloud, value.height = 1; value.dense = 1;)
 GNO_INIT(gno_ros2_laser, )
 GNO_INIT(gno_ros2_imu, value.orientation[3] = 1;)
+GNO_INIT(gno_ros2_odometry, value.pose.orientation[3] = 1;)
 GNO_INIT(gno_ros2_counts, )
 
 #ifdef __cplusplus

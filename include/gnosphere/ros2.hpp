@@ -73,6 +73,17 @@ struct Imu {
   std::array<double, 9> linearAccelerationCovariance{};
 };
 
+/// A message of type nav_msgs/Odometry. A covariance is a matrix of six rows: x, y, z, and about these axes.
+struct Odometry {
+  int64_t stamp = 0;              ///< nanoseconds
+  std::string frame, childFrame;  ///< in which the pose is, and whose pose it is
+  Pose pose;
+  std::array<double, 36> poseCovariance{};
+  Vec3 linearVelocity;   ///< m/s along the axes of the child frame
+  Vec3 angularVelocity;  ///< rad/s about the axes of the child frame
+  std::array<double, 36> twistCovariance{};
+};
+
 /// A point of a LivoxCustom.
 struct LivoxPoint {
   uint32_t offsetTime = 0;  ///< ns after LivoxCustom::stamp
@@ -91,9 +102,9 @@ struct LivoxCustom {
 };
 
 /// A message that a publisher can send.
-using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock, Imu, LivoxCustom>;
+using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock, Imu, LivoxCustom, Odometry>;
 /// In the order of Message.
-enum class MessageType { pointCloud2, laserScan, transforms, clock, imu, livoxCustom };
+enum class MessageType { pointCloud2, laserScan, transforms, clock, imu, livoxCustom, odometry };
 
 /// Quality of service (QoS) of a publisher. Messages beyond `depth` replace the oldest ones ("keep last").
 struct Qos {

@@ -134,6 +134,30 @@ void bindImu(nb::module_& m) {
       .def_ro("linear_acceleration_covariance", &Imu::linearAccelerationCovariance, "(m/s^2)^2, row by row.");
 }
 
+void bindOdometry(nb::module_& m) {
+  using Covariance = std::array<double, 36>;
+  nb::class_<Odometry>(m, "Odometry",
+                       "nav_msgs/Odometry. A covariance has 36 numbers, row by row: x, y, z, and about these axes.")
+      .def(
+          "__init__",
+          [](Odometry* self, int64_t stamp, std::string frame, std::string childFrame, const Pose& pose,
+             const Vec3& linearVelocity, const Vec3& angularVelocity, const Covariance& ofPose,
+             const Covariance& ofTwist) {
+            new (self) Odometry{stamp,  std::move(frame), std::move(childFrame), pose,
+                                ofPose, linearVelocity,   angularVelocity,       ofTwist};
+          },
+          "stamp"_a, "frame"_a, "child_frame"_a, "pose"_a = Pose(), "linear_velocity"_a = Vec3(),
+          "angular_velocity"_a = Vec3(), "pose_covariance"_a = Covariance(), "twist_covariance"_a = Covariance())
+      .def_ro("stamp", &Odometry::stamp, "Nanoseconds.")
+      .def_ro("frame", &Odometry::frame, "The frame in which the pose is.")
+      .def_ro("child_frame", &Odometry::childFrame, "The frame whose pose it is.")
+      .def_ro("pose", &Odometry::pose, "Maps the child frame to the frame.")
+      .def_ro("pose_covariance", &Odometry::poseCovariance, "m^2 and rad^2, row by row.")
+      .def_ro("linear_velocity", &Odometry::linearVelocity, "m/s along the axes of the child frame.")
+      .def_ro("angular_velocity", &Odometry::angularVelocity, "rad/s about the axes of the child frame.")
+      .def_ro("twist_covariance", &Odometry::twistCovariance, "(m/s)^2 and (rad/s)^2, row by row.");
+}
+
 void bindLivoxCustom(nb::module_& m) {
   nb::class_<LivoxPoint>(m, "LivoxPoint", "A point of a LivoxCustom.")
       .def_ro("offset_time", &LivoxPoint::offsetTime, "Nanoseconds after the stamp.")
@@ -191,7 +215,8 @@ void bindRos2(nb::module_& parent) {
       .value("transforms", MessageType::transforms)
       .value("clock", MessageType::clock)
       .value("imu", MessageType::imu)
-      .value("livox_custom", MessageType::livoxCustom);
+      .value("livox_custom", MessageType::livoxCustom)
+      .value("odometry", MessageType::odometry);
   bindQos(m);
   bindCloud(m);
   bindLaserScan(m);
@@ -211,6 +236,7 @@ void bindRos2(nb::module_& parent) {
           "__init__", [](Clock* self, int64_t time) { new (self) Clock{time}; }, "time"_a)
       .def_ro("time", &Clock::time, "Nanoseconds.");
   bindImu(m);
+  bindOdometry(m);
   bindLivoxCustom(m);
   bindPublisher(m);
   m.def("unavailable", &unavailable, "Why nothing can be published; an empty text if messages can be.");

@@ -24,6 +24,10 @@ def test_messages_and_settings_are_values():
     imu = ros2.Imu(5, "imu", angular_velocity=(0, 0, 1), linear_acceleration=[0, 0, 9.8])
     assert pickle.loads(pickle.dumps(imu)) == imu != ros2.Imu(5, "imu") and imu.linear_acceleration == (0, 0, 9.8)
     assert imu.orientation == (0, 0, 0, 1) and list(imu.orientation_covariance) == [0] * 9
+    odometry = ros2.Odometry(5, "odom", "base_link", gnosphere.Pose((1, 2, 3)), linear_velocity=(4, 0, 0))
+    assert pickle.loads(pickle.dumps(odometry)) == odometry != ros2.Odometry(5, "odom", "base_link")
+    assert odometry.child_frame == "base_link" and odometry.linear_velocity == (4, 0, 0)
+    assert list(odometry.twist_covariance) == [0] * 36
     assert copy.deepcopy(ros2.Clock(5)) == ros2.Clock(5) != ros2.Clock(6)
 
 

@@ -88,6 +88,21 @@ ros2::Imu imuFrom(const gno_ros2_imu* imu) {
   return result;
 }
 
+ros2::Odometry odometryFrom(const gno_ros2_odometry* odometry) {
+  const gno_ros2_odometry& from = sized(odometry, GNO_TYPE(gno_ros2_odometry));
+  const auto& [v, w] = std::tie(from.linear_velocity, from.angular_velocity);
+  ros2::Odometry result;
+  result.stamp = from.stamp;
+  result.frame = orEmpty(from.frame);
+  result.childFrame = orEmpty(from.child_frame);
+  result.pose = poseOf(from.pose);
+  result.poseCovariance = std::to_array(from.pose_covariance);
+  result.linearVelocity = {v[0], v[1], v[2]};
+  result.angularVelocity = {w[0], w[1], w[2]};
+  result.twistCovariance = std::to_array(from.twist_covariance);
+  return result;
+}
+
 Effects effectsOrAutomatic(gno_effects effects) {
   return effects ? *Locked(effects) : Effects();
 }
@@ -108,7 +123,7 @@ const char* gno_ros2_unavailable(void) {
 gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,
                                      gno_ros2_publisher* publisher) {
   return giveHandle(publisher, "publisher", [&] {
-    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::livoxCustom, "gno_ros2_type"),
+    return make<gno_ros2_publisher>(ros2::Publisher(enumOf(type, ros2::MessageType::odometry, "gno_ros2_type"),
                                                     &the(topic, "topic"), publisherOptionsOf(options)));
   });
 }
@@ -136,6 +151,9 @@ gno_status gno_ros2_publish_clock(gno_ros2_publisher publisher, int64_t nanoseco
 }
 gno_status gno_ros2_publish_imu(gno_ros2_publisher publisher, const gno_ros2_imu* imu) {
   return guard([&] { Publishing(publisher)->publish(imuFrom(imu)); });
+}
+gno_status gno_ros2_publish_odometry(gno_ros2_publisher publisher, const gno_ros2_odometry* odometry) {
+  return guard([&] { Publishing(publisher)->publish(odometryFrom(odometry)); });
 }
 gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
                                  size_t field_count, const char* frame, int64_t stamp) {

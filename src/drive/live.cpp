@@ -86,6 +86,7 @@ class Live {
         mounts_(MessageType::transforms, "/tf_static",
                 optionsOf({.durability = ros2::Qos::Durability::transientLocal, .depth = 1})),
         clock_(MessageType::clock, "/clock", optionsOf({.depth = 100})),
+        odometry_(MessageType::odometry, "/odom", optionsOf({.depth = 100})),
         schedule_(options.speed, 1 / drive.rate, report) {
     for (const RigSensor& sensor : drive.sensors) {
       clouds_.emplace_back(cloudTypeOf(sensor), topicOf(sensor.name, "/points"), optionsOf(options.qos));
@@ -104,6 +105,7 @@ class Live {
     for (const double time : poseTimes(drive_, frame.frame, frame.frame + 1 == end_)) {
       schedule_.add(time, clock_, ros2::Clock{stampOf(time)});
       schedule_.add(time, tf_, vehicleMessage(drive_, time));
+      schedule_.add(time, odometry_, odometryMessage(drive_, time));
     }
     if (drive_.imu)
       for (const double time : imuTimes(drive_, frame.frame, frame.frame + 1 == end_))
@@ -141,7 +143,7 @@ class Live {
   }
 
   std::vector<Publisher*> all() {
-    std::vector<Publisher*> list = {&tf_, &mounts_, &clock_};
+    std::vector<Publisher*> list = {&tf_, &mounts_, &clock_, &odometry_};
     if (imu_) list.push_back(&*imu_);
     for (Publisher& cloud : clouds_) list.push_back(&cloud);
     for (auto& [index, laser] : lasers_) list.push_back(&laser);
@@ -151,7 +153,7 @@ class Live {
   const Drive& drive_;
   uint64_t end_;
   LiveReport& report_;
-  Publisher tf_, mounts_, clock_;
+  Publisher tf_, mounts_, clock_, odometry_;
   std::optional<Publisher> imu_;
   std::vector<Publisher> clouds_;       // by sensor
   std::map<size_t, Publisher> lasers_;  // by sensor

@@ -71,6 +71,18 @@ ros2::Transforms vehicleMessage(const Drive& drive, double time) {
   return {{unixNanoseconds(drive, time), drive.worldFrame, drive.vehicleFrame, drive.ego.at(time)}};
 }
 
+ros2::Odometry odometryMessage(const Drive& drive, double time) {
+  const Trajectory::Rates rates = drive.ego.ratesAt(time);
+  ros2::Odometry odometry;
+  odometry.stamp = unixNanoseconds(drive, time);
+  odometry.frame = drive.worldFrame;
+  odometry.childFrame = drive.vehicleFrame;
+  odometry.pose = drive.ego.at(time);
+  odometry.linearVelocity = inverse(odometry.pose).orientation * rates.velocity;
+  odometry.angularVelocity = rates.turnRate;
+  return odometry;
+}
+
 uint64_t firstMeasurement(const Drive& drive, uint64_t frame) {
   return static_cast<uint64_t>(std::ceil(static_cast<double>(frame) / drive.rate * drive.imu->rate - 1e-6));
 }

@@ -29,6 +29,10 @@ ros2::LaserScan laserMessage(const Drive& drive, const RecordedScan& recorded);
 /// Returns the pose of the vehicle in the world at a time of the trajectories' clock.
 ros2::Transforms vehicleMessage(const Drive& drive, double time);
 
+/// Returns the pose of the vehicle in the world and its velocity along its own axes at a time of the trajectories'
+/// clock.
+ros2::Odometry odometryMessage(const Drive& drive, double time);
+
 /// Returns what the drive's inertial unit measures, without noise, at a time of the trajectories' clock.
 ros2::Imu imuMessage(const Drive& drive, double time);
 

@@ -93,6 +93,7 @@ const dds_topic_descriptor_t& descriptorOf(MessageType type) {
     case MessageType::transforms: return tf2_msgs_msg_dds__TFMessage__desc;
     case MessageType::clock: return rosgraph_msgs_msg_dds__Clock__desc;
     case MessageType::imu: return sensor_msgs_msg_dds__Imu__desc;
+    case MessageType::odometry: return nav_msgs_msg_dds__Odometry__desc;
     case MessageType::livoxCustom: return livox_ros_driver2_msg_dds__CustomMsg__desc;
     case MessageType::pointCloud2: break;
   }
@@ -213,6 +214,18 @@ struct Writing {
     std::ranges::copy(imu.orientationCovariance, message.orientation_covariance);
     std::ranges::copy(imu.angularVelocityCovariance, message.angular_velocity_covariance);
     std::ranges::copy(imu.linearAccelerationCovariance, message.linear_acceleration_covariance);
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const Odometry& odometry) const {
+    const auto& [p, q] = odometry.pose;
+    const auto& [v, w] = std::tie(odometry.linearVelocity, odometry.angularVelocity);
+    nav_msgs_msg_dds__Odometry_ message = {};
+    message.header = headerOf(odometry.stamp, odometry.frame);
+    message.child_frame_id = textOf(odometry.childFrame);
+    message.pose.pose = {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+    message.twist.twist = {{v.x, v.y, v.z}, {w.x, w.y, w.z}};
+    std::ranges::copy(odometry.poseCovariance, message.pose.covariance);
+    std::ranges::copy(odometry.twistCovariance, message.twist.covariance);
     return dds_write(writer, &message);
   }
 };

@@ -95,6 +95,11 @@ struct Checker {
     checkStamp(imu.stamp, "Imu::stamp");
     checkText(imu.frame, "Imu::frame");
   }
+  void operator()(const Odometry& odometry) const {
+    checkStamp(odometry.stamp, "Odometry::stamp");
+    checkText(odometry.frame, "Odometry::frame");
+    checkText(odometry.childFrame, "Odometry::childFrame");
+  }
 };
 
 /// A row of the organised cloud of a sensor, whose beams are evenly spaced in azimuth.

@@ -94,6 +94,53 @@ TEST_CASE("the measurements of a drive's inertial unit, integrated, lead along i
   CHECK(mostTurned < 0.01);
 }
 
+TEST_CASE("the odometry of a drive, integrated, leads along the way of its vehicle") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(curvedDrive());
+  using drive::operator*;
+  Pose pose = drive.ego.at(0);
+  double furthest = 0, mostTurned = 0;
+  constexpr double kStep = 1 / 400.0;
+  for (int i = 0; i < 400; ++i) {
+    const ros2::Odometry odometry = drive::odometryMessage(drive, (i + 0.5) * kStep);  // in the middle of the step
+    CHECK(odometry.frame == "map");
+    CHECK(odometry.childFrame == "base_link");
+    CHECK(lengthOf(odometry.pose.position - drive.ego.at((i + 0.5) * kStep).position) == 0);
+    const Vec3 half = 0.5 * kStep * odometry.angularVelocity;
+    const Quaternion turn = normalized(Quaternion{half.x, half.y, half.z, 1});
+    pose.position = pose.position + kStep * (pose.orientation * odometry.linearVelocity);
+    pose.orientation = normalized(pose.orientation * turn);
+    const Pose truth = drive.ego.at((i + 1) * kStep);
+    furthest = std::max(furthest, lengthOf(pose.position - truth.position));
+    mostTurned = std::max(mostTurned, drive::angleBetween(pose.orientation, truth.orientation));
+  }
+  CHECK(furthest < 0.05);
+  CHECK(mostTurned < 0.01);
+}
+
+TEST_CASE("MCAP: the odometry of the vehicle beside its transforms") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["frames"] = {{"world", "odom"}};
+  json["outputs"] = {{{"format", "mcap"}}};
+  folder.run(json);
+  const std::string mcap = folder.get("out/mcap/drive.mcap"), text = folder.get("out/mcap/metadata.yaml");
+  CHECK_THAT(text, ContainsSubstring("name: /odom\n        type: nav_msgs/msg/Odometry\n"));
+  std::vector<int64_t> times;
+  const std::vector<std::string> messages = messagesOf(mcap, 5, &times);  // after the transforms and two sensors
+  REQUIRE(messages.size() == 101);
+  CHECK(times[50] == 1700000000500000000);
+  const std::string& cdr = messages[50];
+  CHECK(cdr.substr(16, 5) == std::string("odom\0", 5));
+  CHECK(cdr.substr(28, 10) == std::string("base_link\0", 10));
+  const size_t numbers = 4 + 40;  // the next multiple of 8 after the names, from the end of the head of CDR
+  REQUIRE(cdr.size() == numbers + (7 + 36 + 6 + 36) * 8);
+  CHECK(at<double>(cdr, numbers) == 0);                                     // halfway from x = -2 to 2
+  CHECK(at<double>(cdr, numbers + 8 * 6) == 1);                             // of the orientation
+  CHECK_THAT(at<double>(cdr, numbers + 8 * (7 + 36)), WithinAbs(4, 1e-9));  // m/s forward
+}
+
 TEST_CASE("MCAP: a flat sensor has laser scans beside its clouds") {
   const DriveFolder folder;
   Json json = smallDrive();

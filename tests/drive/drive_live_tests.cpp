@@ -46,16 +46,17 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   Listener clock({.type = "clock", .count = 1000, .seconds = 60}, {"rt/clock"});
   Listener imu({.type = "imu", .count = 1000, .seconds = 60}, {"rt/imu/data"});
   Listener tf({.type = "transforms", .count = 1000, .seconds = 60}, {"rt/tf"});
+  Listener odometry({.type = "odometry", .count = 1000, .seconds = 60}, {"rt/odom"});
   Listener mounts({.type = "transforms", .qos = "latched", .seconds = 60}, {"rt/tf_static"});
   const Result result = place.publish("--speed 0.25");  // four seconds
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  for (Listener* listener : {&clouds, &ousters, &lasers, &clock, &imu, &tf, &mounts}) listener->end(SIGKILL);
+  for (Listener* listener : {&clouds, &ousters, &lasers, &clock, &imu, &tf, &odometry, &mounts}) listener->end(SIGKILL);
   INFO(result.err);
   CHECK(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
-  // The clock and the vehicle have 101 messages each; there are 51 measurements, one message of the mounts, 15 clouds
-  // and 5 laser scans.
-  CHECK_THAT(result.out, ContainsSubstring(", 274 messages in "));
+  // The clock, the vehicle and its odometry have 101 messages each; there are 51 measurements, one message of the
+  // mounts, 15 clouds and 5 laser scans.
+  CHECK_THAT(result.out, ContainsSubstring(", 375 messages in "));
   CHECK(place.files().size() == 3);  // it writes none
 
   // A subscriber misses the messages that are sent before it has discovered the topic.
@@ -79,6 +80,10 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   CHECK(std::is_sorted(times.begin(), times.end()));
   REQUIRE(poses.size() >= 50);
   CHECK_THAT(poses.back(), ContainsSubstring(" 1001.000000000 map>base_link 2 0 0 "));
+  const std::vector<std::string> driven = odometry.lines();
+  REQUIRE(driven.size() >= 50);
+  CHECK(driven.size() <= 101);
+  CHECK_THAT(driven.back(), ContainsSubstring(" 1001.000000000 map>base_link 2 0 0 0 0 0 1 moves 4 0 0 turns 0 0 0 "));
   const std::vector<std::string> measured = imu.lines();
   REQUIRE(measured.size() >= 25);
   CHECK(measured.size() <= 51);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A subscriber of its own, with Cyclone DDS and without GnoSphere. The program prints a line
 // per message and the last line "end". listener DOMAIN TYPE QOS COUNT SECONDS SLEEP_MS
-//   TOPIC... TYPE is cloud, laser, transforms, imu, livox or clock; QOS reliable, best-effort or
+//   TOPIC... TYPE is cloud, laser, transforms, imu, odometry, livox or clock; QOS reliable, best-effort or
 // latched. The program ends after COUNT messages or after so many seconds, and sleeps between
 // messages.
 #include <dds/dds.h>
@@ -73,6 +73,15 @@ void print(const char* topic, const sensor_msgs_msg_dds__Imu_& m) {
     std::printf(" %g..%g", of[0], of[8]);
 }
 
+void print(const char* topic, const nav_msgs_msg_dds__Odometry_& m) {
+  const auto& [p, q] = m.pose.pose;
+  const auto& [v, w] = m.twist.twist;
+  std::printf("%s %d.%09u %s>%s %g %g %g %g %g %g %g", topic, m.header.stamp.sec, m.header.stamp.nanosec,
+              m.header.frame_id, m.child_frame_id, p.x, p.y, p.z, q.x, q.y, q.z, q.w);
+  std::printf(" moves %g %g %g turns %g %g %g covariances %g..%g %g..%g", v.x, v.y, v.z, w.x, w.y, w.z,
+              m.pose.covariance[0], m.pose.covariance[35], m.twist.covariance[0], m.twist.covariance[35]);
+}
+
 dds_entity_t made(dds_entity_t entity) {
   if (entity >= 0) return entity;
   std::printf("error %s\n", dds_strretcode(-entity));
@@ -128,5 +137,6 @@ int main(int count, char** arguments) {
   if (type == "livox")
     listen<livox_ros_driver2_msg_dds__CustomMsg_>(livox_ros_driver2_msg_dds__CustomMsg__desc, arguments);
   if (type == "imu") listen<sensor_msgs_msg_dds__Imu_>(sensor_msgs_msg_dds__Imu__desc, arguments);
+  if (type == "odometry") listen<nav_msgs_msg_dds__Odometry_>(nav_msgs_msg_dds__Odometry__desc, arguments);
   if (type == "clock") listen<rosgraph_msgs_msg_dds__Clock_>(rosgraph_msgs_msg_dds__Clock__desc, arguments);
 }

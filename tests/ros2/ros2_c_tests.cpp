@@ -80,6 +80,20 @@ TEST_CASE("ROS 2 from C: messages arrive") {
   CHECK(received(publisher, "imu") ==
         "rt/c 0.000000004 imu 0 0 0 1 turns 0 0 0.5 accelerates 0 2 0 covariances 0..0 0..3 4..0");
 
+  gno_ros2_odometry odometry = gno_ros2_odometry_init();
+  odometry.stamp = 5;
+  odometry.frame = "odom";
+  odometry.child_frame = "base";
+  odometry.pose.position[1] = 2;
+  odometry.pose_covariance[35] = 3;
+  odometry.linear_velocity[0] = 4;
+  odometry.angular_velocity[2] = 6;
+  odometry.twist_covariance[0] = 7;
+  publisher = latched(GNO_ROS2_ODOMETRY);
+  REQUIRE(gno_ros2_publish_odometry(publisher, &odometry) == GNO_OK);
+  CHECK(received(publisher, "odometry") ==
+        "rt/c 0.000000005 odom>base 0 2 0 0 0 0 1 moves 4 0 0 turns 0 0 6 covariances 0..3 7..0");
+
   publisher = latched(GNO_ROS2_CLOCK);
   REQUIRE(gno_ros2_publish_clock(publisher, 5'000'000'000) == GNO_OK);
   CHECK(received(publisher, "clock") == "rt/c 5.000000000");
@@ -88,7 +102,7 @@ TEST_CASE("ROS 2 from C: messages arrive") {
 TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   loopbackDomain();
   gno_ros2_publisher publisher = nullptr;
-  CHECK(failed(gno_ros2_publisher_create(6, "a", nullptr, &publisher), "none of 0..5"));
+  CHECK(failed(gno_ros2_publisher_create(7, "a", nullptr, &publisher), "none of 0..6"));
   CHECK(failed(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
   CHECK(failed(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
   CHECK(failed(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));

@@ -148,6 +148,19 @@ TEST_CASE("ROS 2: every value of every message arrives") {
   imu.linearAccelerationCovariance = {5, 0, 0, 0, 1, 0, 0, 0, 6};
   CHECK(received(imu, "imu") ==
         "rt/a/b_1 0.000000007 imu 0 0 0.6 0.8 turns 1 2 3 accelerates 4 5 9.75 covariances 1..2 3..4 5..6");
+  Odometry odometry;
+  odometry.stamp = 8;
+  odometry.frame = "odom";
+  odometry.childFrame = "base_link";
+  odometry.pose = {{1, 2, 3}, {0, 0, 0.6, 0.8}};
+  odometry.poseCovariance[0] = 4;
+  odometry.poseCovariance[35] = 5;
+  odometry.linearVelocity = {6, 7, 8};
+  odometry.angularVelocity = {9, 10, 11};
+  odometry.twistCovariance[0] = 12;
+  odometry.twistCovariance[35] = 13;
+  CHECK(received(odometry, "odometry") ==
+        "rt/a/b_1 0.000000008 odom>base_link 1 2 3 0 0 0.6 0.8 moves 6 7 8 turns 9 10 11 covariances 4..5 12..13");
   CHECK(received(Transforms(), "transforms") == "rt/a/b_1");
   CHECK(received(PointCloud2(), "cloud") == "rt/a/b_1 0.000000000  1x0 step 0 row 0 bytes 0 sum 0 big 0 dense 1");
 }

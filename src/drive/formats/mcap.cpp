@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // drive.mcap: the messages of ROS 2 that a drive has live, too, but for the clock: clouds on /NAME/points, laser scans
-// of flat sensors on /NAME/scan, measurements of an inertial unit on /NAME/data, transforms on /tf and /tf_static.
+// of flat sensors on /NAME/scan, measurements of an inertial unit on /NAME/data, transforms on /tf and /tf_static,
+// the way of the vehicle on /odom.
 // metadata.yaml beside it makes the folder a bag of rosbag2, version 5 of its format (ROS 2 Humble and later).
 #include <map>
 
@@ -15,8 +16,8 @@ namespace {
 
 using ros2::MessageType;
 
-constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;                      // channels
-constexpr size_t kHeadBytes = 512, kTransformBytes = 160, kMostPointBytes = 48;  // about
+constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;                                            // channels
+constexpr size_t kHeadBytes = 512, kTransformBytes = 160, kMostPointBytes = 48, kOdometryBytes = 512;  // about
 
 class Mcap : public Format {
  public:
@@ -38,8 +39,11 @@ class Mcap : public Format {
       add(kTfStatic, 0, timeOf(drive_.start), kTransformBytes * output_.sensors.size(),
           [this] { return mountsOf(drive_, output_.sensors); });
     uint64_t number = frame.frame * posesPerFrame(drive_);
-    for (const double time : poseTimes(drive_, frame.frame, last))
-      add(kTf, number++, timeOf(time), 0, [this, time] { return vehicleMessage(drive_, time); });
+    for (const double time : poseTimes(drive_, frame.frame, last)) {
+      add(kTf, number, timeOf(time), 0, [this, time] { return vehicleMessage(drive_, time); });
+      add(odometryChannel(), number++, timeOf(time), kOdometryBytes,
+          [this, time] { return odometryMessage(drive_, time); });
+    }
     if (drive_.imu) {
       uint64_t measured = firstMeasurement(drive_, frame.frame);
       for (const double time : imuTimes(drive_, frame.frame, last))
@@ -84,6 +88,7 @@ class Mcap : public Format {
       add(cloudTypeOf(drive_.sensors[index]), topicOf(drive_.sensors[index].name, "/points"));
     for (const size_t index : flat_) add(MessageType::laserScan, topicOf(drive_.sensors[index].name, "/scan"));
     if (drive_.imu) add(MessageType::imu, topicOf(drive_.imu->name, "/data"));
+    add(MessageType::odometry, "/odom");
     return channels;
   }
 
@@ -99,6 +104,7 @@ class Mcap : public Format {
       ++counts[cloudChannel(scan.planned.sensor)];
       if (hasLaserScans(scan.planned.sensor)) ++counts[laserChannel(scan.planned.sensor)];
     });
+    counts[odometryChannel()] = counts[kTf];
     if (drive_.imu) counts[imuChannel()] = firstMeasurement(drive_, lastFrame) + measured.size();
     uint64_t messages = 0;
     std::string topics;
@@ -135,6 +141,7 @@ class Mcap : public Format {
     return static_cast<uint16_t>(kFirstCloud + output_.sensors.size() + placeOf(sensor, flat_));
   }
   uint16_t imuChannel() const { return static_cast<uint16_t>(kFirstCloud + output_.sensors.size() + flat_.size()); }
+  uint16_t odometryChannel() const { return static_cast<uint16_t>(imuChannel() + (drive_.imu ? 1 : 0)); }
 
   std::vector<size_t> flat_;  // of the output's sensors, those whose scans are laser scans, too
 };

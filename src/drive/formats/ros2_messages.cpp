@@ -75,6 +75,16 @@ struct Appending {
     numbers(std::array{a.x, a.y, a.z});
     numbers(imu.linearAccelerationCovariance);
   }
+  void operator()(const ros2::Odometry& odometry) const {
+    const auto& [p, q] = odometry.pose;
+    const auto& [v, w] = std::tie(odometry.linearVelocity, odometry.angularVelocity);
+    CdrWriter cdr(bytes);
+    cdr.header(odometry.stamp, odometry.frame).text(odometry.childFrame);
+    for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) cdr.number(value);
+    for (const double value : odometry.poseCovariance) cdr.number(value);
+    for (const double value : {v.x, v.y, v.z, w.x, w.y, w.z}) cdr.number(value);
+    for (const double value : odometry.twistCovariance) cdr.number(value);
+  }
   void operator()(const ros2::LivoxCustom& custom) const {
     CdrWriter cdr(bytes);
     cdr.header(custom.stamp, custom.frame);
@@ -119,7 +129,16 @@ std::vector<McapSchema> messageSchemas() {
                    "livox_ros_driver2/CustomPoint[] points\n",
                    "MSG: livox_ros_driver2/CustomPoint\nuint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\n"
                    "uint8 reflectivity\nuint8 tag\nuint8 line\n",
-                   kHeaderText, kTimeText})}};
+                   kHeaderText, kTimeText})},
+          {"nav_msgs/msg/Odometry",
+           joined({"std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
+                   "geometry_msgs/TwistWithCovariance twist\n",
+                   "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n",
+                   "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
+                   "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n",
+                   "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n",
+                   "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n", kVector,
+                   kQuaternion, kHeaderText, kTimeText})}};
 }
 
 uint16_t schemaOf(ros2::MessageType type) {
