@@ -2,6 +2,7 @@
 #include "pipeline/beam_cells.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -25,15 +26,24 @@ constexpr uint32_t kColumnsOfFew = 64, kColumnsOfScattered = 16;
 // A beam belongs to a column although it lies before it by this share of a column.
 constexpr double kColumnTolerance = 1e-4;
 
-void sortIntoCells(std::vector<ListedBeam>& beams, const std::vector<size_t>& ends, uint32_t columns) {
+/// Cells per turn, and the azimuth of column 0 beyond -180 degrees, in columns.
+struct CellColumns {
+  uint32_t count = 0;
+  double phase = 0;
+
+  /// Returns how many columns a beam lies behind column 0; it may be less than 0.
+  double placeOf(const ListedBeam& beam) const { return (beam.azimuth / (2 * std::numbers::pi) + 0.5) * count - phase; }
+  double columnOf(const ListedBeam& beam) const { return std::floor(placeOf(beam) + kColumnTolerance); }
+};
+
+void sortIntoCells(std::vector<ListedBeam>& beams, const std::vector<size_t>& ends, const CellColumns& columns) {
   inRuns(ends.size(), 1, threadCount(), [&](uint64_t firstRow, uint64_t endRow) {
     for (uint64_t row = firstRow; row < endRow; ++row) {
       const auto begin = beams.begin() + static_cast<std::ptrdiff_t>(row == 0 ? 0 : ends[row - 1]);
       const auto end = beams.begin() + static_cast<std::ptrdiff_t>(ends[row]);
       for (auto beam = begin; beam != end; ++beam) {
-        const double place = (beam->azimuth / (2 * std::numbers::pi) + 0.5) * columns;
         beam->row = static_cast<uint32_t>(row);
-        beam->column = static_cast<uint32_t>(std::floor(place + kColumnTolerance)) % columns;
+        beam->column = static_cast<uint32_t>(columns.columnOf(*beam) + columns.count) % columns.count;
       }
       std::sort(begin, end, [](const ListedBeam& a, const ListedBeam& b) {
         return std::tie(a.column, a.azimuth, a.number) < std::tie(b.column, b.azimuth, b.number);
@@ -75,8 +85,10 @@ void sortBySlices(const std::vector<ListedBeam>& beams, size_t firing, BeamTable
 
 // Sorts the beams into cells of `rows` rows, of which the last ones may be empty.
 BeamTables listInCells(const Sensor& sensor, uint64_t frame, std::vector<ListedBeam> beams,
-                       const std::vector<size_t>& ends, size_t rows, uint32_t columns, const OriginGroup& group) {
+                       const std::vector<size_t>& ends, size_t rows, const CellColumns& cells,
+                       const OriginGroup& group) {
   BeamTables tables;
+  const uint32_t columns = cells.count;
   std::vector<RowKeys> keys;
   for (size_t row = 0; row < ends.size(); ++row) {
     const size_t begin = row == 0 ? 0 : ends[row - 1];
@@ -87,8 +99,8 @@ BeamTables listInCells(const Sensor& sensor, uint64_t frame, std::vector<ListedB
   const size_t lookupCells = std::min<size_t>(std::bit_ceil(rows * kLookupCellsPerRow + 1), gpu::kRowLookupCells);
   tables.frame.lookupCells = static_cast<uint32_t>(lookupCells);
   tables.rowLookup = makeRowLookup(keys, tables.frame.lookupCells);
-  sortIntoCells(beams, ends, columns);
-  setFrame(sensor, columns, 0, tables);
+  sortIntoCells(beams, ends, cells);
+  setFrame(sensor, columns, cells.phase, tables);
   tables.frame.beams = static_cast<uint32_t>(beams.size() + group.silent.size());
 
   const size_t firing = beams.size();
@@ -123,35 +135,62 @@ BeamTables listInCells(const Sensor& sensor, uint64_t frame, std::vector<ListedB
                               static_cast<float>(from.z), static_cast<float>(place)});
   }
   sortBySlices(beams, firing, tables);
-  // A beam lies up to one column behind the column of its cell. The amount that it may lie before it is slack.
-  tables.frame.beside = 1;
+  // The amount that a beam may lie before the column of its cell is slack.
+  double beside = 0;
+  for (size_t i = 0; i < firing; ++i) beside = std::max(beside, cells.placeOf(beams[i]) - cells.columnOf(beams[i]));
+  tables.frame.beside = static_cast<float>(std::min(beside + kColumnTolerance, 1.0));
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);
   tables.masked = static_cast<uint32_t>(group.silent.size());
   return tables;
 }
 
-// Gives all tables the same size.
+// Gives all tables the same sizes.
 void makeAlike(std::span<BeamTables> all) {
   uint32_t beams = 0;
+  float beside = 0;
   size_t farthest = 0;
   for (const BeamTables& tables : all) {
     beams = std::max(beams, tables.frame.beams);
+    beside = std::max(beside, tables.frame.beside);
     farthest = std::max(farthest, tables.startFarthest.size());
   }
   for (uint32_t i = 0; i < all.size(); ++i) {
     all[i].frame.beams = beams;
+    all[i].frame.beside = beside;
     all[i].frame.table = i;
     if (all[i].startFarthest.empty()) all[i].startFarthest.resize(farthest, gpu::kNone);
   }
 }
 
+struct Sorted {
+  std::vector<ListedBeam> beams;
+  std::vector<size_t> ends;
+};
+
+// Returns the phase with which beams lie the least behind their columns. The beams of a vertical fan, such as those of
+// a scanner in an aircraft, then lie on a column, and what is beside the fan is not near a beam.
+double bestPhase(const std::vector<Sorted>& lists, uint32_t columns) {
+  constexpr size_t kParts = 1024;  // of a column
+  constexpr size_t kWorthIt = kParts / 8;
+  std::array<bool, kParts> taken = {};
+  for (const Sorted& list : lists)
+    for (const ListedBeam& beam : list.beams) {
+      const double place = CellColumns{columns}.placeOf(beam);
+      taken[std::min(static_cast<size_t>((place - std::floor(place)) * kParts), kParts - 1)] = true;
+    }
+  size_t run = 0, longest = 0, end = 0;  // of parts without a beam, which may go around
+  for (size_t part = 0; part < 2 * kParts; ++part) {
+    run = taken[part % kParts] ? 0 : run + 1;
+    if (run <= longest) continue;
+    longest = run;
+    end = part + 1;
+  }
+  return longest < kWorthIt || longest > kParts ? 0 : static_cast<double>(end % kParts) / kParts;
+}
+
 }  // namespace
 
 std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const FiredGroup> groups, bool mayMap) {
-  struct Sorted {
-    std::vector<ListedBeam> beams;
-    std::vector<size_t> ends;
-  };
   const auto sortedOf = [&](uint64_t frame, const std::vector<uint32_t>& numbers) {
     std::vector<ListedBeam> beams = sortedBeams(sensor, frame, numbers);
     std::vector<size_t> ends = rowEnds(beams);
@@ -186,9 +225,10 @@ std::vector<BeamTables> makeListedTables(const Sensor& sensor, std::span<const F
     most = std::max(most, beams.size());
   }
   columns = std::min(columns, mostColumns(most, rows));
+  const CellColumns cells = {columns, bestPhase(sorted, columns)};
   all.clear();
   for (size_t i = 0; i < groups.size(); ++i)
-    all.push_back(listInCells(sensor, groups[i].frame, std::move(sorted[i].beams), sorted[i].ends, rows, columns,
+    all.push_back(listInCells(sensor, groups[i].frame, std::move(sorted[i].beams), sorted[i].ends, rows, cells,
                               *groups[i].group));
   makeAlike(all);
   setRanges(sensor, all);

@@ -258,7 +258,7 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(lists(own.ignored, "beamDivergence_rad of the channel '1'"));
   // HELIOS++ does not limit the returns of a pulse if the file states no number.
   const SensorFile all = readSensorFile(changed(R"(maxNOR="2")", ""), "s.xml");
-  CHECK(all.sensor.maxReturns == 5);
+  CHECK(all.sensor.maxReturns == 15);
   CHECK(lists(all.assumed, "at most 15 returns a beam, not any number of them"));
   CHECK_THAT(problemOf(changed("<channels>", R"(<headRotateAxis x="0" y="1" z="0"/><channels>)"), "s.xml"),
              ContainsSubstring("does not turn about z"));
@@ -291,7 +291,7 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
     CHECK_THAT(timeOf(sensor, beam), WithinAbs(0.001 * static_cast<double>(4 + beam), 1e-12));
   }
   CHECK(sensor.divergenceHorizontal == 0.0005);
-  CHECK(sensor.maxReturns == 5);
+  CHECK(sensor.maxReturns == 15);
   CHECK(lists(file.assumed, "the mirror's largest frequency, 50 Hz"));
   CHECK_THAT(sensor.scanPeriod, WithinAbs(0.02, 1e-15));
   CHECK(lists(file.assumed, "scans of 0.02 s, 1 of the mirror's periods; 50 scans a second leave no gap"));

@@ -30,6 +30,10 @@ _LIGHT = 299792458.0
 _MOST_RINGS = 5
 """Of sub-rays of a pulse, with the one in the middle: 1, 7, 19, 37 and 61 sub-rays."""
 
+_SCAN_SECONDS = 0.05
+"""About what a scan of a mirror's lines takes, or a line if that takes longer. All lines have the same directions, so over
+trees a long scan tries each leaf on the beams of many lines, and a short one has few beams for what each scan costs."""
+
 _MOST_SECONDS = 10
 """What a scan of a sensor takes at most."""
 
@@ -159,7 +163,7 @@ def _lines(element: ET.Element, sweep: Sweep) -> Scanner:
     channels = element.find("channels")
     beams = pulses * (len(channels) if channels is not None else 1)
     lines = max(round(sweep.duration / period), 1)
-    fewest = math.ceil(lines / max(min(round(1 / period), _MOST_BEAMS // beams), 1))
+    fewest = math.ceil(lines / max(min(round(_SCAN_SECONDS / period), _MOST_BEAMS // beams), 1))
     scans = _scans_of(lines, fewest)
     rate = 1 / (max(round(lines / scans), 1) * period)
     found = _read(element, sweep, columns=pulses, scan_rate=rate)
