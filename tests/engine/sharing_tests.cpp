@@ -81,7 +81,11 @@ class Timeline {
     REQUIRE(app.function<PFN_vkCreateSemaphore>("vkCreateSemaphore")(device(), &create, nullptr, &semaphore_) ==
             VK_SUCCESS);
   }
-  ~Timeline() { app_.function<PFN_vkDestroySemaphore>("vkDestroySemaphore")(device(), semaphore_, nullptr); }
+  /// Lavapipe's thread of the queue uses the semaphore for a moment after its count is reached.
+  ~Timeline() {
+    app_.waitForQueue();
+    app_.function<PFN_vkDestroySemaphore>("vkDestroySemaphore")(device(), semaphore_, nullptr);
+  }
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
