@@ -52,8 +52,9 @@ double distance(const float* a, const float* b) {
   return lengthOf({double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]});
 }
 
-/// The share of the range by which points may be apart beside the tolerance: the rounding of their coordinates.
-constexpr double kPointRounding = 1e-6;
+/// By these shares of the range and of the distance from the frame's origin points may be apart beside the tolerance,
+/// whichever is more: the rounding of their coordinates. A laser may be away from the origin.
+constexpr double kPointRounding = 1e-6, kCoordinateRounding = 0x1p-22;
 
 /// Returns the largest number of returns that both clouds may have.
 uint64_t mostReturns(const Scan& reference, const Scan& other) {
@@ -131,8 +132,12 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
 }
 
 void ComparisonSum::addPoints(const Scan& reference, const Scan& other, size_t expected, size_t found, double allowed) {
-  const double error = madeNumber(distance(&reference.points[3 * expected], &other.points[3 * found]));
-  sum_.wrongPoint += !(error <= allowed + kPointRounding * double{reference.ranges[expected]});
+  constexpr float kOrigin[3] = {0, 0, 0};
+  const float* const point = &reference.points[3 * expected];
+  const double error = madeNumber(distance(point, &other.points[3 * found]));
+  const double rounding =
+      std::max(kPointRounding * double{reference.ranges[expected]}, kCoordinateRounding * distance(point, kOrigin));
+  sum_.wrongPoint += !(error <= allowed + rounding);
   sum_.pointErrorMax = std::max(sum_.pointErrorMax, error);
 }
 

@@ -127,6 +127,13 @@ TEST_CASE("the tolerance 0 leaves points the rounding of their coordinates") {
   CHECK(compare(reference, other, 0).wrongPoint == 0);
   other.points[1] = 1.1e-4f;
   CHECK(compare(reference, other, 0).wrongPoint == 1);
+  // Range noise may leave a range of 0, and the laser may be away from the origin.
+  reference.ranges = other.ranges = {0};
+  reference.points = other.points = {0.05f, 0, 0.1f};
+  other.points[2] = std::nextafter(0.1f, 1.0f);
+  CHECK(compare(reference, other, 0).wrongPoint == 0);
+  other.points[2] = 0.100001f;
+  CHECK(compare(reference, other, 0).wrongPoint == 1);
 }
 
 TEST_CASE("fields that a comparison ignores are told, but none that follows from the number of an entry") {
