@@ -125,9 +125,9 @@ void bindComparison(nb::module_& m) {
       },
       "reference"_a, "other"_a, "tolerance"_a = 1e-3,
       "Compares two clouds; `reference` is taken as the truth. `tolerance`, in metres, applies to beams for which the "
-      "reference states no tolerance of its own. If both clouds have points, these may be apart by the tolerance and a "
-      "millionth of the range, which is the rounding of coordinates. Raises Error(invalid_argument) if the clouds do "
-      "not have the same beams.");
+      "reference states no tolerance of its own. If both clouds have points, these may be apart by the tolerance and "
+      "the rounding of coordinates: a millionth of the range, or 2^-22 of the distance from the frame's origin if that "
+      "is more. Raises Error(invalid_argument) if the clouds do not have the same beams.");
 }
 
 }  // namespace
