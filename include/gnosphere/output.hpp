@@ -83,8 +83,8 @@ struct Comparison {
 };
 
 /// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no
-/// tolerance of its own. If both clouds have points, these may be apart by the tolerance and the rounding of coordinates:
-/// a millionth of the range, or 2^-22 of the distance from the frame's origin if that is more. Throws
+/// tolerance of its own. If both clouds have points, these may be apart by the tolerance and the rounding of
+/// coordinates: a millionth of the range, or 2^-22 of the distance from the frame's origin if that is more. Throws
 /// Error(invalidArgument) if the clouds do not have the same beams.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
