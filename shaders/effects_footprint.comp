@@ -376,7 +376,8 @@ void storeEcho(uint slot, vec3 echo, float light, uint projected) {
   }
 }
 
-// Keeps an echo behind those that the beam has. If these take all places, the weakest of them but the nearest is lost.
+// Keeps an echo behind those that the beam has. If the kept echoes take all places, the
+// weakest one behind the nearest is lost.
 void keepEcho(uint index, uint count, vec3 echo, float light, uint projected) {
   uint place = count;
   if (count >= keptEchoes(RETURNS)) {

@@ -45,8 +45,8 @@ GNO_CONST uint kLabelNone = 0;
 GNO_CONST uint kLabelSolid = 1;
 GNO_CONST uint kLabelScatter = 2;
 
-// Of more echoes than these a beam keeps the nearest, the farthest, and the strongest of those between. Few are enough
-// for all but surveys, and cost less memory.
+// A beam with more echoes than these keeps the nearest, the farthest, and the strongest ones between them. The smaller
+// number is enough for all sensors but those of surveys, and costs less memory.
 GNO_CONST uint kFewEchoes = 6;
 GNO_CONST uint kMaxEchoes = 16;
 

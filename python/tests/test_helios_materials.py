@@ -37,7 +37,7 @@ def test_a_plate_reflects_and_hides_the_ground(surveys, plate, library, reflecta
     assert on_plate.sum() >= 10
     cosine = 90.7 / np.hypot(90.7, points[on_plate, 1])
     assert np.median(intensities[on_plate] / cosine) == pytest.approx(reflectance, rel=0.01)
-    # What lies in its shadow is 100.7 m below the head, and the plate spans 4 x 6 m around (0, 30).
+    # The shadow of the plate is 100.7 m below the head, and the plate spans 4 x 6 m around (0, 30).
     ground = points[abs(points[:, 2] - 5) < 0.2]
     behind = (abs(ground[:, 0]) < 1.5) & (abs(ground[:, 1] * 90.7 / 100.7 - 30) < 2.5)
     assert len(ground) > 1000 and not behind.any()

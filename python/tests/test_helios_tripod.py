@@ -59,7 +59,7 @@ def test_a_head_whose_axis_leans(surveys):
     seen = (points.xyz - (0.8, -0.4, 6.5)) @ leans  # from the axis of the head
     turn, times = np.degrees(np.arctan2(-seen[:, 0], seen[:, 1])), points.times - points.times.min()
     assert np.ptp(times) > 11.5
-    # Which pulse is the first one is not known: it is within the first line, in which the head turns by half a degree.
+    # The first pulse with a return is not known: it is within the first line, in which the head turns by half a degree.
     off = (turn - 10 * times + 30 + 180) % 360 - 180
     assert np.ptp(off) < 0.05 and 0 < np.median(off) < 0.5
 

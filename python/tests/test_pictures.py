@@ -99,7 +99,7 @@ def test_a_range_image_has_the_first_returns_and_nothing_where_there_is_none():
     assert image.shape == (128, 12, 3)
     found = image[0].astype(int) - pictures.colours(expected, 0, 11.0)
     assert np.abs(found).max() <= 1
-    # Of 24 beams those within 25 degrees of an axis see the walls within 10 m.
+    # The beams within 25 degrees of an axis, of 24 in all, see the walls within 10 m.
     sensor.columns, sensor.range_max = 24, 10
     unseen = (pictures.range_image(scan_of(box((9, 9, 9)), sensor))[0] == pictures.NOTHING).all(axis=1)
     assert unseen.tolist() == [column % 6 not in (0, 1, 5) for column in range(24)]

@@ -171,7 +171,7 @@ def test_what_is_scattered_in_usd(tmp_path):
     robot = read(tmp_path, scattered(hidden + "\n    " + turned))
     middles = [points.mean(axis=0) for points in corners(robot)]
     np.testing.assert_allclose(middles, [[0, 5, 4], [20, 1, 0]], atol=1e-3)  # turned about x by a quarter
-    # Of two prototypes each has its own.
+    # Each instance shows the prototype that its index names.
     two = scattered("").replace("[</Many/Stone>]", "[</Many/Stone>, </Many/Ball>]").replace("[0, 0, 0]", "[1, 0, 1]")
     two = two.rstrip().removesuffix("}") + '    def Sphere "Ball"\n    {\n        double radius = 0.25\n    }\n}\n'
     hidden = read(tmp_path, two.replace("    def Xform", "    int64[] invisibleIds = [0]\n    def Xform", 1))

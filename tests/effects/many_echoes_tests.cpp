@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beams with more echoes than are kept.
+// A beam may have more echoes than it keeps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -57,6 +57,14 @@ std::vector<Seen> returnsOf(std::span<const Strip> strips, TestOptions options, 
   return seen;
 }
 
+/// Checks that these are the first of the expected returns.
+void checkFirst(const std::vector<Seen>& seen, const std::vector<Seen>& expected) {
+  for (size_t k = 0; k < seen.size(); ++k) {
+    CHECK(std::abs(seen[k].range - expected[k].range) < 1e-5);
+    CHECK(std::abs(seen[k].intensity - expected[k].intensity) < 1e-6);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the strongest of those between") {
@@ -90,18 +98,12 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     const std::vector<Seen> all = returnsOf(kStrips, options, &lost);
     CHECK(lost == 2);
     REQUIRE(all.size() == 5);
-    for (size_t k = 0; k < all.size(); ++k) {
-      CHECK(std::abs(all[k].range - kept[k].range) < 1e-5);
-      CHECK(std::abs(all[k].intensity - kept[k].intensity) < 1e-6);
-    }
+    checkFirst(all, kept);
     options.effects.returns.count = 8;
     const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
     CHECK(lost == 0);
     REQUIRE(eight.size() == 8);
-    for (size_t k = 0; k < eight.size(); ++k) {
-      CHECK(std::abs(eight[k].range - alone[k].range) < 1e-5);
-      CHECK(std::abs(eight[k].intensity - alone[k].intensity) < 1e-6);
-    }
+    checkFirst(eight, alone);
     options.effects.returns.count = 1;
     options.effects.returns.mode = Effects::Returns::Mode::last;
     CHECK(std::abs(returnsOf(kStrips, options).at(0).range - alone.back().range) < 1e-5);
