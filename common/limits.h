@@ -61,7 +61,7 @@ GNO_CONST uint kBeamsAskedAgain = 128;
 // of 16.
 GNO_CONST uint kBeamsTriedOnAll = 16;
 // Most shells of a scan, and the buckets of distance, four per octave, in which groups are counted to choose them.
-GNO_CONST uint kMostShells = 8;
+GNO_CONST uint kMostShells = 16;
 GNO_CONST uint kShellGrowth = 2;  // each shell should hold so many times the clusters of the shell before it
 GNO_CONST uint kShellBuckets = 64;
 GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are left
