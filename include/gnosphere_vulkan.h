@@ -69,9 +69,6 @@ struct gno_vulkan_adopted_device {
   /* What the device was created with: gno_vulkan_get_requirements(), without the features that the caller has left off.
    */
   const gno_vulkan_requirements* enabled;
-  /* Whether the device was created with VK_KHR_shader_subgroup_uniform_control_flow and its feature; see
-   * AdoptedDevice::uniformControlFlow. */
-  VkBool32 uniform_control_flow;
   /* The caller's allocator of device memory; if both are null, buffers share memory from
    * vkAllocateMemory(). `allocate` sets *allocation, whose bytes are 0 before, to memory of the type `memory_type` that
    * was allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, or leaves it if there is none left. Size and alignment
@@ -80,6 +77,9 @@ struct gno_vulkan_adopted_device {
                    void* user);
   void (*release)(const gno_vulkan_allocation* allocation, void* user);
   void* user;
+  /* Whether the device was created with VK_KHR_shader_subgroup_uniform_control_flow and its feature; see
+   * AdoptedDevice::uniformControlFlow. */
+  VkBool32 uniform_control_flow;
 };
 
 /* --------------------------------------------------------------------------------------------- recording */
