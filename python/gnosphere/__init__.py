@@ -5,8 +5,8 @@ Everything of the C++ face under the same names in snake_case: docs/python.md. F
 y left, z up, in metres; angles are radians unless a name ends in _deg; times are seconds.
 """
 
-import importlib
-from typing import TYPE_CHECKING
+import importlib as _importlib
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 try:
     import gnosphere_cpu as _gnosphere_cpu  # noqa: F401  the Vulkan driver that `pip install gnosphere[cpu]` brings
@@ -18,12 +18,12 @@ from ._gnosphere import __version__ as __version__
 from . import _text as _text
 from . import _values as _values
 
-if TYPE_CHECKING:
+if _TYPE_CHECKING:
     from . import helios as helios, patterns as patterns, pictures as pictures, robotics as robotics
 else:
 
     def __getattr__(name):
         """Imports a module of the package that is named for the first time."""
         if name in ("helios", "patterns", "pictures", "robotics"):
-            return importlib.import_module(f".{name}", __name__)
+            return _importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

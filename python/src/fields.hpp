@@ -32,8 +32,9 @@ inline std::optional<Field> fieldNamed(const std::vector<Field>& fields, std::st
   return std::nullopt;
 }
 
-/// Defines result[name], `name in result` and keys(). `kHas` says whether a result has a field and `kColumn` returns
-/// its values; `what` names the result in messages, and `remedy` says how a result gets more fields.
+/// Defines result[name], `name in result`, `for name in result` and keys(). There is no len(), with which NumPy would take
+/// a result for a sequence. `kHas` says whether a result has a field and `kColumn` returns its values; `what` names the
+/// result in messages, and `remedy` says how a result gets more fields.
 template <auto kHas, auto kColumn, typename Result>
 void bindNames(nb::class_<Result>& type, const char* what, const char* remedy) {
   const auto fieldsOf = [](const Result& self) { return fieldsWith([&](Field field) { return kHas(self, field); }); };
@@ -57,6 +58,10 @@ void bindNames(nb::class_<Result>& type, const char* what, const char* remedy) {
           "__contains__",
           [=](const Result& self, std::string_view name) { return fieldNamed(fieldsOf(self), name).has_value(); },
           "name"_a, (std::string("Whether ") + what + " has the field with this name.").c_str())
+      .def(
+          "__iter__", [=](const Result& self) { return nb::iter(tupleOf(namesOf(fieldsOf(self)))); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"),
+          (std::string("Iterates over the names of the fields that ") + what + " has.").c_str())
       .def(
           "keys", [=](const Result& self) { return tupleOf(namesOf(fieldsOf(self))); },
           (std::string("The names of the fields that ") + what + " has.").c_str());

@@ -112,3 +112,9 @@ def test_objects_show_themselves(town, simulator):
     assert re.fullmatch(r"Mesh\(name='.*', origin=.*, positions=<\d+ x 3 float32>, .*\)", repr(town.meshes[0]))
     assert repr(simulator) == f"Simulator(device={simulator.device().name!r})"
     assert repr(simulator.plan().effects[0]).startswith("Decision(effect='")
+
+
+def test_import_of_all_names_brings_no_names_of_others():
+    names = {}
+    exec("from gnosphere import *", names)
+    assert "Scan" in names and not {"importlib", "TYPE_CHECKING", "sys", "numpy"} & set(names)

@@ -210,6 +210,7 @@ def test_columns_by_name(simulator, pose):
     assert same(scan["class"], scan.column(Field.class_id))
     assert scan["range"].reshape(scan.shape).shape == scan.shape == (16, 1800)
     assert {"x", "range", "ring", "intensity", "class"} <= set(scan.keys())
+    assert list(scan) == list(scan.keys()) and set(dict(scan)) == set(scan)
     assert "intensity" in scan and "velocity" not in scan and "no" not in scan
     with pytest.raises(KeyError, match="the scan has no field 'rnage'; it has x, y, z, range, "):
         scan["rnage"]
