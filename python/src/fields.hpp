@@ -32,9 +32,9 @@ inline std::optional<Field> fieldNamed(const std::vector<Field>& fields, std::st
   return std::nullopt;
 }
 
-/// Defines result[name], `name in result`, `for name in result` and keys(). There is no len(), with which NumPy would take
-/// a result for a sequence. `kHas` says whether a result has a field and `kColumn` returns its values; `what` names the
-/// result in messages, and `remedy` says how a result gets more fields.
+/// Defines result[name], `name in result`, `for name in result` and keys(). There is no len(), with which NumPy would
+/// take a result for a sequence. `kHas` says whether a result has a field and `kColumn` returns its values; `what`
+/// names the result in messages, and `remedy` says how a result gets more fields.
 template <auto kHas, auto kColumn, typename Result>
 void bindNames(nb::class_<Result>& type, const char* what, const char* remedy) {
   const auto fieldsOf = [](const Result& self) { return fieldsWith([&](Field field) { return kHas(self, field); }); };
