@@ -606,35 +606,13 @@ GNO_API gno_status gno_devices(const gno_device_info** devices, size_t* count, c
 
 /* --------------------------------------------------------------------------------------------- simulator */
 
-/* An accuracy, and its parts: which beams a triangle is tested against, which point of it must be in range, whether a
- * beam is inside, and how the range is computed. docs/accuracy.md has what each costs and gets wrong. */
+/* How exact a scan is. docs/accuracy.md has what each accuracy costs and gets wrong. */
 typedef int32_t gno_accuracy;
 enum { GNO_ACCURACY_PAPER = 0, GNO_ACCURACY_DRAFT = 1, GNO_ACCURACY_STANDARD = 2, GNO_ACCURACY_EXACT = 3 };
-typedef int32_t gno_bounds;
-enum { GNO_BOUNDS_PAPER = 0, GNO_BOUNDS_CORNERS = 1, GNO_BOUNDS_EXACT = 2 };
-typedef int32_t gno_cull;
-enum { GNO_CULL_FIRST_CORNER = 0, GNO_CULL_NEAREST_POINT = 1 };
-typedef int32_t gno_inside;
-enum { GNO_INSIDE_PLAIN = 0, GNO_INSIDE_WATERTIGHT = 1, GNO_INSIDE_EXACT = 2 };
-typedef int32_t gno_range_rule;
-enum { GNO_RANGE_PLANE = 0, GNO_RANGE_EDGE_WEIGHTS = 1, GNO_RANGE_EXACT = 2 };
-typedef struct gno_accuracy_parts {
-  size_t struct_size;
-  gno_bounds bounds;
-  gno_cull cull;
-  gno_inside inside;
-  gno_range_rule range;
-} gno_accuracy_parts;
-/* The parts of a named accuracy. */
-GNO_API gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts);
 
 /* Which faces of a triangle reflect. */
 typedef int32_t gno_faces;
 enum { GNO_FACES_MATERIAL = 0, GNO_FACES_FRONT = 1, GNO_FACES_BOTH = 2 };
-typedef int32_t gno_binning;
-enum { GNO_BINNING_AUTOMATIC = 0, GNO_BINNING_NEAREST = 1, GNO_BINNING_LISTS = 2, GNO_BINNING_SLABS = 3 };
-typedef int32_t gno_occlusion;
-enum { GNO_OCCLUSION_AUTOMATIC = 0, GNO_OCCLUSION_ALWAYS = 1, GNO_OCCLUSION_NEVER = 2 };
 
 /* A Vulkan device of the caller, see gnosphere_vulkan.h. */
 typedef struct gno_vulkan_adopted_device gno_vulkan_adopted_device;
@@ -646,25 +624,18 @@ typedef struct gno_options {
   uint8_t device_uuid[16]; /* gno_device_info::uuid of a Vulkan device; all zeros: by `device` */
   const gno_vulkan_adopted_device* adopted; /* not null: the caller's device, and the two above are ignored */
   gno_accuracy accuracy;
-  const gno_accuracy_parts* accuracy_parts; /* not null: replaces accuracy */
   gno_faces faces;
   gno_material_table materials; /* may be null */
   const char* cache;            /* folder of compiled kernels; null: the default; "off": none */
   /* Gets a sentence about a problem that is no error; may be null. */
   void (*warn)(const char* message, void* user);
   void* user;
-  int32_t validation; /* not 0: the Vulkan validation layer is on */
-  /* What follows changes time and memory only. */
-  gno_binning binning;
-  int32_t cull_range, cull_rows, cull_columns, cull_cones; /* 0 turns it off */
-  gno_occlusion occlusion;
-  int32_t keep_still, float64; /* 0 turns it off */
-  uint64_t max_buffer_bytes;   /* 0: the limit of the device */
-  uint64_t max_batch_bytes;    /* of lists of shots that are submitted together; 0: 256 MB on a CPU, else 1 GB */
-  const char* assignments;     /* what gno_options_set() has set; it replaces the members above */
+  int32_t validation;      /* not 0: the Vulkan validation layer is on */
+  const char* assignments; /* what gno_options_set() has set; it replaces the members above */
 } gno_options;
 
-/* Sets an option by its name, as "tuning.binning=lists" or "accuracy=exact"; docs/options.md lists the names. An error
+/* Sets an option by its name, as "tuning.binning=lists" or "accuracy=exact"; docs/options.md lists the names, of which
+ * the struct has the most used ones alone. An error
  * has the nearest known names, or the values that the option takes; the options are then unchanged. The library keeps
  * the texts that have been set until the process ends, each once. */
 GNO_API gno_status gno_options_set(gno_options* options, const char* assignment);
@@ -958,11 +929,7 @@ GNO_INIT(gno_sensor_file_options, )
 GNO_INIT(gno_catalogue_head, )
 GNO_INIT(gno_field_description, )
 GNO_INIT(gno_device_info, )
-GNO_INIT(gno_accuracy_parts, value.bounds = GNO_BOUNDS_EXACT; value.cull = GNO_CULL_NEAREST_POINT;
-         value.inside = GNO_INSIDE_WATERTIGHT; value.range = GNO_RANGE_EDGE_WEIGHTS;)
-GNO_INIT(gno_options, value.accuracy = GNO_ACCURACY_STANDARD;
-         value.cull_range = value.cull_rows = value.cull_columns = value.cull_cones = 1;
-         value.keep_still = value.float64 = 1;)
+GNO_INIT(gno_options, value.accuracy = GNO_ACCURACY_STANDARD;)
 GNO_INIT(gno_request, )
 GNO_INIT(gno_weather, )
 GNO_INIT(gno_shot, value.pose.orientation[3] = 1;)

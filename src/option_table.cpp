@@ -85,21 +85,23 @@ std::vector<Option<S>> makeSimulatorTable() {
              "is."}},
            "How the hits of each beam are collected. Every choice gives the same cloud."),
        time},
-      {flag<&S::tuning, &Tuning::culling, &Culling::range>("tuning.culling.range", "Triangles out of range."), time},
+      {flag<&S::tuning, &Tuning::culling, &Culling::range>(
+           "tuning.culling.range", "Triangles out of range are skipped before they are projected."),
+       time},
       {flag<&S::tuning, &Tuning::culling, &Culling::rows>(
-           "tuning.culling.rows", "Triangles between two rows of beams, above or below the field of view."),
+           "tuning.culling.rows",
+           "Triangles between two rows of beams, or above or below the field of view, are skipped."),
        time},
       {flag<&S::tuning, &Tuning::culling, &Culling::columns>("tuning.culling.columns",
-                                                             "Triangles between two columns of beams."),
+                                                             "Triangles between two columns of beams are skipped."),
        time},
-      {flag<&S::tuning, &Tuning::culling, &Culling::cones>("tuning.culling.cones",
-                                                           "Clusters of one-sided triangles that are all back-facing."),
+      {flag<&S::tuning, &Tuning::culling, &Culling::cones>(
+           "tuning.culling.cones", "Clusters of one-sided triangles that all face away are skipped."),
        time},
       {choice<&S::tuning, &Tuning::culling, &Culling::occlusion>(
            "tuning.culling.occlusion", {{"auto"}, {"always"}, {"never"}},
-           "Triangles behind hits nearer to the sensor. The test reads the word of every beam, so by default it is "
-           "used if "
-           "the scene has enough triangles to make that worthwhile."),
+           "Triangles behind hits nearer to the sensor are skipped. The test reads the word of every beam, so by "
+           "default it is used if the scene has enough triangles to make that worthwhile."),
        time},
       {choice<&S::tuning, &Tuning::subRays>(
            "tuning.sub_rays",

@@ -153,9 +153,6 @@ GNOSPHERE_API SensorFile readSensorFile(const std::filesystem::path& file, const
 GNOSPHERE_API SensorFile readSensorFile(std::string_view bytes, const std::string& name,
                                         const SensorFileOptions& options = {});
 
-/// Reads a sensor file, and returns only the sensor of readSensorFile().
-GNOSPHERE_API Sensor loadSensor(const std::filesystem::path& file);
-
 /// Writes a sensor as JSON. sensorFromJson(toJson(s)) restores every field bit by bit, except that a divergence, which
 /// JSON states in milliradians, may differ in its last bit.
 GNOSPHERE_API std::string toJson(const Sensor& sensor);

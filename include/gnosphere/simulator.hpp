@@ -94,12 +94,12 @@ enum class Binning {
 
 /// Which triangles are skipped early. The switches affect only the time; the cloud is the same.
 struct Culling {
-  bool range = true;    ///< triangles out of range
-  bool rows = true;     ///< triangles between two rows of beams, above or below the field of view
-  bool columns = true;  ///< triangles between two columns of beams
-  bool cones = true;    ///< clusters of one-sided triangles that are all back-facing
-  /// Triangles behind hits nearer to the sensor. The test reads the word of every beam, so by default it is used if the
-  /// scene has enough triangles to make that worthwhile.
+  bool range = true;    ///< triangles out of range are skipped before they are projected
+  bool rows = true;     ///< triangles between two rows of beams, or above or below the field of view, are skipped
+  bool columns = true;  ///< triangles between two columns of beams are skipped
+  bool cones = true;    ///< clusters of one-sided triangles that all face away are skipped
+  /// Triangles behind hits nearer to the sensor are skipped. The test reads the word of every beam, so by default it is
+  /// used if the scene has enough triangles to make that worthwhile.
   enum class Occlusion { automatic, always, never };
   Occlusion occlusion = Occlusion::automatic;
 };

@@ -35,29 +35,6 @@ SensorRequest requestOf(const gno_request& from) {
   return request;
 }
 
-AccuracyParts partsOf(const gno_accuracy_parts* parts) {
-  const gno_accuracy_parts& from = sized(parts, GNO_TYPE(gno_accuracy_parts));
-  return {enumOf(from.bounds, AccuracyParts::Bounds::exact, "gno_accuracy_parts::bounds"),
-          enumOf(from.cull, AccuracyParts::Cull::nearestPoint, "gno_accuracy_parts::cull"),
-          enumOf(from.inside, AccuracyParts::Inside::exact, "gno_accuracy_parts::inside"),
-          enumOf(from.range, AccuracyParts::Range::exact, "gno_accuracy_parts::range")};
-}
-
-Tuning tuningOf(const gno_options& from) {
-  Tuning tuning;
-  tuning.binning = enumOf(from.binning, Binning::slabs, "gno_options::binning");
-  tuning.culling.range = from.cull_range != 0;
-  tuning.culling.rows = from.cull_rows != 0;
-  tuning.culling.columns = from.cull_columns != 0;
-  tuning.culling.cones = from.cull_cones != 0;
-  tuning.culling.occlusion = enumOf(from.occlusion, Culling::Occlusion::never, "gno_options::occlusion");
-  tuning.keepStill = from.keep_still != 0;
-  tuning.float64 = from.float64 != 0;
-  tuning.maxBufferBytes = from.max_buffer_bytes;
-  tuning.maxBatchBytes = from.max_batch_bytes;
-  return tuning;
-}
-
 SimulatorOptions optionsOf(const gno_options* options) {
   SimulatorOptions result;
   if (!options) return result;
@@ -68,7 +45,6 @@ SimulatorOptions optionsOf(const gno_options* options) {
     result.device.kind = DeviceChoice::Kind::vulkan;  // the identifier replaces the name
   if (from.adopted) result.device = deviceOf(*from.adopted);
   result.accuracy = enumOf(from.accuracy, accuracySettings().back().accuracy, "gno_options::accuracy");
-  if (from.accuracy_parts) result.accuracyParts = partsOf(from.accuracy_parts);
   result.faces = enumOf(from.faces, ReflectingFaces::both, "gno_options::faces");
   if (from.materials) result.materials = *Locked(from.materials);
   result.cache = orEmpty(from.cache);
@@ -77,7 +53,6 @@ SimulatorOptions optionsOf(const gno_options* options) {
       callBack("gno_options::warn", warn, text.c_str(), user);
     };
   result.validation = from.validation != 0;
-  result.tuning = tuningOf(from);
   std::istringstream assignments(orEmpty(from.assignments));
   for (std::string line; std::getline(assignments, line);) assign(result, line);
   return result;
@@ -172,17 +147,6 @@ Shot c::shotOf(const gno_shot* shot) {
 }
 
 extern "C" {
-
-gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts) {
-  return guard([&] {
-    const Out to(parts, GNO_TYPE(gno_accuracy_parts));
-    const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, accuracySettings().back().accuracy, "the accuracy"));
-    to->bounds = static_cast<gno_bounds>(from.bounds);
-    to->cull = static_cast<gno_cull>(from.cull);
-    to->inside = static_cast<gno_inside>(from.inside);
-    to->range = static_cast<gno_range_rule>(from.range);
-  });
-}
 
 gno_status gno_options_set(gno_options* options, const char* assignment) {
   return guard([&] {

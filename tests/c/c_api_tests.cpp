@@ -337,15 +337,6 @@ TEST_CASE("C: a sensor file from memory, and the parts of an accuracy") {
   CHECK(gno_sensor_destroy(sensor) == GNO_OK);
   CHECK(fails(gno_sensor_read("{", 1, "bad.json", nullptr, &sensor), "bad.json", GNO_FORMAT));
   CHECK(fails(gno_sensor_read(nullptr, 1, "bad.json", nullptr, &sensor), "bytes is null"));
-
-  for (gno_accuracy accuracy = GNO_ACCURACY_PAPER; accuracy <= GNO_ACCURACY_EXACT; ++accuracy) {
-    const AccuracyParts expected = accuracyPartsOf(static_cast<Accuracy>(accuracy));
-    gno_accuracy_parts parts = gno_accuracy_parts_init();
-    REQUIRE(gno_accuracy_get_parts(accuracy, &parts) == GNO_OK);
-    CHECK((parts.bounds == static_cast<int>(expected.bounds) && parts.cull == static_cast<int>(expected.cull)));
-    CHECK((parts.inside == static_cast<int>(expected.inside) && parts.range == static_cast<int>(expected.range)));
-  }
-  CHECK(gno_accuracy_get_parts(4, nullptr) == GNO_INVALID_ARGUMENT);
 }
 
 TEST_CASE("C: a run hands its scans to a function, which may end it but not call the simulator") {

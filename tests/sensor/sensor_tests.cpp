@@ -452,6 +452,6 @@ TEST_CASE("a sensor is found by its name in any case, and an unknown name lists 
   CHECK(builtinSensor("hdl-64e").name == "HDL-64E");
   CHECK(codeOf([] { builtinSensor("HDL-65"); }) == ErrorCode::invalidArgument);
   CHECK_THROWS_WITH(builtinSensor("HDL-65"), ContainsSubstring("'HDL-65'; the nearest are HDL-64E, "));
-  CHECK(codeOf([] { loadSensor("/"); }) == ErrorCode::file);
+  CHECK(codeOf([] { readSensorFile("/"); }) == ErrorCode::file);
   CHECK(codeOf([] { builtinSensor(""); }) == ErrorCode::invalidArgument);
 }

@@ -183,6 +183,7 @@ TEST_CASE("SDF: a missing number of samples is that of SDF, and masks of visibil
   CHECK(lists(file.assumed, "<samples> of 640"));
   // The number of samples is multiplied by the resolution, as SDF's specification has it.
   CHECK(readSensorFile(sdfWith("<resolution>0.5</resolution>" + anglesOf(10, -1, 1)), "model.sdf").sensor.columns == 5);
+  CHECK(readSensorFile(sdfWith("<resolution>0.5</resolution>" + anglesOf(11, -1, 1)), "model.sdf").sensor.columns == 5);
   const std::string masked =
       replaced(sdfWith(anglesOf(9, -1, 1)), "<lidar>", "<lidar><visibility_mask>1</visibility_mask>");
   CHECK(lists(readSensorFile(masked, "model.sdf").ignored, "the visibility mask"));

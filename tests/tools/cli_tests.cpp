@@ -116,11 +116,10 @@ TEST_CASE("scan, plan and accuracy take every option by --set; drives name the p
   CHECK_THAT(set.out, ContainsSubstring("\"accuracy\": \"exact\""));
   CHECK(gnosphere::compare(gnosphere::readCloud(place / "a.npy"), gnosphere::readCloud(place / "b.npy")).same());
   // --set wins over the options that set the same, wherever it is.
-  for (const char* both : {"--accuracy exact --binning slabs --set accuracy=draft --set tuning.binning=lists",
-                           "--set accuracy=draft --set tuning.binning=lists --accuracy exact --binning slabs"}) {
+  for (const char* both : {"--accuracy exact --faces both --set accuracy=draft --set faces=front",
+                           "--set accuracy=draft --set faces=front --accuracy exact --faces both"}) {
     INFO(both);
     CHECK(nlohmann::json::parse(place.run(scan + both).out)["plan"]["accuracy"] == "draft");
-    CHECK(nlohmann::json::parse(place.run("plan floor.obj --json " + std::string(both)).out)["binning"] == "lists");
   }
   const Result none = place.run("scan floor.obj --stats -" + kQuick + "--set ignored_instances=[0]");
   CHECK(nlohmann::json::parse(none.out)["counters"]["hits"] == 0);

@@ -75,7 +75,7 @@ TEST_CASE("plan --views tells how many scans one submission makes, with as many 
   const Result result = place.run("plan floor.obj --sensor VLP-16 --effects clean --views 1000000");
   REQUIRE(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring(" of 1,000,000 in one submission\n"));
-  const Result lists = place.run("plan floor.obj --binning lists --views 4");
+  const Result lists = place.run("plan floor.obj --set tuning.binning=lists --views 4");
   CHECK_THAT(lists.out, ContainsSubstring("1: scans of this sensor are made one by one\n"));
   CHECK_THAT(lists.out, ContainsSubstring("bin, prefix_sum x 3, bin\n"));
   CHECK(place.run("plan floor.obj --views 0").status == 2);

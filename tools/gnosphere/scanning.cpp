@@ -78,7 +78,6 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
       "as 0,0,1.8,yaw=90: yaw turns to the left, then pitch down, then roll to the right (default: 1.8 m "
       "above the origin, or above the lowest surface in the middle of a scene that is elsewhere)");
   addSetting(app, "--faces", "faces", options.settings);
-  addSetting(app, "--binning", "tuning.binning", options.settings);
   CLI::Option* animation =
       app.add_option("--animation", options.animation, "Show the scene in this animation of its file (gnosphere info)");
   app.add_option("--time", options.time, "Seconds after the start of the animation, which repeats; default 0")

@@ -385,8 +385,4 @@ SensorFile readSensorFile(const std::filesystem::path& file, const SensorFileOpt
   return readSensorFile(readWholeFile(file, kMaxFileBytes), file.string(), options);
 }
 
-Sensor loadSensor(const std::filesystem::path& file) {
-  return readSensorFile(file).sensor;
-}
-
 }  // namespace gnosphere

@@ -25,12 +25,13 @@ struct Angles {
   size_t count = 1;
 };
 
-/// Reads <horizontal> or <vertical>; `usual` is SDF's number of samples where the element states none.
+/// Reads <horizontal> or <vertical>; `usual` is SDF's number of samples where the element states none. Gazebo drops the
+/// fraction of a number of beams.
 Angles anglesOf(SensorSource& source, const pugi::xml_node& node, double usual) {
   if (!node) return {};
   if (!node.child("samples")) source.assume("<samples> of " + shownNumber(usual) + ", the default of SDF");
   const double samples = number(source, node, "samples", usual), resolution = number(source, node, "resolution", 1);
-  const double count = std::round(samples * resolution);
+  const double count = std::floor(samples * resolution);
   if (!(count >= 1 && count <= 1e6))
     source.refuse("<samples> times <resolution> is " + shownNumber(count) + ", expected is 1 to 1000000");
   const Angles angles{number(source, node, "min_angle", 0) / kDegree, number(source, node, "max_angle", 0) / kDegree,

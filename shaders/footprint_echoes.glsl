@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Combines the hits of a beam's sub-rays in all layers into echoes.
+
+// The number of layers in which the beam has hits. Most light meets one pane at most, so few beams need the remaining
+// layers, which are skipped.
+uint layersMet;
+#define IS_MET(layer) (HELD_LAYERS == 1u || layer < layersMet)
+
+// Returns the least range after `after` of the hits that count; kNothing if there is none.
+float nextRange(float after) {
+  float least = kNothing;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define NEXT(s) \
+  if (ranges[layer * RAYS + s] > after && energies[layer * RAYS + s] >= 0.0) least = min(least, ranges[layer * RAYS + s]);
+    if (IS_MET(layer)) {
+      EACH_RAY(NEXT)
+    }
+  }
+  return leastOfBeam(least);
+}
+
+// Returns the largest range of the hits that count; 0 if there is none.
+float lastRange() {
+  float last = 0.0;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define LAST(s) \
+  last = max(last, ranges[layer * RAYS + s] < kNothing && energies[layer * RAYS + s] >= 0.0 ? ranges[layer * RAYS + s] : 0.0);
+    if (IS_MET(layer)) {
+      EACH_RAY(LAST)
+    }
+  }
+  return mostOfBeam(last);
+}
+
+// Lets a hit join an echo to which all belongs that begins before `joined`.
+void join(float before, uint piece, inout float end, inout float joined) {
+  float range = ranges[piece], reach = reaches[piece];
+  bool joins = sumOf(range, -reach) <= before && energies[piece] >= 0.0;
+  float behind = sumOf(sumOf(range, reach), parameters.separation);
+  end = joins && range > end ? range : end;
+  joined = joins && behind > joined ? behind : joined;
+}
+
+// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. A hit belongs to the echo
+// if the surface around it begins no farther than the separation behind the surfaces of the hits before.
+float endOfEcho(float first, float last) {
+  float end = first, joined = sumOf(first, parameters.separation), before;
+  if (last <= joined) return last;
+  do {
+    before = joined;
+    [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define FOLLOW(s) join(before, layer * RAYS + s, end, joined);
+      if (IS_MET(layer)) {
+        EACH_RAY(FOLLOW)
+      }
+    }
+    joined = mostOfBeam(joined);
+  } while (joined > before);
+  return mostOfBeam(end);
+}
+
+void storeEcho(uint slot, vec3 echo, float light, uint projected) {
+  echoes.at[slot] = vec4(echo, light);
+  echoOwners.at[slot] = ownerOf(idOf(projected));
+  if ((FIELDS & kFieldSurface) != 0) {
+    Triangle triangle = triangleAt(projected);
+    vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
+    if (MOTION) normal = reportedDirection(beamMotion, normal);
+    echoSurfaces.at[slot] = SurfaceRecord(normal, projectedMaterials.at[projected]);
+  }
+}
+
+// Keeps an echo behind those that the beam has. If the kept echoes take all places, the weakest one behind the nearest
+// is lost.
+void keepEcho(uint index, uint count, vec3 echo, float light, uint projected) {
+  uint place = count;
+  if (count >= keptEchoes(RETURNS)) {
+    atomicAdd(counters.lostEchoes, 1);
+    float least = kNothing;
+    [[dont_unroll]] for (uint k = 1; k < keptEchoes(RETURNS); ++k) {
+      vec4 kept = echoes.at[echoPlace(index, k)];
+      float power = received(kept.y, kept.x, 0.0);
+      place = power <= least ? k : place;
+      least = min(power, least);
+    }
+    [[dont_unroll]] for (; place + 1 < keptEchoes(RETURNS); ++place) {
+      uint to = echoPlace(index, place), from = echoPlace(index, place + 1);
+      echoes.at[to] = echoes.at[from];
+      echoOwners.at[to] = echoOwners.at[from];
+      if ((FIELDS & kFieldSurface) != 0) echoSurfaces.at[to] = echoSurfaces.at[from];
+    }
+  }
+  storeEcho(echoPlace(index, place), echo, light, projected);
+}
+
+// The owner of an echo is its strongest hit, and the first one of equally strong hits.
+void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, float range, float energy,
+           uint candidate) {
+  bool from = range >= first, to = range <= end, counts = energy >= 0.0;
+  bool taken = from && to && counts;
+  vec3 more = sums;
+  addPiece(more, energy, sumOf(range, -first));
+  sums = taken ? more : sums;
+  bool stronger = taken && energy > most;
+  most = stronger ? energy : most;
+  strongest = stronger ? candidate : strongest;
+}
+
+// Adds the hits of a layer in the order of the sub-rays, because sums depend on the order.
+void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint layer) {
+#define ADD(s)                                                                                              \
+  addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s],            \
+        metCandidates[layer * RAYS + s]);
+#define ADD_OF_LANES(s)                                                                                     \
+  [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                       \
+    addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
+          subgroupShuffle(energies[layer * RAYS + s], lane), subgroupShuffle(metCandidates[layer * RAYS + s], lane));
+  if (SPREAD_RAYS > 0) {
+    EACH_RAY(ADD_OF_LANES)
+  } else {
+    EACH_RAY(ADD)
+  }
+}
+
+// Returns the light of a sub-ray that nearer surfaces than `first` leave, if it comes to this layer and no earlier one.
+float lightBehind(float first, uint layer, uint s) {
+  bool comes = ranges[layer * RAYS + s] >= first;
+  if (layer > 0) comes = comes && ranges[(layer - 1) * RAYS + s] < first;
+  return comes ? lights[layer * RAYS + s] : 0.0;
+}
+
+// Returns the share of the beam's light that nearer surfaces than `first` leave, added in the order of the sub-rays.
+float lightTo(float first) {
+  float light = 0.0;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define ADD_LIGHT(s) light = sumOf(light, lightBehind(first, layer, s));
+#define ADD_LIGHT_OF_LANES(s)                                       \
+  [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane) \
+    light = sumOf(light, subgroupShuffle(lightBehind(first, layer, s), lane));
+    if (IS_MET(layer)) {
+      if (SPREAD_RAYS > 0) {
+        EACH_RAY(ADD_LIGHT_OF_LANES)
+      } else {
+        EACH_RAY(ADD_LIGHT)
+      }
+    }
+  }
+  return light;
+}
+
+void gatherEchoes(uint index, uint beam) {
+  uint count = 0;
+  float first = nextRange(0.0), last = lastRange();
+  while (first < kNothing) {
+    float end = endOfEcho(first, last), most = -1.0;
+    uint strongest = 0;
+    vec3 sums = vec3(0.0);
+    [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+      if (IS_MET(layer)) addLayer(sums, most, strongest, first, end, layer);
+    }
+    float light = KEEPS_LIGHT && count > 0 ? lightTo(first) : 1.0;
+    if (speaksForBeam()) keepEcho(index, count, echoOf(first, sums), light, strongest);
+    ++count;
+    first = end < last ? nextRange(end) : kNothing;
+  }
+  if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, keptEchoes(RETURNS));
+}
