@@ -206,15 +206,18 @@ def rows_of(pose: gno.Pose) -> npt.NDArray[np.float64]:
 
 
 def upright(normal: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """A map (4, 4) that turns the z axis to a normal of any length above 0."""
+    """A map (4, 4) that turns the z axis to a normal of any length above 0 by the least angle, about the axis across
+    both; about x if the normal is opposite to z. Gazebo turns planes so."""
     z = np.asarray(normal, np.float64)
     if not np.linalg.norm(z) > 0:
         raise ValueError("a normal must have a length above 0")
-    z = z / np.linalg.norm(z)
-    x = np.cross([0, 1, 0] if abs(z[1]) < 0.9 else [1, 0, 0], z)
-    x /= np.linalg.norm(x)
+    half = z / np.linalg.norm(z) + [0, 0, 1]
+    square = half @ half
     result = np.eye(4)
-    result[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    if square < 2e-6:  # where Gazebo takes the normal as opposite
+        result[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    else:  # half a turn about z, and half a turn about the middle of z and the normal
+        result[:3, :3] = (2 / square * np.outer(half, half) - np.eye(3)) * [-1, -1, 1]
     return result
 
 

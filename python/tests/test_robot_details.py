@@ -80,6 +80,26 @@ def test_the_normal_of_a_plane_of_sdf_is_in_the_frame_of_its_visual(tmp_path):
     assert np.linalg.norm(points - [1, 2, 3], axis=1).max() == pytest.approx(np.sqrt(8))
 
 
+@pytest.mark.parametrize("normal", ((0, 0, 2), (0, 1, 0), (3, 0, 0), (-1, 0, 0), (1, 2, -0.5), (0.3, 0.1, 1)))
+def test_a_plane_of_sdf_is_turned_about_an_axis_across_z_and_its_normal(tmp_path, normal):
+    """As Gazebo's From2Axes turns it, so that it is known where its longer side lies."""
+    plane = f"<plane><normal>{' '.join(map(str, normal))}</normal><size>30 2</size></plane>"
+    robot = sdf(tmp_path, link(visual(plane)))
+    unit = np.array(normal) / np.linalg.norm(normal)
+    tilt, heading = np.arccos(unit[2]), np.arctan2(unit[1], unit[0])
+    turn = about("z", heading) @ about("y", tilt) @ about("z", -heading)
+    np.testing.assert_allclose(robot.scene.instances[0].transform.rows[:, :3], turn, atol=1e-6)
+    extent = 2 * np.abs(turn @ np.diag([15, 1, 0])).sum(axis=1)
+    np.testing.assert_allclose(np.ptp(corners(robot)[0], axis=0), extent, atol=1e-4)
+
+
+def test_a_plane_of_sdf_that_looks_down_is_turned_about_x(tmp_path):
+    plane = "<plane><normal>0 0 -1</normal><size>30 2</size></plane>"
+    robot = sdf(tmp_path, link(visual(plane)))
+    assert bounds(robot) == [[[-15, -1, 0], [15, 1, 0]]]
+    np.testing.assert_allclose(robot.scene.instances[0].transform.rows[:, :3], np.diag([1, -1, -1]), atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("shape", "half"),
     [
