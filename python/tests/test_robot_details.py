@@ -2,6 +2,8 @@
 """What elements of SDF and URDF and the names of their files mean, one by one, in closed forms. URDF is skipped without
 the package yourdfpy."""
 
+import base64
+import json
 import warnings
 
 import numpy as np
@@ -57,6 +59,43 @@ def write_tetrahedron(file, at=(0, 0, 0), header=""):
     """One whose three edges are along the axes from `at`."""
     lines = [f"v {x} {y} {z}" for x, y, z in TETRAHEDRON + at]
     file.write_text("\n".join([header, *lines, "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"]))
+
+
+def write_gltf(file, *nodes):
+    """A file of glTF with a tetrahedron for each node, which has its name, that of its mesh, and its translation."""
+    positions, indices = TETRAHEDRON.astype("<f4"), np.array([0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], "<u2")
+    data = base64.b64encode(positions.tobytes() + indices.tobytes()).decode()
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
+    document = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": list(range(len(nodes)))}], "scene": 0,
+        "nodes": [{"name": name, "mesh": i, "translation": at} for i, (name, _, at) in enumerate(nodes)],
+        "meshes": [{"name": name, "primitives": [primitive]} for _, name, _ in nodes],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0] * 3, "max": [1] * 3},
+            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+        "buffers": [{"byteLength": 72, "uri": "data:application/octet-stream;base64," + data}],
+    }  # fmt: skip
+    file.write_text(json.dumps(document))
+
+
+COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries>{}</library_geometries>
+<library_nodes>{}</library_nodes><library_visual_scenes><visual_scene id="s">{}</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+COLLADA_GEOMETRY = """<geometry id="{0}" name="{0} name"><mesh><source id="{0}-p"><float_array id="{0}-a" count="12">
+0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common><accessor source="#{0}-a" count="4" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+</source><vertices id="{0}-v"><input semantic="POSITION" source="#{0}-p"/></vertices>{1}</mesh></geometry>"""
+
+
+def collada_geometry(identifier, *primitives):
+    """A geometry of a tetrahedron's corners with a primitive for each text of three corners a triangle."""
+    triangles = """<triangles count="{}"><input semantic="VERTEX" source="#{}-v" offset="0"/><p>{}</p></triangles>"""
+    inside = "".join(triangles.format(len(corners.split()) // 3, identifier, corners) for corners in primitives)
+    return COLLADA_GEOMETRY.format(identifier, inside)
 
 
 def by_height(points):
@@ -486,6 +525,73 @@ def test_prefixes_that_nobody_declares_beside_those_that_xml_has(tmp_path):
     root = parse_xml(tmp_path / "m.xml")
     assert [element.tag for element in root] == ["link", "{other}joint"]
     assert root[0].attrib == {"{drake}x": "1", "{k}y": "2"}
+
+
+@pytest.mark.parametrize("kind", ("sdf", "urdf"))
+def test_meshes_of_gltf_stand_as_their_files_have_them(tmp_path, kind):
+    """Gazebo and RViz do not turn the y axis of a file up."""
+    write_gltf(tmp_path / "t.gltf", ("hull", "hull", [1, 2, 3]))
+    if kind == "sdf":
+        robot = sdf(tmp_path, link(visual("<mesh><uri>t.gltf</uri></mesh>")))
+    else:
+        pytest.importorskip("yourdfpy")
+        shape = '<visual><geometry><mesh filename="t.gltf"/></geometry></visual>'
+        (tmp_path / "m.urdf").write_text(f'<robot name="m"><link name="l">{shape}</link></robot>')
+        robot = quiet(tmp_path / "m.urdf")
+    (points,) = corners(robot)
+    np.testing.assert_allclose(by_height(points), by_height(TETRAHEDRON + [1, 2, 3]), atol=1e-6)
+
+
+def submesh(file, name, inside=""):
+    return visual(f"<mesh><uri>{file}</uri><submesh><name>{name}</name>{inside}</submesh></mesh>")
+
+
+@pytest.mark.parametrize(
+    ("name", "at"), (("hull", (0, 0, 0)), ("mast", (5, 0, 0)), ("first mesh", (0, 0, 0)), ("dome", (9, 0, 0)))
+)
+def test_a_submesh_of_gltf_has_the_name_of_its_node_or_else_that_of_its_mesh(tmp_path, name, at):
+    nodes = ("hull", "first mesh", [0, 0, 0]), ("mast", "hull", [5, 0, 0]), ("roof", "dome", [9, 0, 0])
+    write_gltf(tmp_path / "t.gltf", *nodes)
+    (points,) = corners(sdf(tmp_path, link(submesh("t.gltf", name))))
+    np.testing.assert_allclose(by_height(points), by_height(TETRAHEDRON + at), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    (
+        ("Hull", [TETRAHEDRON]),  # the name of the node, not the geometry's of the next one
+        ("Wheel", [TETRAHEDRON + (4, 0, 0)]),  # a node of the library
+        ("Roof", [TETRAHEDRON + (0, 0, 7), TETRAHEDRON + (0, 0, 9)]),  # the second is in a node without a name
+        ("Cube-mesh", [TETRAHEDRON, TETRAHEDRON + (4, 0, 0)]),  # the geometry, wherever it is
+    ),
+)
+def test_a_submesh_of_collada_has_the_name_of_its_node_or_else_that_of_its_geometry(tmp_path, name, expected):
+    pytest.importorskip("trimesh")
+    pytest.importorskip("collada")
+    place = '<node id="{0}-id" {1}><translate>{2}</translate>{3}</node>'
+    cube, roof = '<instance_geometry url="#Cube-mesh"/>', '<instance_geometry url="#Hull"/>'
+    library = place.format("wheel", 'name="Wheel"', "0 0 0", cube)
+    scene = place.format("a", 'name="Hull"', "0 0 0", cube)
+    scene += place.format("b", 'name="outer"', "4 0 0", '<instance_node url="#wheel-id"/>')
+    scene += place.format("c", 'name="Roof"', "0 0 7", roof + place.format("d", "", "0 0 2", roof))
+    whole = "0 2 1 0 1 3 0 3 2 1 2 3"
+    geometries = collada_geometry("Cube-mesh", whole[:6], whole[6:]) + collada_geometry("Hull", whole)
+    (tmp_path / "t.dae").write_text(COLLADA.format(geometries, library, scene))
+    robot = sdf(tmp_path, link(submesh("t.dae", name)))
+    (points,) = corners(robot)
+    found = {tuple(point) for point in np.round(points, 5).tolist()}
+    assert found == {tuple(point) for point in np.concatenate(expected).tolist()}
+    assert robot.scene.placed_triangle_count() == 4 * len(expected)
+
+
+def test_a_submesh_is_centred_and_then_scaled(tmp_path):
+    write_gltf(tmp_path / "t.gltf", ("hull", "hull", [5, 6, 7]), ("mast", "mast", [0, 0, 0]))
+    for center, middle in (("1", (0.5, 0.5, 0.5)), ("true", (0.5, 0.5, 0.5)), ("0", (-5, -6, -7))):
+        shape = submesh("t.gltf", "hull", f"<center>{center}</center>")
+        shape = shape.replace("</mesh>", "<scale>2 3 4</scale></mesh>")
+        (points,) = corners(sdf(tmp_path, link(shape)))
+        expected = (TETRAHEDRON - middle) * [2, 3, 4]
+        np.testing.assert_allclose(by_height(points), by_height(expected), atol=1e-5)
 
 
 def test_submeshes_of_one_file_are_meshes_of_their_own(tmp_path):

@@ -7,7 +7,7 @@ import os
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Optional, Union
 from urllib.parse import unquote
@@ -29,7 +29,8 @@ class Piece:
     """Triangles of a file that have one material."""
 
     triangles: primitives.Triangles
-    name: str
+    names: tuple[str, ...]
+    """What a <submesh> may call it: first the name that Gazebo does, that of its node."""
     material: str
     color: Optional[tuple[float, ...]]
 
@@ -70,20 +71,30 @@ class Resources:
         inside = [root.joinpath(*place.parts[1:])] if place.parts and root.name == place.parts[0] else []
         return [root / place, *inside]
 
-    def mesh(self, uri: str, color: Any = None, beside: Optional[Path] = None, submesh: str = "") -> Optional[int]:
-        """The mesh of a file, or None if it is left out. `color` is (rgba, name) in place of the file's materials."""
+    def mesh(
+        self,
+        uri: str,
+        color: Any = None,
+        beside: Optional[Path] = None,
+        submesh: str = "",
+        centered: bool = False,
+    ) -> Optional[int]:
+        """The mesh of a file, or None if it is left out. `color` is (rgba, name) in place of the file's materials;
+        `centered` moves the middle of the submesh's bounds to the origin."""
         path = self.find(uri, beside)
         if path is None:
             self.parts.leave_out(f"the mesh {uri}, which is not found")
             return None
-        key = (path, color, submesh)
+        key = (path, color, submesh, centered)
         if key not in self._meshes:
             try:
                 pieces = self._read(path)
             except UNREADABLE as error:
                 self.parts.leave_out(f"the mesh {uri}: {reason(error)}")
                 return None
-            chosen = [piece for piece in pieces if not submesh or piece.name == submesh]
+            chosen = _called(pieces, submesh) if submesh else pieces
+            if centered:
+                chosen = [replace(piece, triangles=_centered(piece.triangles)) for piece in chosen]
             if not any(len(piece.triangles[1]) for piece in chosen):
                 self.parts.leave_out(
                     f"the mesh {uri}, which has no triangles" + (f" in '{submesh}'" if submesh else "")
@@ -133,13 +144,28 @@ def reason(error: Exception) -> str:
     return (str(error) or type(error).__name__).splitlines()[0]
 
 
+def _called(pieces: list[Piece], name: str) -> list[Piece]:
+    """The pieces that have a name as their first one, or else those that have it as their second, and so on."""
+    for rank in range(max((len(piece.names) for piece in pieces), default=0)):
+        found = [piece for piece in pieces if piece.names[rank : rank + 1] == (name,)]
+        if found:
+            return found
+    return []
+
+
+def _centered(triangles: primitives.Triangles) -> primitives.Triangles:
+    """Gazebo centres each piece of a submesh by itself."""
+    corners, faces = triangles
+    return (corners - (corners.min(axis=0) + corners.max(axis=0)) / 2 if len(corners) else corners), faces
+
+
 def read_pieces(path: Path) -> list[Piece]:
-    """What stands in a file of triangles."""
+    """What stands in a file of triangles. The up axes of glTF and Collada are not applied, as in Gazebo and RViz."""
     return list(_read_ours(path) if path.suffix.lower() in OURS else _read_with_trimesh(path))
 
 
 def _read_ours(path: Path) -> Iterator[Piece]:
-    scene = gno.load_scene(path)
+    scene = gno.load_scene(path, gno.LoadOptions(up="z"))  # as the file has it
     for instance in scene.instances:
         mesh = scene.meshes[instance.mesh]
         corners, faces = primitives.moved(
@@ -151,11 +177,12 @@ def _read_ours(path: Path) -> Iterator[Piece]:
             material = scene.materials[part.material]
             triangles = corners[used], numbers.reshape(-1, 3).astype(np.uint32)
             stated = material.name and path.suffix.lower() not in (".stl", ".ply")
-            yield Piece(triangles, mesh.name or instance.name, material.name, material.base_color if stated else None)
+            names = (instance.name or mesh.name, mesh.name or instance.name)
+            yield Piece(triangles, names, material.name, material.base_color if stated else None)
 
 
 def _read_with_trimesh(path: Path) -> Iterator[Piece]:
-    """Collada and OFF. The up axis of Collada is not applied, as in Gazebo and RViz."""
+    """Collada and OFF."""
     if path.suffix.lower() not in (".dae", ".off"):  # trimesh would unpack archives, too, to any size
         raise ValueError(f"{path.name} is of no kind that is read: {', '.join((*OURS, '.dae', '.off'))}")
     try:
@@ -165,6 +192,7 @@ def _read_with_trimesh(path: Path) -> Iterator[Piece]:
     scene = trimesh.load_scene(path)
     words = str(scene.units or "").split()
     unit = float(words[0]) if words[1:] == ["*", "meters"] else 1.0
+    names = _collada_names(path, list(map(str, scene.geometry))) if path.suffix.lower() == ".dae" else {}
     for node in scene.graph.nodes_geometry:
         place, name = scene.graph[node]
         geometry = scene.geometry[name]
@@ -182,7 +210,45 @@ def _read_with_trimesh(path: Path) -> Iterator[Piece]:
             (np.asarray(geometry.vertices), np.asarray(geometry.faces, np.uint32)), scale @ place
         )
         given = None if rgba is None else tuple(rgba.tolist())
-        yield Piece(triangles, node, getattr(material, "name", "") or "", given)
+        yield Piece(triangles, names.get(str(name), (str(node),)), getattr(material, "name", "") or "", given)
+
+
+def _collada_names(path: Path, pieces: list[str]) -> dict[str, tuple[str, ...]]:
+    """The names of the node and of the geometry of each piece. trimesh calls the pieces of a geometry in their order
+    ID, ID_1, ID_2 and so on, over all nodes that place it."""
+    try:
+        root = parse_xml(path)
+    except ET.ParseError:
+        return {}
+    placed: dict[str, list[str]] = {}
+    nodes = {node.get("id", ""): node for node in root.iterfind(".//{*}node")}
+
+    def walk(node: ET.Element, name: str) -> None:
+        name = node.get("name") or name  # what has no name belongs to what is around it
+        for child in node:
+            tag, target = child.tag.rpartition("}")[2], child.get("url", "").removeprefix("#")
+            if tag == "node":
+                walk(child, name)
+            elif tag == "instance_node" and target in nodes:
+                walk(nodes[target], name)
+            elif tag == "instance_geometry":
+                placed.setdefault(target, []).append(name)
+
+    shown = root.find("{*}scene/{*}instance_visual_scene")
+    for scene in root.iterfind("{*}library_visual_scenes/{*}visual_scene"):
+        if shown is not None and shown.get("url", "").removeprefix("#") == scene.get("id"):
+            walk(scene, "")
+    parts: dict[str, list[str]] = {}
+    names: dict[str, tuple[str, ...]] = {}
+    for piece in pieces:
+        geometry = piece if piece in placed else piece.rpartition("_")[0]
+        parts.setdefault(geometry, []).append(piece)
+    for geometry, own in parts.items():
+        if geometry in placed and len(own) % len(placed[geometry]) == 0:
+            count = len(own) // len(placed[geometry])
+            for i, piece in enumerate(own):
+                names[piece] = (placed[geometry][i // count], geometry)
+    return names
 
 
 # Each of these texts ends at its first end: a search that may try later ones takes twice the time with each text.

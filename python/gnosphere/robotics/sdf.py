@@ -153,9 +153,8 @@ class Reader:
             scale = numbers(kind.findtext("scale"), (1, 1, 1), "a <scale>")
             chosen = None if color is None else (color, label)
             submesh = (kind.findtext("submesh/name") or "").strip()
-            if (kind.findtext("submesh/center") or "").strip() in ("1", "true"):
-                self.parts.leave_out("the centring of submeshes")
-            mesh = self.resources.mesh((kind.findtext("uri") or "").strip(), chosen, file, submesh)
+            centered = bool(submesh) and _is_true(kind.findtext("submesh/center"))
+            mesh = self.resources.mesh((kind.findtext("uri") or "").strip(), chosen, file, submesh, centered)
             local = local @ np.diag([*scale, 1.0])
         else:
             material = self.parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
@@ -199,7 +198,7 @@ class Reader:
             frame, xyz = None, axis.find("xyz")
             if xyz is not None and xyz.get("expressed_in"):
                 frame = place @ poses.of(xyz.get("expressed_in", ""))
-            elif (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true"):
+            elif _is_true(axis.findtext("use_parent_model_frame")):
                 frame = place
             direction = numbers(xyz.text if xyz is not None else None, (0, 0, 1), f"the <xyz> of the joint '{name}'")
             direction = (at if frame is None else frame)[:3, :3] @ direction
@@ -303,6 +302,10 @@ def _modern(root: ET.Element) -> ET.Element:
         for axis in root.iterfind(".//joint/axis"):
             ET.SubElement(axis, "use_parent_model_frame").text = "1"
     return root
+
+
+def _is_true(text: Optional[str]) -> bool:
+    return (text or "").strip() in ("1", "true")
 
 
 def _version(entry: tuple[str, str]) -> list[int]:
