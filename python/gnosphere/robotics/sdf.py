@@ -15,6 +15,7 @@ from . import xml_lidars
 from .resources import Resources, parse_xml
 from .robot_scene import Kinematics, Matrix, Mimic, Parts, unique_name
 from .sdf_kinematics import Joint, Tree
+from .sdf_merge import merge
 from .xml_lidars import number, numbers, pose_of
 
 MOST_INCLUDES = 10_000
@@ -42,7 +43,7 @@ class Reader:
     def __init__(self, parts: Parts, resources: Resources, collisions: bool) -> None:
         self.parts, self.resources, self.collisions = parts, resources, collisions
         self.tree = Tree(parts)
-        self._files: dict[int, Path] = {}  # of included models, by the identity of their elements
+        self._files: dict[int, Path] = {}  # of included models and links, by the identity of their elements
         self._included_count = 0
 
     def expand(self, element: ET.Element, files: tuple[Path, ...]) -> None:
@@ -51,10 +52,15 @@ class Reader:
             if child.tag == "model":
                 self.expand(child, files)
             elif child.tag == "include":
-                element.remove(child)
-                model = self._included(child, files)
-                if model is not None:
+                included = self._included(child, files)
+                if included is not None and child.get("merge", "").strip() in ("1", "true"):
+                    at = list(element).index(child)
+                    element[at:at] = self._merged(*included, element)
+                elif included is not None:
+                    model, origin = included
                     element.append(model)
+                    self._files[id(model)] = origin
+                element.remove(child)
         self._tell_apart(element)
 
     def _tell_apart(self, element: ET.Element) -> None:
@@ -72,7 +78,20 @@ class Reader:
                 if unique != name:
                     self.parts.leave_out(f"the name '{name}' of another {child.tag}, which is '{unique}' here")
 
-    def _included(self, include: ET.Element, files: tuple[Path, ...]) -> Optional[ET.Element]:
+    def _merged(self, model: ET.Element, origin: Path, parent: ET.Element) -> list[ET.Element]:
+        """What takes the place of an <include> that merges a model of the file `origin` into its parent."""
+        poses, result = Poses(model), []
+        for element in merge(model, self._included_count, poses.link("__model__"), poses.placed(model)):
+            if element.tag == "link" and parent.tag == "world":
+                self.parts.leave_out("links of a model that is merged into a world")
+                continue
+            if element.tag in ("link", "model"):
+                self._files.setdefault(id(element), origin)
+            result.append(element)
+        return result
+
+    def _included(self, include: ET.Element, files: tuple[Path, ...]) -> Optional[tuple[ET.Element, Path]]:
+        """The model of an <include>, and its file."""
         uri = (include.findtext("uri") or "").strip()
         origin = self._model_file(uri, files[-1])
         if origin is None:
@@ -87,10 +106,9 @@ class Reader:
         if model is None:
             self.parts.leave_out(f"{origin.name}, which has no <model>")
             return None
-        if include.find("placement_frame") is not None or model.get("placement_frame"):
-            self.parts.leave_out("placement_frame")
-        if include.get("merge") in ("1", "true"):
-            self.parts.leave_out("the merging of included models")
+        placement = (include.findtext("placement_frame") or "").strip()
+        if placement:
+            model.set("placement_frame", placement)
         self.expand(model, (*files, origin))
         model.set("name", (include.findtext("name") or model.get("name") or "").strip())
         pose = include.find("pose")
@@ -98,8 +116,7 @@ class Reader:
             for own in model.findall("pose"):
                 model.remove(own)
             model.append(pose)
-        self._files[id(model)] = origin
-        return model
+        return model, origin
 
     def _model_file(self, uri: str, file: Path) -> Optional[Path]:
         found = self.resources.find(uri, file)
@@ -118,7 +135,8 @@ class Reader:
         """Reads a world, a model or a file's root, whose frame is at `place` in the world."""
         file, poses = self._files.get(id(element), file), Poses(element)
         for link in element.findall("link"):
-            self._link(link, prefix, place @ poses.of(link.get("name", "")), poses, file)
+            own = self._files.get(id(link), file)
+            self._link(link, prefix, place @ poses.of(link.get("name", "")), poses, own)
         for model in element.findall("model"):
             name = model.get("name", "")
             self.scope(model, f"{prefix}{name}::", place @ poses.of(name), file)
@@ -256,11 +274,23 @@ class Poses:
         if name in self._elements:
             pose, default = self._elements[name]
             relative = pose.get("relative_to") if pose is not None else None
-            return self.of(relative or default) @ pose_of(pose)
+            model = self._models.get(name)
+            own = pose_of(pose) if model is None else self._within(name).placed(model)
+            return self.of(relative or default) @ own
         head, _, rest = name.partition("::")
         if head not in self._models or not rest:
             raise ValueError(f"a pose is relative to '{name}', which is not there")
         return self.of(head) @ self._within(head).of(rest)
+
+    def placed(self, model: ET.Element) -> Matrix:
+        """Where the model, whose poses these are, is in what its <pose> is relative to; that is the pose of the frame
+        by which the model is placed, if it has a `placement_frame`."""
+        pose, frame = pose_of(model.find("pose")), model.get("placement_frame", "").strip()
+        if not frame:
+            return pose
+        if frame not in self._found and frame.partition("::")[0] not in self._elements:
+            raise ValueError(f"the model '{model.get('name')}' is placed by its frame '{frame}', which is not there")
+        return pose @ np.linalg.inv(self.of(frame))
 
     def _within(self, model: str) -> Poses:
         if model not in self._inner:
