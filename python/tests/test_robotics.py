@@ -283,6 +283,19 @@ def test_a_laser_retro_is_told(tmp_path):
             assert robotics.load(tmp_path / "m.sdf").left_out == left_out
 
 
+def test_what_a_world_has_besides_its_models_is_told(tmp_path):
+    """The poses of Gazebo Classic's <state> would replace those of models; particles would scatter beams."""
+    emitter = '<particle_emitter name="smoke" type="box"/>'
+    model = f'<model name="m"><link name="l">{BOX}{2 * emitter}</link></model>'
+    state = '<state world_name="w"><model name="m"><pose>9 0 0 0 0 0</pose></model></state>'
+    text = f'<sdf version="1.9"><world name="w">{model}{state}{emitter}<actor name="a"/></world></sdf>'
+    (tmp_path / "w.sdf").write_text(text)
+    with pytest.warns(UserWarning, match="leaves out "):
+        world = robotics.load(tmp_path / "w.sdf")
+    assert world.left_out == {"<particle_emitter>": 3, "<actor>": 1, "<state>": 1}
+    np.testing.assert_allclose(corners(world)[0].mean(axis=0), 0, atol=1e-6)
+
+
 def chain_of_mimics(kind, first="j"):
     """Links a, b, c and d, each on the one before; the joint k mimics `first`, and l mimics k."""
     links = "abcd"

@@ -23,9 +23,7 @@ def rigid(x, y, z, *angles):
 
 def places(robot):
     """Where the things on each link are, maps of shape (3, 4)."""
-    return {
-        frame: instance.transform.rows for frame, instance in zip(robot.frames, robot.scene.instances, strict=True)
-    }
+    return {frame: instance.transform.rows for frame, instance in zip(robot.frames, robot.scene.instances)}
 
 
 LINK, TOP, AT = (0.1, 0.2, 0.3, 0.1, 0, 0), (1, 2, 3, 0.4, 0.5, 0.6), (4, 5, 6, -0.3, 0.2, 0.1)

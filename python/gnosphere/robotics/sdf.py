@@ -142,15 +142,20 @@ class Reader:
             self.scope(model, f"{prefix}{name}::", place @ poses.of(name), file)
         for joint in element.findall("joint"):
             self._joint(joint, prefix, place, poses)
-        for what in ("actor", "population", "road"):
-            if element.find(what) is not None:
-                self.parts.leave_out(f"<{what}>", len(element.findall(what)))
+        self._leave_out(element, "actor", "population", "road", "state", "particle_emitter")
+
+    def _leave_out(self, element: ET.Element, *tags: str) -> None:
+        for tag in tags:
+            count = len(element.findall(tag))
+            if count:
+                self.parts.leave_out(f"<{tag}>", count)
 
     def _link(self, link: ET.Element, prefix: str, place: Matrix, poses: "Poses", file: Path) -> None:
         name = prefix + link.get("name", "")
         self.tree.links[name] = place
         for shape in link.findall("collision" if self.collisions else "visual"):
             self._shape(shape, name, poses.inside(shape, link.get("name", "")), file)
+        self._leave_out(link, "particle_emitter")
         for sensor in link.findall("sensor"):
             if xml_lidars.is_lidar(sensor):
                 local = poses.inside(sensor, link.get("name", ""))
