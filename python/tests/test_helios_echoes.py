@@ -62,6 +62,38 @@ def test_sub_rays(surveys, quality):
     assert not survey.left_out
 
 
+def test_beams_without_a_divergence_have_no_sub_rays(surveys):
+    """Whatever beamSampleQuality is; a leg may have a divergence of its own."""
+    scanners = SCANNERS.replace('beamDivergence_rad="0.0005"', 'beamDivergence_rad="0"')
+    (surveys / "data" / "scanners.xml").write_text(scanners)
+    wide, waveform = '<scannerSettings template="wide"/>', '<FWFSettings beamSampleQuality="2"/></survey>'
+    before, text = AIRBORNE.replace("</survey>", waveform).rsplit(wide, 1)
+    (surveys / "air.xml").write_text(before + wide.replace("/>", ' beamDivergence_rad="0.002"/>') + text)
+    survey = helios.read_survey(surveys / "air.xml")
+    assert [leg.sensor.divergence_horizontal for leg in survey.legs] == [0, 0.002]
+    assert [leg.drive["sensors"][0]["effects"].get("divergence") for leg in survey.legs] == [None, {"sub_rays": 7}]
+    assert not survey.left_out
+    for number, file in enumerate(survey.write(surveys / "out")):
+        assert len(made(file, surveys / str(number)).xyz)
+
+
+def test_defaults_of_a_scanner_are_those_of_helios_and_told(surveys):
+    divergence, pulse = "a divergence of 0.0003 rad, as HELIOS++ does", "pulses of 4 ns, as HELIOS++ does"
+    others = set(helios.read_survey(surveys / "air.xml").assumed)
+    assert not others & {divergence, pulse}
+    scanners = SCANNERS.replace(' beamDivergence_rad="0.0005"', "").replace('\n  pulseLength_ns="4"', "")
+    (surveys / "data" / "scanners.xml").write_text(scanners)
+    survey = helios.read_survey(surveys / "air.xml")
+    assert set(survey.assumed) - others == {divergence, pulse}
+    for leg in survey.legs:
+        assert leg.sensor.divergence_horizontal == leg.sensor.divergence_vertical == 0.0003
+        assert leg.drive["sensors"][0]["effects"]["returns"] == {"pulse_width": 4e-9, "separation": 0.5996}
+    own = AIRBORNE.replace('<scannerSettings id="wide"', '<scannerSettings id="wide" beamDivergence_rad="0.002"')
+    (surveys / "air.xml").write_text(own)
+    survey = helios.read_survey(surveys / "air.xml")
+    assert set(survey.assumed) - others == {pulse} and survey.legs[0].sensor.divergence_vertical == 0.002
+
+
 def test_more_sub_rays_than_devices_take(surveys):
     (surveys / "air.xml").write_text(with_waveform('beamSampleQuality="6"'))
     with pytest.warns(UserWarning, match="sub-rays of a pulse beyond 61"):

@@ -24,6 +24,9 @@ _READ_HERE = {
 }
 """Attributes of a scanner that a sensor does not hold: effects have them, or they are about a mirror that it lacks."""
 
+_DIVERGENCE, _PULSE = 0.0003, 4.0
+"""Radians and nanoseconds of scanners that do not state them, in HELIOS++."""
+
 _LIGHT = 299792458.0
 """Metres a second."""
 
@@ -77,6 +80,9 @@ def scanner_of(element: ET.Element, detector: Settings, settings: Settings, dura
             element.set(name, detector.text(name))
     if settings.has("beamDivergence_rad"):
         element.set("beamDivergence_rad", settings.text("beamDivergence_rad"))
+    assumed = element.get("beamDivergence_rad") is None
+    if assumed:
+        element.set("beamDivergence_rad", repr(_DIVERGENCE))
     sweep = _sweep(element, settings, duration)
     _set_scan_angle(element, settings, sweep)
     channels = element.find("channels") is not None
@@ -87,6 +93,8 @@ def scanner_of(element: ET.Element, detector: Settings, settings: Settings, dura
         raise ValueError(f"the scanner '{element.get('id')}' neither turns nor has a mirror that moves")
     scanner = _lines(element, sweep) if stands else _turning(element, sweep, channels)
     _cut_vertically(element, scanner.sensor, settings)
+    if assumed:
+        scanner.assumed += (f"a divergence of {_DIVERGENCE:g} rad, as HELIOS++ does",)
     return scanner
 
 
@@ -243,13 +251,19 @@ def ignored_of(scanner: Scanner) -> Counter[str]:
     return counts
 
 
-def effects_of(element: ET.Element, detector: Settings, waveform: Settings, left_out: Counter[str]) -> dict[str, Any]:
-    """Effects of a drive file: those that the head calls for, with what its element states.
+def effects_of(
+    element: ET.Element, detector: Settings, waveform: Settings, assumed: dict[str, None], left_out: Counter[str]
+) -> dict[str, Any]:
+    """Effects of a drive file: those that the head calls for, with what its element states. Those of `divergence` are for
+    legs whose sensor has one.
 
     waveform: <FWFSettings>.
     """
     effects: dict[str, Any] = {}
     pulse, window = _first(element, "pulseLength_ns"), waveform.number("winSize_ns")
+    if element.get("pulseLength_ns") is None:
+        pulse = _PULSE
+        assumed[f"pulses of {_PULSE:g} ns, as HELIOS++ does"] = None
     if pulse > 0:
         effects["returns"] = {"pulse_width": pulse * 1e-9}
     if max(pulse, window) > 0:

@@ -138,7 +138,7 @@ class _Reader:
         self._note_left_out()
         places = [self._place(leg, parts) for leg in self._legs]
         waveform = Settings(self._assets, self._survey.find("FWFSettings"), self._scanner.find("FWFSettings"))
-        effects = effects_of(self._scanner, self._detector, waveform, self._left_out)
+        effects = effects_of(self._scanner, self._detector, waveform, self._assumed, self._left_out)
         time = 0.0
         for number, element in enumerate(self._legs):
             settings = Settings(self._assets, element.find("scannerSettings"))
@@ -208,6 +208,8 @@ class _Reader:
         name: str,
     ) -> Leg:
         duration = scanner.scans / scanner.rate
+        if scanner.sensor.divergence_horizontal == 0:  # sub-rays of a footprint that is a point are all one
+            effects = {name: values for name, values in effects.items() if name != "divergence"}
         way = np.zeros(3) if target is None else target - start
         length = float(np.linalg.norm(way))
         end = start + way * (speed * duration / length if length > 0 else 0.0)
