@@ -403,6 +403,39 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
   }
 }
 
+// Culls the triangles of a cluster, one per lane, and counts those that are left out. Returns one bit for each of the
+// others. All lanes of the subgroup must call this.
+uint cullAll(LoadedCluster loaded, Vertices vertices, inout uvec4 culled, inout uint nonFinite) {
+  uint left = 0;
+  for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
+    uint k = first + gl_SubgroupInvocationID;
+    uvec3 numbers = numbersOf(loaded, triangleCorners.at[loaded.triangleFirst + min(k, loaded.triangleCount - 1)].x);
+    uint fate = cullOne(loaded, cornersOf(loaded, vertices, numbers));
+    if (k >= loaded.triangleCount) fate = kNoTriangle;
+    culled += countOf(fate);
+    nonFinite += uint(fate == kNonFinite);
+    if (fate == kKeep) left |= 1u << k;
+  }
+  return subgroupOr(left);
+}
+
+// Adds the counts of all lanes to the counters. All lanes of the subgroup must call this.
+void addCounts(uvec4 culled, uint nonFinite, uint triangleCount) {
+  culled = subgroupAdd(culled);
+  nonFinite = subgroupAdd(nonFinite);
+  triedCount = subgroupAdd(triedCount);
+  if (subgroupElect()) {
+    if (stored || triedCount > 0) atomicMax(shells.of[pass.shell].binWork.x, frame.triangleWorkgroups);
+    if (triedCount > 0) atomicAdd(counters.tried, triedCount);
+    if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);
+    if (nonFinite > 0) atomicAdd(counters.nonFinite, nonFinite);
+    if (culled.x > 0) atomicAdd(counters.culledByRange, culled.x);
+    if (culled.y > 0) atomicAdd(counters.culledByFace, culled.y);
+    if (culled.z > 0) atomicAdd(counters.culledBetweenBeams, culled.z);
+    if (culled.w > 0) atomicAdd(counters.culledHidden, culled.w);
+  }
+}
+
 void main() {
   useOwnAddresses();
   loadMotion();
@@ -433,16 +466,7 @@ void main() {
     if (more && loaded.triangleCount > 0) {
       triangleCount += loaded.triangleCount;
       vertices = verticesOf(loaded);
-      for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
-        uint k = first + lane;
-        uvec3 numbers = numbersOf(loaded, triangleCorners.at[loaded.triangleFirst + min(k, loaded.triangleCount - 1)].x);
-        uint fate = cullOne(loaded, cornersOf(loaded, vertices, numbers));
-        if (k >= loaded.triangleCount) fate = kNoTriangle;
-        culled += countOf(fate);
-        nonFinite += uint(fate == kNonFinite);
-        if (fate == kKeep) left |= 1u << k;
-      }
-      left = subgroupOr(left);
+      left = cullAll(loaded, vertices, culled, nonFinite);
     }
     uint count = bitCount(left), taken = 0;
     while (taken < count || (!more && waiting > 0)) {
@@ -461,17 +485,5 @@ void main() {
       waiting = 0;
     }
   }
-  culled = subgroupAdd(culled);
-  nonFinite = subgroupAdd(nonFinite);
-  triedCount = subgroupAdd(triedCount);
-  if (subgroupElect()) {
-    if (stored || triedCount > 0) atomicMax(shells.of[pass.shell].binWork.x, frame.triangleWorkgroups);
-    if (triedCount > 0) atomicAdd(counters.tried, triedCount);
-    if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);
-    if (nonFinite > 0) atomicAdd(counters.nonFinite, nonFinite);
-    if (culled.x > 0) atomicAdd(counters.culledByRange, culled.x);
-    if (culled.y > 0) atomicAdd(counters.culledByFace, culled.y);
-    if (culled.z > 0) atomicAdd(counters.culledBetweenBeams, culled.z);
-    if (culled.w > 0) atomicAdd(counters.culledHidden, culled.w);
-  }
+  addCounts(culled, nonFinite, triangleCount);
 }
