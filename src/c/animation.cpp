@@ -9,6 +9,12 @@
 namespace gnosphere::c {
 namespace {
 
+GNO_SAME_ENUM(Track::Property, {GNO_TRACK_TRANSLATION, translation}, {GNO_TRACK_ROTATION, rotation},
+              {GNO_TRACK_SCALE, scale}, {GNO_TRACK_MORPH_WEIGHTS, morphWeights});
+GNO_SAME_ENUM(Track::Interpolation, {GNO_INTERPOLATION_STEP, step}, {GNO_INTERPOLATION_LINEAR, linear},
+              {GNO_INTERPOLATION_CUBIC, cubic});
+GNO_SAME_ENUM(ClipEnd, {GNO_CLIP_LOOP, loop}, {GNO_CLIP_HOLD, hold});
+
 Node nodeOf(const gno_node* node) {
   const gno_node& from = sized(node, GNO_TYPE(gno_node));
   const auto& q = from.rotation;

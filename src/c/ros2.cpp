@@ -14,6 +14,14 @@ GNO_HELD(gno_ros2_publisher, ros2::Publisher, "publisher")
 
 namespace {
 
+GNO_SAME_ENUM(ros2::MessageType, {GNO_ROS2_POINT_CLOUD2, pointCloud2}, {GNO_ROS2_LASER_SCAN, laserScan},
+              {GNO_ROS2_TRANSFORMS, transforms}, {GNO_ROS2_CLOCK, clock}, {GNO_ROS2_IMU, imu},
+              {GNO_ROS2_LIVOX_CUSTOM, livoxCustom}, {GNO_ROS2_ODOMETRY, odometry});
+GNO_SAME_ENUM(ros2::Qos::Reliability, {GNO_ROS2_RELIABLE, reliable}, {GNO_ROS2_BEST_EFFORT, bestEffort});
+GNO_SAME_ENUM(ros2::Qos::Durability, {GNO_ROS2_VOLATILE, volatileData}, {GNO_ROS2_TRANSIENT_LOCAL, transientLocal});
+GNO_SAME_ENUM(ros2::Driver, {GNO_ROS2_VELODYNE, velodyne}, {GNO_ROS2_OUSTER, ouster}, {GNO_ROS2_HESAI, hesai},
+              {GNO_ROS2_ROBOSENSE, robosense}, {GNO_ROS2_LIVOX, livox}, {GNO_ROS2_AUTOWARE, autoware});
+
 /// A publisher has a lock of its own, so that publishing does not wait for flushing.
 class Publishing {
  public:

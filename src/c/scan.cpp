@@ -15,17 +15,22 @@ std::vector<Field> fieldsOf(const gno_field* fields, size_t count) {
 
 namespace {
 
-static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1 && static_cast<int>(Field::classId) == GNO_FIELD_CLASS_ID,
-              "gno_field has the fields of Field in their order");
-static_assert(static_cast<int>(ValueType::u32) == GNO_U32 && static_cast<int>(ValueType::u8) == GNO_U8);
-static_assert(static_cast<int>(Cause::noSurface) == GNO_CAUSE_NO_SURFACE &&
-              static_cast<int>(Cause::weak) == GNO_CAUSE_WEAK &&
-              static_cast<int>(Cause::attenuated) == GNO_CAUSE_ATTENUATED &&
-              static_cast<int>(Cause::droppedOut) == GNO_CAUSE_DROPPED_OUT &&
-              static_cast<int>(Cause::dead) == GNO_CAUSE_DEAD &&
-              static_cast<int>(Cause::tooNear) == GNO_CAUSE_TOO_NEAR && kCauseCount == GNO_CAUSE_TOO_NEAR + 1);
-static_assert(static_cast<int>(Label::none) == GNO_LABEL_NONE && static_cast<int>(Label::solid) == GNO_LABEL_SOLID &&
-              static_cast<int>(Label::scatter) == GNO_LABEL_SCATTER);
+GNO_SAME_ENUM(Field, {GNO_FIELD_X, x}, {GNO_FIELD_Y, y}, {GNO_FIELD_Z, z}, {GNO_FIELD_RANGE, range},
+              {GNO_FIELD_RING, ring}, {GNO_FIELD_BEAM, beam}, {GNO_FIELD_TRIANGLE, triangle},
+              {GNO_FIELD_INSTANCE, instance}, {GNO_FIELD_TIE, tie}, {GNO_FIELD_TOLERANCE, tolerance},
+              {GNO_FIELD_INTENSITY, intensity}, {GNO_FIELD_TRUE_RANGE, trueRange}, {GNO_FIELD_CAUSE, cause},
+              {GNO_FIELD_LABEL, label}, {GNO_FIELD_RETURN_NUMBER, returnNumber}, {GNO_FIELD_RETURN_COUNT, returnCount},
+              {GNO_FIELD_WIDTH, width}, {GNO_FIELD_NORMAL, normal}, {GNO_FIELD_INCIDENCE, incidence},
+              {GNO_FIELD_MATERIAL, material}, {GNO_FIELD_BARYCENTRICS, barycentrics}, {GNO_FIELD_CLASS_ID, classId},
+              {GNO_FIELD_VELOCITY, velocity}, {GNO_FIELD_RADIAL_SPEED, radialSpeed}, {GNO_FIELD_TIME, time},
+              {GNO_FIELD_AZIMUTH, azimuth}, {GNO_FIELD_ELEVATION, elevation});
+static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1);
+GNO_SAME_ENUM(ValueType, {GNO_F32, f32}, {GNO_F64, f64}, {GNO_U8, u8}, {GNO_U16, u16}, {GNO_U32, u32});
+GNO_SAME_ENUM(Cause, {GNO_CAUSE_RETURNED, returned}, {GNO_CAUSE_NO_SURFACE, noSurface}, {GNO_CAUSE_WEAK, weak},
+              {GNO_CAUSE_ATTENUATED, attenuated}, {GNO_CAUSE_DROPPED_OUT, droppedOut}, {GNO_CAUSE_DEAD, dead},
+              {GNO_CAUSE_TOO_NEAR, tooNear});
+static_assert(kCauseCount == GNO_CAUSE_TOO_NEAR + 1);
+GNO_SAME_ENUM(Label, {GNO_LABEL_NONE, none}, {GNO_LABEL_SOLID, solid}, {GNO_LABEL_SCATTER, scatter});
 static_assert(sizeof(gno_counters::causes) / sizeof(uint64_t) == kCauseCount);
 
 template <class T, class Results>

@@ -5,6 +5,11 @@
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
+
+GNO_SAME_ENUM(AlphaImage::Wrap, {GNO_WRAP_REPEAT, repeat}, {GNO_WRAP_MIRROR, mirror}, {GNO_WRAP_CLAMP, clamp});
+GNO_SAME_ENUM(AlphaMode, {GNO_ALPHA_OPAQUE, opaque}, {GNO_ALPHA_MASK, mask}, {GNO_ALPHA_BLEND, blend});
+GNO_SAME_ENUM(UpAxis, {GNO_UP_FORMAT_DEFAULT, formatDefault}, {GNO_UP_Y, y}, {GNO_UP_Z, z});
+
 AlphaImage alphaImageOf(const gno_alpha_image* image) {
   const gno_alpha_image& from = sized(image, GNO_TYPE(gno_alpha_image));
   const auto texels = array(from.alpha, size_t{from.width} * from.height, "gno_alpha_image::alpha");

@@ -7,6 +7,8 @@ using namespace gnosphere::c;
 
 namespace {
 
+GNO_SAME_ENUM(NearHits, {GNO_NEAR_SEE_THROUGH, seeThrough}, {GNO_NEAR_HIDE, hide});
+
 void apply(const gno_sensor_settings* settings, Sensor& sensor) {
   const gno_sensor_settings& from = sized(settings, GNO_TYPE(gno_sensor_settings));
   const auto masked = array(from.masked_beams, from.masked_beam_count, "gno_sensor_settings::masked_beams");

@@ -6,8 +6,10 @@
 
 #include <cstring>
 #include <gnosphere/gnosphere.hpp>
+#include <initializer_list>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gnosphere::c {
@@ -95,6 +97,25 @@ Enum enumOf(int32_t number, Enum last, const char* name) {
            std::to_string(static_cast<int32_t>(last)));
   return static_cast<Enum>(number);
 }
+
+/// Whether the enumerators of an enum of C and of one of C++, in pairs, are 0, 1, 2 and so on.
+template <class Enum>
+constexpr bool inOrder(std::initializer_list<std::pair<int32_t, Enum>> pairs) {
+  int32_t next = 0;
+  for (const auto& [ofC, ofCpp] : pairs)
+    if (ofC != next || static_cast<int32_t>(ofCpp) != next++) return false;
+  return true;
+}
+
+/// Asserts that an enum of the C headers has the values of one of C++, because casts take the one for the other. Every
+/// enumerator is to be named, in pairs such as {GNO_UP_Y, y}.
+#define GNO_SAME_ENUM(Enum, ...)                             \
+  static_assert(                                             \
+      [] {                                                   \
+        using enum Enum;                                     \
+        return ::gnosphere::c::inOrder<Enum>({__VA_ARGS__}); \
+      }(),                                                   \
+      "an enum of C has the values of " #Enum)
 
 inline std::string orEmpty(const char* text) {
   return text ? text : "";

@@ -16,6 +16,8 @@ namespace gnosphere::c {
 namespace {
 
 static_assert(sizeof(gno_record_header) == sizeof(RecordHeader));
+GNO_SAME_ENUM(vulkan::TransformFormat, {GNO_VULKAN_TRANSFORM_ROWS_3X4, rows3x4},
+              {GNO_VULKAN_TRANSFORM_COLUMNS_4X4, columns4x4});
 
 /// A recorder, which refers to its simulator as long as the handle is that of a live one.
 struct RecorderObject {
