@@ -65,6 +65,11 @@ GNO_CONST uint kMostShells = 16;
 GNO_CONST uint kShellGrowth = 2;  // each shell should hold so many times the clusters of the shell before it
 GNO_CONST uint kShellBuckets = 64;
 GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are left
+// A shell of the next scan should end at the range within which kHintPercent per cent of a sample of the returns lie.
+// The sample is made of about kHintSamples entries; with fewer than kHintReturns returns it tells nothing.
+GNO_CONST uint kHintSamples = 2048;
+GNO_CONST uint kHintReturns = 64;
+GNO_CONST uint kHintPercent = 95;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
 // A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided while its

@@ -29,7 +29,6 @@ layout(local_size_x = 64) in;
 
 #define FROM_WORDS ((RECORDS & kFromWords) != 0)
 
-const uint kRangeSamples = 2048;
 // Four records of any size are a whole number of words, so an invocation that writes four shares no word with another.
 const uint kRecordsEach = 4;
 shared uint sampled[kShellBuckets + 1];  // see workgroup_sums.glsl
@@ -117,7 +116,7 @@ void sampleRanges() {
   uint lane = gl_LocalInvocationID.x;
   for (uint bucket = lane; bucket < kShellBuckets; bucket += kLanes) sampled[bucket] = 0;
   barrier();
-  uint stride = plan.entries / kRangeSamples | 1;  // an odd stride meets all columns of a grid
+  uint stride = plan.entries / kHintSamples | 1;  // an odd stride meets all columns of a grid
   for (uint entry = lane * stride; entry < plan.entries; entry += kLanes * stride)
     if (returned(entry)) atomicAdd(sampled[bucketOf(rangeOf(entry))], 1);
   barrier();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "common/limits.h"
 #include "gnosphere/error.hpp"
 #include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"
@@ -14,16 +15,16 @@
 namespace gnosphere {
 namespace {
 
-// Returns the range in metres within which 95 % of a sample of the returns lie; 0 if there are hardly any.
+// Returns the range in metres within which kHintPercent per cent of a sample of the returns lie; 0 if there are hardly
+// any.
 float shellHintOf(const Scan& scan) {
-  constexpr size_t kSamples = 2048, kLeast = 64;
   std::vector<float> ranges;
-  ranges.reserve(2 * kSamples);
+  ranges.reserve(size_t{2} * gpu::kHintSamples);
   // An odd step meets all columns of a grid.
-  for (size_t i = 0; i < scan.ranges.size(); i += scan.ranges.size() / kSamples | 1)
+  for (size_t i = 0; i < scan.ranges.size(); i += scan.ranges.size() / gpu::kHintSamples | 1)
     if (scan.ranges[i] > 0) ranges.push_back(scan.ranges[i]);
-  if (ranges.size() < kLeast) return 0;
-  const auto at = ranges.begin() + static_cast<ptrdiff_t>(ranges.size() * 95 / 100);
+  if (ranges.size() < gpu::kHintReturns) return 0;
+  const auto at = ranges.begin() + static_cast<ptrdiff_t>(ranges.size() * gpu::kHintPercent / 100);
   std::nth_element(ranges.begin(), at, ranges.end());
   return *at;
 }

@@ -334,17 +334,16 @@ void SensorArrays::loadRecords(size_t index, std::span<const Shot> shots, std::s
   load(slotAt(index), {arrayOf(Array::recordPlans, plans), arrayOf(Array::recordBuffers, buffers)});
 }
 
-// The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.
+// The range within which kHintPercent per cent of the sampled returns lie, rounded up to the end of a bucket.
 float SensorArrays::recordedHint(size_t index) {
-  constexpr uint32_t kLeast = 64;
   DeviceMemory& memory = *slotAt(index).arrays[Array::rangeCounts];
   memory.invalidate();
   const std::span counts(static_cast<const uint32_t*>(memory.host()), gpu::kShellBuckets);
   const uint64_t all = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
-  if (all < kLeast) return 0;
+  if (all < gpu::kHintReturns) return 0;
   uint64_t sum = 0;
   uint32_t bucket = 0;
-  while (sum < all * 95 / 100) sum += counts[bucket++];
+  while (sum < all * gpu::kHintPercent / 100) sum += counts[bucket++];
   const uint32_t first = (std::bit_cast<uint32_t>(most_.rangeMax) >> gpu::kBucketShift) - (gpu::kShellBuckets - 1);
   return std::bit_cast<float>((first + bucket) << gpu::kBucketShift);
 }
