@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/nanoseconds.hpp"
 #include "base/threads.hpp"
 #include "messages.h"
 #include "ros2/wire.hpp"
@@ -126,9 +127,8 @@ std::unique_ptr<dds_qos_t, DeleteQos> qosOf(const Qos& from) {
 // Messages in the types that idlc generates, which point to data that they do not own.
 
 builtin_interfaces_msg_dds__Time_ timeOf(int64_t nanoseconds) {
-  constexpr int64_t kSecond = 1'000'000'000;
-  const int64_t rest = ((nanoseconds % kSecond) + kSecond) % kSecond;
-  return {static_cast<int32_t>((nanoseconds - rest) / kSecond), static_cast<uint32_t>(rest)};
+  const auto [seconds, rest] = splitNanoseconds(nanoseconds);
+  return {static_cast<int32_t>(seconds), rest};
 }
 
 char* textOf(const std::string& text) {

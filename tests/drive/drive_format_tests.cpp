@@ -267,6 +267,7 @@ TEST_CASE("the signs of quaternions do not matter to turn rates") {
 TEST_CASE("dates have fractions of a second from 0 on, also before 1970") {
   CHECK(drive::dateText(1'700'000'000'250'000'000) == "2023-11-14 22:13:20.250000000");
   CHECK(drive::dateText(-1) == "1969-12-31 23:59:59.999999999");
+  CHECK(drive::dateText(-1'000'000'000) == "1969-12-31 23:59:59.000000000");
 }
 
 TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "base/nanoseconds.hpp"
 #include "drive/bytes.hpp"
 
 namespace gnosphere::drive {
@@ -41,10 +42,8 @@ class CdrWriter {
   }
   /// Writes a builtin_interfaces/Time of nanoseconds since 1970.
   CdrWriter& time(int64_t time) {
-    constexpr int64_t kSecond = 1'000'000'000;
-    const int64_t rest = ((time % kSecond) + kSecond) % kSecond;
-    number(static_cast<int32_t>((time - rest) / kSecond));
-    return number(static_cast<uint32_t>(rest));
+    const auto [seconds, nanoseconds] = splitNanoseconds(time);
+    return number(static_cast<int32_t>(seconds)).number(nanoseconds);
   }
   /// Writes a std_msgs/Header; its time is in nanoseconds since 1970.
   CdrWriter& header(int64_t stamp, const std::string& frame) { return time(stamp).text(frame); }

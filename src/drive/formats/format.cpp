@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/decimal_point.hpp"
+#include "base/nanoseconds.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_bytes.hpp"
 
@@ -97,17 +98,15 @@ int64_t unixNanoseconds(const Drive& drive, double time) {
 }
 
 std::string dateText(int64_t nanoseconds) {
-  constexpr int64_t kSecond = 1'000'000'000;
-  const int64_t rest = ((nanoseconds % kSecond) + kSecond) % kSecond;
-  const std::chrono::sys_seconds time(std::chrono::seconds((nanoseconds - rest) / kSecond));
+  const auto [seconds, rest] = splitNanoseconds(nanoseconds);
+  const std::chrono::sys_seconds time{std::chrono::seconds(seconds)};
   const auto day = std::chrono::floor<std::chrono::days>(time);
   const std::chrono::year_month_day date(day);
   const std::chrono::hh_mm_ss clock(time - day);
   char text[64];
-  std::snprintf(text, sizeof(text), "%04d-%02u-%02u %02d:%02d:%02d.%09lld", int{date.year()}, unsigned{date.month()},
+  std::snprintf(text, sizeof(text), "%04d-%02u-%02u %02d:%02d:%02d.%09u", int{date.year()}, unsigned{date.month()},
                 unsigned{date.day()}, static_cast<int>(clock.hours().count()),
-                static_cast<int>(clock.minutes().count()), static_cast<int>(clock.seconds().count()),
-                static_cast<long long>(rest));
+                static_cast<int>(clock.minutes().count()), static_cast<int>(clock.seconds().count()), unsigned{rest});
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <protozero/pbf_builder.hpp>
 
+#include "base/nanoseconds.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive::osi {
@@ -31,10 +32,10 @@ void addVersion(Builder<Message>& parent, Message field) {
 
 template <typename Message>
 void addTime(Builder<Message>& parent, Message field, int64_t nanoseconds) {
-  constexpr int64_t kSecond = 1'000'000'000;  // times before 0 are refused with the drive file
+  const auto [seconds, rest] = splitNanoseconds(nanoseconds);
   Builder<Timestamp> time(parent, field);
-  time.add_int64(Timestamp::seconds, nanoseconds / kSecond);
-  time.add_uint32(Timestamp::nanos, static_cast<uint32_t>(nanoseconds % kSecond));
+  time.add_int64(Timestamp::seconds, seconds);
+  time.add_uint32(Timestamp::nanos, rest);
 }
 
 template <typename Message>
