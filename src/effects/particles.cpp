@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/snow.hpp"
 #include "common/effects/weather.h"
 
 namespace gnosphere {
@@ -21,9 +22,6 @@ double perMetre(double decibelsPerKilometre) {
 /// large. The sum is 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2 = 0.024. The sum does not hold for the smaller
 /// droplets of fog, whose glory scatters more light back.
 constexpr double kDropReflectance = 0.024;
-/// Back-scatter of a snow flake relative to a Lambertian disc: a Lambertian sphere of reflectance 0.9 returns 2/3 of
-/// the light of a disc with that reflectance.
-constexpr double kFlakeReflectance = 0.6;
 /// Ratio of a flake's diameter to that of the drop to which it melts, for snow with a tenth of the density of water.
 constexpr double kFlakeWidening = 2.154;
 

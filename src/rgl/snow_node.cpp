@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/snow.hpp"
 #include "rgl/legacy.hpp"
 #include "rgl/node.hpp"
 
@@ -22,8 +23,6 @@ struct Snow {
   float threshold;    // share of a beam that the smallest flake with a return covers
 };
 
-/// The echo of a snow flake, as a share of that of a white surface of the same size: docs/effects/snow.md.
-constexpr double kFlakeReflectance = 0.6;
 /// The intensity of a white surface in RGL's textures.
 constexpr double kWhite = 255;
 
