@@ -16,8 +16,6 @@
 namespace gnosphere {
 namespace {
 
-constexpr double kFar = 16384;  // metres; from here on neighbouring floats are 2 mm apart, or more
-
 /// Whether a file states positions in single precision. OBJ has decimal numbers, and PLY both precisions.
 bool isInSingle(const std::filesystem::path& file) {
   const std::string ending = lower(file.extension().string());
@@ -77,9 +75,9 @@ std::string coarsePositions(const std::filesystem::path& file, const Scene& scen
     stretches[instance.mesh] = std::max(stretches[instance.mesh], stretchOf(instance.transform));
   double far = 0, step = 0;
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    if (stretches[i] * firstReachOf(scene.meshes[i]) < kFar / 2) continue;
+    if (stretches[i] * firstReachOf(scene.meshes[i]) < kCoarseFrom / 2) continue;
     const Reach reach = reachOf(scene.meshes[i]);
-    if (stretches[i] * reach.farthest < std::max(kFar, far) || reach.farthest < 4 * reach.halfSide) continue;
+    if (stretches[i] * reach.farthest < std::max(kCoarseFrom, far) || reach.farthest < 4 * reach.halfSide) continue;
     far = stretches[i] * reach.farthest;
     step = stretches[i] * (std::nextafter(reach.farthest, std::numeric_limits<float>::infinity()) - reach.farthest);
   }

@@ -20,6 +20,7 @@
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
 #include "scanning.hpp"
+#include "scene/coarse_positions.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -152,10 +153,9 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
 /// Warns if the points of a cloud in the world frame lie so far away that single precision has steps of more than a
 /// millimetre, and returns whether they do.
 bool warnOfSteps(const Scan& world) {
-  constexpr float kFar = 16384;  // metres; from here on neighbouring numbers are 2 mm apart, or more
   float farthest = 0;
   for (const float coordinate : world.points) farthest = std::max(farthest, std::abs(coordinate));
-  if (!(farthest >= kFar) || !std::isfinite(farthest)) return false;
+  if (!(farthest >= kCoarseFrom) || !std::isfinite(farthest)) return false;
   const double step = std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
   complain("warning: in the world frame points lie " + grouped(static_cast<uint64_t>(farthest)) +
            " m from the scene's origin, where the numbers of a cloud have steps of " + formatted("%.3g", step) +
