@@ -83,11 +83,10 @@ void Land::bush(double x, double y) {
 }
 
 void Land::row(double from, double to, int side, int depth, bool corners) {
-  constexpr int kWidths[] = {8, 10, 10, 12, 12, 14, 16};
   double along = from;
   bool first = true;
   while (to - along >= 8) {
-    int width = kWidths[dice_.below(7)];
+    int width = anyRowWidth(dice_);
     while (width > to - along) width -= 2;
     const bool last = to - along - width < 8;
     const Building building = anyRowBuilding(dice_, width, depth, corners && (first || last));

@@ -18,6 +18,11 @@ Surface anyWall(Dice& dice) {
   return kWalls[dice.below(5)];
 }
 
+int anyRowWidth(Dice& dice) {
+  constexpr int kWidths[] = {8, 10, 10, 12, 12, 14, 16};
+  return kWidths[dice.below(7)];
+}
+
 Building anyRowBuilding(Dice& dice, int width, int depth, bool corner) {
   Building building;
   constexpr BuildingKind kKinds[] = {BuildingKind::rowHouse, BuildingKind::rowHouse, BuildingKind::apartments,

@@ -52,10 +52,9 @@ int centimetres(double metres) {
 }
 
 constexpr double kCorner = kCornerRadius / 100.0;
-constexpr double kSettled = 55;  ///< metres: the four blocks around the origin and their streets are built first
 
 double reachOf(double x, double y) {
-  return std::max(0.0, std::max(std::abs(x), std::abs(y)) - kSettled);
+  return std::max(0.0, std::max(std::abs(x), std::abs(y)) - kBuiltFirst);
 }
 
 void addCrossing(Plan& plan, const Line& x, const Line& y) {

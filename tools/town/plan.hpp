@@ -36,6 +36,9 @@ struct Placement {
   double reach = 0;
 };
 
+/// Metres around the origin that are built first, in a grid the four blocks there and their streets.
+inline constexpr double kBuiltFirst = 55;
+
 /// Combines the distance of an object and that of its block.
 inline double blendedReach(double own, double block) {
   return 0.4 * own + 0.6 * block;

@@ -12,8 +12,7 @@ namespace {
 /// Returns the priority (Placement::reach) of an object at a distance from the middle: as in the grid, nearby objects
 /// come first.
 double reachOf(double distance, double ahead) {
-  constexpr double kSettled = 55;
-  return blendedReach(std::max(0.0, distance - ahead), std::max(0.0, distance - kSettled));
+  return blendedReach(std::max(0.0, distance - ahead), std::max(0.0, distance - kBuiltFirst));
 }
 
 Vec3 turned(const Vec3& v, double turns) {
@@ -126,7 +125,6 @@ void Roadside::addGarden(const Spot& spot, double width, Dice& dice) {
 }
 
 void Roadside::build(const Road& road, bool left, Dice& dice) {
-  constexpr int kWidths[] = {8, 10, 10, 12, 12, 14, 16};
   const int pick = dice.below(100);
   const bool gardens = pick >= 50 && pick < 80, offices = pick >= 80;
   const int depth = 10 + dice.below(3);
@@ -149,7 +147,7 @@ void Roadside::build(const Road& road, bool left, Dice& dice) {
                   dice.below(6)};
       gap = 7;
     } else {
-      building = anyRowBuilding(dice, kWidths[dice.below(7)], depth, true);
+      building = anyRowBuilding(dice, anyRowWidth(dice), depth, true);
     }
     const double middle = from + building.width / 2.0;
     if (middle + building.width / 2.0 > road.length - 2) break;
