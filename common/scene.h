@@ -15,6 +15,11 @@ GNO_CONST uint kVertexU16 = 1;      // unsigned integers of 16 bits
 GNO_CONST uint kVertexS16 = 2;      // signed ones
 GNO_CONST uint kVertexSnorm16 = 3;  // signed ones, of which -32768 means the same as -32767
 
+// The values of AlphaImage::Wrap in `alphaImages`: how texture coordinates outside 0..1 are read.
+GNO_CONST uint kWrapRepeat = 0;
+GNO_CONST uint kWrapMirror = 1;
+GNO_CONST uint kWrapClamp = 2;
+
 // Sensor frame = rows * (mesh position - pivot) + offset. The pivot is the sensor's position in the mesh frame,
 // rounded to float. Subtracting it first keeps the error relative to the distance from the sensor: near the sensor the
 // subtraction is exact.

@@ -2,9 +2,6 @@
 // Holes that a texture cuts into a surface: glTF's alpha mode MASK. The alpha value is that of the texel that contains
 // the point.
 
-// Values of AlphaImage::Wrap in kernels' data.
-const uint kWrapRepeat = 0, kWrapMirror = 1, kWrapClamp = 2;
-
 float wrapped(float value, uint wrap) {
   if (wrap == kWrapClamp) return clamp(value, 0.0, 1.0);
   precise float once = value - floor(value);

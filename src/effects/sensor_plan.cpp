@@ -104,6 +104,11 @@ std::vector<gpu::Optics4> opticsArray(const Scene& scene, const MaterialTable& t
   return result;
 }
 
+// The kernels take wraps by their numbers.
+static_assert(static_cast<uint32_t>(AlphaImage::Wrap::repeat) == gpu::kWrapRepeat);
+static_assert(static_cast<uint32_t>(AlphaImage::Wrap::mirror) == gpu::kWrapMirror);
+static_assert(static_cast<uint32_t>(AlphaImage::Wrap::clamp) == gpu::kWrapClamp);
+
 std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
   const auto arrays = std::make_shared<TextureArrays>();
   for (const AlphaImage& image : scene.alphaImages) {
