@@ -5,8 +5,10 @@
 #include <array>
 #include <bit>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <vector>
 
 #include "common/effects/bits.h"
 #include "common/options.h"
@@ -59,6 +61,12 @@ struct Options {
 using OptionWords = std::array<uint32_t, sizeof(Options) / sizeof(uint32_t)>;
 inline OptionWords wordsOf(const Options& options) {
   return std::bit_cast<OptionWords>(options);
+}
+/// Returns the options of a pipeline by its Plan::Pipeline::constants.
+inline Options optionsOf(const std::vector<uint32_t>& constants) {
+  OptionWords words = {};
+  for (size_t i = 0; i < words.size(); ++i) words[i] = constants.at(i);
+  return std::bit_cast<Options>(words);
 }
 
 /// Returns whether a scan computes a frame for each beam: BEAM_FRAMES of shaders/seen.glsl.

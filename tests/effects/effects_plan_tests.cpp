@@ -4,6 +4,7 @@
 
 #include "common/effects/bits.h"
 #include "cuda/twin.hpp"
+#include "pipeline/kernels.hpp"
 #include "scan_support.hpp"
 
 namespace gnosphere::test {
@@ -105,8 +106,10 @@ TEST_CASE("an effect that is off changes no constant, and a scan of geometry alo
   const Plan bare = planOf(scene, able(), Effects::none()), bareOnHost = planOnHost(scene, able(), Effects::none());
   for (const Plan::Stage& stage : bare.stages) {
     CHECK(stage.name != "effects");
-    for (const Plan::Pipeline& pipeline : stage.pipelines)
-      for (size_t constant : {9, 10}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
+    for (const Plan::Pipeline& pipeline : stage.pipelines) {
+      CHECK(optionsOf(pipeline.constants).EFFECTS == 0);
+      CHECK(optionsOf(pipeline.constants).FIELDS == 0);
+    }
   }
   // The host reads back only the packed word of each beam.
   CHECK(bare.stages.back().name == "resolve");
@@ -133,7 +136,7 @@ TEST_CASE("removing an effect from all effects clears its bit in every pipeline"
   const Plan all = planOnHost(scene, able(), everything()), onDevice = planOf(scene, able(), everything());
   for (const Plan::Stage& stage : onDevice.stages)
     for (const Plan::Pipeline& pipeline : stage.pipelines)
-      CHECK(pipeline.constants.at(9) == all.stages[0].pipelines[0].constants.at(9));
+      CHECK(optionsOf(pipeline.constants).EFFECTS == optionsOf(all.stages[0].pipelines[0].constants).EFFECTS);
   for (const Plan::Decision& decision : all.effects) {
     INFO(decision.effect << ": " << decision.reason);
     CHECK(decision.in);
@@ -148,7 +151,8 @@ TEST_CASE("removing an effect from all effects clears its bit in every pipeline"
     // Without sub-rays the surfaces of all beams are kept instead of lists; without transmission, chains and words.
     if (effectNames()[i] != "divergence" && effectNames()[i] != "transmission") CHECK(plan.bytes() <= all.bytes());
     for (const Plan::Stage& stage : plan.stages)
-      for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(9) >> i & 1) == 0);
+      for (const Plan::Pipeline& pipeline : stage.pipelines)
+        CHECK((optionsOf(pipeline.constants).EFFECTS >> i & 1) == 0);
   }
 }
 

@@ -5,11 +5,10 @@
 #include "effects/scan_support.hpp"
 #include "effects/street.hpp"
 #include "lists/list_sensors.hpp"
+#include "pipeline/kernels.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-constexpr size_t kPassConstant = 7;  // of shaders/options.glsl
 
 /// A town in which every second material lets light pass.
 const Scene& glassTown() {
@@ -138,7 +137,7 @@ TEST_CASE("the kernel of effects runs for the beams at panes alone if no field a
     const Plan plan = makeSimulator(glassTown(), heads()[1], options).plan();
     for (const Plan::Stage& stage : plan.stages)
       for (const Plan::Pipeline& pipeline : stage.pipelines)
-        if (pipeline.name == "effects") result.push_back(pipeline.constants.at(kPassConstant));
+        if (pipeline.name == "effects") result.push_back(optionsOf(pipeline.constants).PASS);
     return result;
   };
   CHECK(passes() == std::vector<uint32_t>{gpu::kPassEffectsListed});

@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
+#include "pipeline/kernels.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
@@ -69,10 +70,9 @@ void printStages(const Plan& plan) {
 
 /// Prints what the driver's compiler says of each pipeline.
 void printPipelines(const Plan& plan) {
-  constexpr size_t kPassConstant = 7;
   for (const Plan::Stage& stage : plan.stages)
     for (const Plan::Pipeline& pipeline : stage.pipelines) {
-      const uint32_t pass = pipeline.constants.at(kPassConstant);
+      const uint32_t pass = optionsOf(pipeline.constants).PASS;
       std::printf("\n%s%s: %u lanes, compiled in %.0f ms\n", pipeline.name.c_str(),
                   pass > 0 ? formatted(", pass %u", pass).c_str() : "", pipeline.subgroupSize, pipeline.compileMs);
       if (pipeline.statistics.empty()) std::printf("  the driver says nothing of it\n");
