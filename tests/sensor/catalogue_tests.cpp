@@ -117,6 +117,14 @@ TEST_CASE("docs/sensors.md lists every head with its modes and source") {
   }
 }
 
+TEST_CASE("pages that tell how many heads there are have the number of the catalogue") {
+  const std::string heads = std::to_string(sensorCatalogue().size()) + " real heads";
+  for (const char* page : {"../README.md", "instead-of.md", "tutorials/first-scan.md"}) {
+    INFO(page);
+    CHECK_THAT(readWholeFile(std::filesystem::path(GNOSPHERE_DOCS) / page), ContainsSubstring(heads));
+  }
+}
+
 TEST_CASE("heads of the catalogue have the figures of their sheets") {
   const Sensor puck = builtinSensor("puck");
   // Firing 1 of a sequence is at +1 degree, 2.304 us after firing 0, while the head turns on by 3600 degrees a second.
