@@ -34,12 +34,14 @@ enum class Kernel : uint32_t {
   records
 };
 
+inline constexpr size_t kKernelCount = static_cast<size_t>(Kernel::records) + 1;
+
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
       "fit_clusters", "place_instances", "beam_frames", "project_groups", "project_clusters",  "project_triangles",
       "bin",          "prefix_sum",      "resolve",     "effects_strays", "effects_footprint", "effects_panes",
       "effects",      "records"};
-  static_assert(std::size(kNames) == static_cast<size_t>(Kernel::records) + 1, "every kernel has a name");
+  static_assert(std::size(kNames) == kKernelCount, "every kernel has a name");
   return kNames[static_cast<uint32_t>(kernel)];
 }
 
