@@ -39,7 +39,6 @@ struct Frame {
   uint columns;
   uint rows;
   uint beams;
-  uint instanceCount;
   float rangeMin, rangeMax;
   float columnsPerRadian;
   float columnSlack;  // kAzimuthSlack in columns, plus the rounding of a column position
@@ -138,7 +137,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 156 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68 && sizeof(Shells) == 1412);
 }  // namespace gnosphere::gpu
 #endif

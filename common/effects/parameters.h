@@ -73,7 +73,7 @@ struct Particles {
 struct EffectParameters {
   Particles rain, snow;
   uint seedLow, seedHigh, sensor, frame;
-  uint subRays, volumeCount, deadBeams;
+  uint volumeCount, deadBeams;
   uint returnsMode, returnsPerBeam, intensityModel, intensityScale;
   uint angleNoiseAt;
   float attenuation;  // of CARLA's intensity
@@ -89,7 +89,7 @@ struct EffectParameters {
   float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
   uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
-  float padding0, padding1;
+  float padding0, padding1, padding2;
 };
 
 // Optical properties of one material.

@@ -65,7 +65,6 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   gpu::EffectParameters p = {};
   p.seedLow = uint32_t(effects.seed);
   p.seedHigh = uint32_t(effects.seed >> 32);
-  p.subRays = planned & gpu::kDivergence ? effects.divergence.subRays : 1;
   p.returnsMode = uint32_t(effects.returns.mode);
   p.returnsPerBeam = planned & gpu::kReturns ? returnsPerBeam(effects.returns, sensor) : 1;
   p.separation = float(effects.returns.separation);
@@ -99,8 +98,8 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.intensitySigma = float(effects.intensityNoise.sigma);
 
   const double horizontal = horizontalSpread(effects, sensor), vertical = verticalSpread(effects, sensor);
-  if (p.subRays > 1) {
-    const double perRay = 1 / std::sqrt(double(p.subRays));  // sub-rays stand for equal areas
+  if ((planned & gpu::kDivergence) != 0 && effects.divergence.subRays > 1) {
+    const double perRay = 1 / std::sqrt(double(effects.divergence.subRays));  // sub-rays stand for equal areas
     p.cellHorizontal = float(std::tan(horizontal / 2) * perRay);
     p.cellVertical = float(std::tan(vertical / 2) * perRay);
   }

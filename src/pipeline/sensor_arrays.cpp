@@ -271,7 +271,6 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   if (count > 1 && tables.listed) load(slot, {viewTables(views)});
   if (set.size() > 1 && !tables.startFarthest.empty()) load(slot, {startFarthest(slot.tables)});
   gpu::Frame content = frameOf(tables, count);
-  content.instanceCount = instances.count;
   content.projectedCapacity = slot.capacities.projected;
   content.tileCapacity = slot.capacities.tiles;
   content.candidateCapacity = slot.capacities.candidates;
