@@ -18,7 +18,7 @@
   ARRAY(readonly, uint, cellStarts)   /* of a list, per cell (row * columns + column) and at the end: its first beam */ \
   ARRAY(readonly, vec4, beamAngles)   /* per listed beam: cos, sin of its azimuth, cos, sin of its elevation */ \
   ARRAY(readonly, uint, beamNumbers)  /* per beam, by index: its number in a scan; kNone: none */ \
-  ARRAY(readonly, vec2, beamRanges)   /* per beam, by index: least and largest range, if ownRanges */ \
+  ARRAY(readonly, vec2, beamRanges)   /* per beam, by index: least and largest range, if hasBeamRanges */ \
   ARRAY(readonly, uvec2, startWords)  /* per place of a grid with holes: its word before anything is hit */ \
   ARRAY(readonly, uint, startFarthest)  /* `farthest` before anything is hit, if parts of the grid have no beams */ \
   ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \

@@ -34,7 +34,7 @@ struct SignalRecord {
   uint word;  // label | cause << 8 | number << 16 | count << 24
 };
 
-// All constants of a sensor that are not in tables.
+// The constants of a submission that are not in tables: of its sensor and views, and how much room its lists have.
 struct Frame {
   uint columns;
   uint rows;
@@ -59,7 +59,7 @@ struct Frame {
   float shellHint;                          // metres; a shell should end here; 0: nothing is known
   float spreadAcross;                       // like footprint, in azimuth and times the cosine of the elevation
   float spreadUp;                           // like footprint, in elevation
-  uint ownRanges;                           // 1 if beams have ranges of their own
+  uint hasBeamRanges;                       // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
   uint shellCount;                          // most shells of a scan

@@ -61,7 +61,7 @@ uint numberOf(uint index) { return numberIn(loadRow(rowOf(index)), index, column
 
 // Returns the least and the largest range of a beam.
 vec2 rangesOf(uint index) {
-  if (NUMBERED && frame.ownRanges != 0) return beamRanges.at[tableEntry(index)];
+  if (NUMBERED && frame.hasBeamRanges != 0) return beamRanges.at[tableEntry(index)];
   return vec2(frame.rangeMin, frame.rangeMax);
 }
 

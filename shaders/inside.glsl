@@ -105,7 +105,7 @@ bool mayMeet(Triangle triangle, Prepared prepared, vec3 side) {
 // The least and the largest range at which a hit of the beam with this index counts.
 vec2 windowOf(Prepared prepared, uint index) {
   vec2 window = prepared.window;
-  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[tableEntry(index)];
+  if (NUMBERED && frame.hasBeamRanges != 0) window = beamRanges.at[tableEntry(index)];
   if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
   return window;
 }

@@ -25,18 +25,7 @@ namespace {
 
 GNO_SAME_ENUM(Accuracy, {GNO_ACCURACY_PAPER, paper}, {GNO_ACCURACY_DRAFT, draft}, {GNO_ACCURACY_STANDARD, standard},
               {GNO_ACCURACY_EXACT, exact});
-GNO_SAME_ENUM(AccuracyParts::Bounds, {GNO_BOUNDS_PAPER, paper}, {GNO_BOUNDS_CORNERS, corners},
-              {GNO_BOUNDS_EXACT, exact});
-GNO_SAME_ENUM(AccuracyParts::Cull, {GNO_CULL_FIRST_CORNER, firstCorner}, {GNO_CULL_NEAREST_POINT, nearestPoint});
-GNO_SAME_ENUM(AccuracyParts::Inside, {GNO_INSIDE_PLAIN, plain}, {GNO_INSIDE_WATERTIGHT, watertight},
-              {GNO_INSIDE_EXACT, exact});
-GNO_SAME_ENUM(AccuracyParts::Range, {GNO_RANGE_PLANE, plane}, {GNO_RANGE_EDGE_WEIGHTS, edgeWeights},
-              {GNO_RANGE_EXACT, exact});
 GNO_SAME_ENUM(ReflectingFaces, {GNO_FACES_MATERIAL, material}, {GNO_FACES_FRONT, front}, {GNO_FACES_BOTH, both});
-GNO_SAME_ENUM(Binning, {GNO_BINNING_AUTOMATIC, automatic}, {GNO_BINNING_NEAREST, nearest}, {GNO_BINNING_LISTS, lists},
-              {GNO_BINNING_SLABS, slabs});
-GNO_SAME_ENUM(Culling::Occlusion, {GNO_OCCLUSION_AUTOMATIC, automatic}, {GNO_OCCLUSION_ALWAYS, always},
-              {GNO_OCCLUSION_NEVER, never});
 
 SensorRequest requestOf(const gno_request& from) {
   SensorRequest request;

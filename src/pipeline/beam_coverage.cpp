@@ -47,7 +47,7 @@ void setRanges(const Sensor& sensor, std::span<BeamTables> all) {
   }
   for (BeamTables& tables : all) {
     tables.frame.hidesNear = sensor.nearHits == NearHits::hide;
-    tables.frame.ownRanges = own;
+    tables.frame.hasBeamRanges = own;
     tables.frame.rangeMin = widest.x;
     tables.frame.rangeMax = widest.y;
     if (!own) tables.ranges.clear();

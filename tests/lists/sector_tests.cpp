@@ -76,7 +76,7 @@ TEST_CASE("the columns and slabs of a sector are those with beams, also across t
     const gpu::Frame& frame = tables.frame;
     CHECK(tables.mapped);
     CHECK(tables.ranges.empty());
-    CHECK(frame.ownRanges == 0);
+    CHECK(frame.hasBeamRanges == 0);
     requireFewestPlaces(tables);
     CHECK(frame.beamColumnCount == sensor.columns);
   }
