@@ -61,6 +61,7 @@ struct Frame {
   float spreadUp;                           // like footprint, in elevation
   uint hasBeamRanges;                       // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
+  float steepest;                           // largest elevation key of a beam, upwards or downwards
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
   uint shellCount;                          // most shells of a scan
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
@@ -137,7 +138,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 156 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68 && sizeof(Shells) == 1412);
 }  // namespace gnosphere::gpu
 #endif

@@ -69,8 +69,8 @@ void seemInMotion(vec3 low, vec3 high, float shift, float turn) {
 void widenBySeeming(inout Outline outline, inout Box box) {
   outline.keyMin -= seemingUp;
   outline.keyMax += seemingUp;
-  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6), across = seemingAcross * inverse;
-  if (spreadAcross() * inverse > 0.5) {
+  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp()), across = seemingAcross * perRadian;
+  if (spreadAcross() * perRadian > 0.5) {
     box.columnMin = 0.0;
     box.columnMax = float(frame.columns);
   } else {
@@ -96,6 +96,9 @@ uint seeingColumn(mat3 corners, mat3 velocities) {
   return uint(clamp(placeOf(middle), 0.0, last));
 }
 
+// The largest angle in radians by which a triangle with one box may appear elsewhere during the scan.
+const float kMostSeeming = 0.25;
+
 // Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
 // columns are unwrapped so that they lie around `at`. Returns false if the triangle moves too fast for this, or if both
 // the start and the end of the scan may see it.
@@ -107,21 +110,22 @@ bool widenByMotion(uint at, mat3 seen, Course course, inout Outline outline, ino
   box.columnMax += wrap;
   // Radians per column, and columns per column, which grows towards the poles.
   float perColumn = seemingAngle(course.perColumn, motion.turnPerColumn, course.nearest);
-  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
-  float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
+  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp() + kMostSeeming);
+  float ratio = perColumn * perRadian * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
   float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
-  if (ORIGINS) reach += seemingAngle(motion.left, 0.0, course.nearest) * inverse * frame.columnsPerRadian;
+  if (ORIGINS) reach += seemingAngle(motion.left, 0.0, course.nearest) * perRadian * frame.columnsPerRadian;
   // Rows with shifts look in that direction earlier or later.
   if (STAGGERED) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
   seemInMotion(lowestOf(seen), highestOf(seen), course.perColumn * columnsAway + course.rounding,
                motion.turnPerColumn * columnsAway);
-  if (seeming > 0.25) return false;
+  if (seeming > kMostSeeming) return false;
   widenBySeeming(outline, box);
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
   float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
-  float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  float margin = 1.05 * apart * azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp() + apart) *
+                 frame.columnsPerRadian;
   vec2 shifts = STAGGERED ? vec2(frame.shiftMin, frame.shiftMax) : vec2(0.0);
   return box.columnMin >= margin + shifts.y + BESIDE && box.columnMax <= turnColumns - 1.0 - margin + shifts.x;
 }

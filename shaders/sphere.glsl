@@ -51,13 +51,21 @@ float spreadUp() { return (SPREADS ? frame.spreadUp : 0.0) + seemingUp; }
 // Elevation keys are widened by this much; a key changes by at most 1 per radian.
 float keySlack() { return kKeySlack + spreadUp(); }
 
-// Columns are widened by this many. Towards the poles an angle is a larger azimuth, asin(angle / cos(elevation)). Up
-// to half a radian this is at most 1.05 times angle / cos(elevation); beyond, every column is covered. 1 - |key| is no
-// larger than the cosine, so it may replace it.
+// Towards the poles an angle is a larger azimuth, asin(angle / cos(elevation)). Up to half a radian this is at most 1.05
+// times angle / cos(elevation). 1 - |key| is no larger than the cosine, so it may replace it.
+float azimuthPerRadian(float key) { return 1.0 / max(1.0 - key, 1e-6); }
+
+// The largest azimuth by which content with elevation keys keyMin..keyMax appears elsewhere, per radian. Only content at
+// the elevations of beams counts; beams see it `up` radians higher or lower.
+float azimuthPerRadianSeen(float keyMin, float keyMax, float up) {
+  return azimuthPerRadian(min(max(-keyMin, keyMax), frame.steepest + kKeySlack + up));
+}
+
+// Columns are widened by this many; beyond half a radian, every column is covered.
 float columnSlack(float keyMin, float keyMax) {
-  float inverse = 1.0 / max(1.0 - max(-keyMin, keyMax), 1e-6);
-  float spread = 1.05 * spreadAcross() * inverse;
-  return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
+  float spread = 1.05 * spreadAcross() * azimuthPerRadianSeen(keyMin, keyMax, spreadUp());
+  float rounding = frame.columnSlack * azimuthPerRadian(max(-keyMin, keyMax));
+  return spread > 0.5 ? float(frame.columns) : (rounding + spread * frame.columnsPerRadian);
 }
 
 // Sets the angles by which the contents of a box appear to move if seen from lasers away from the sensor's origin. A

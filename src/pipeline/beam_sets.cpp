@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "base/limits.hpp"
+#include "base/units.hpp"
+#include "base/vector.hpp"
 #include "pipeline/beam_cells.hpp"
 #include "pipeline/beam_places.hpp"
 #include "pipeline/resolve_words.hpp"
@@ -17,6 +19,17 @@ namespace {
 
 using gpu::Array;
 
+// Returns the largest elevation key of a beam, upwards or downwards.
+float steepestOf(const Sensor& sensor) {
+  double steepest = 0;
+  for (const Channel& channel : sensor.channels)
+    steepest = std::max(steepest, std::abs(elevationKey(channel.elevationDeg * kDegree)));
+  for (const BeamList& pattern : sensor.patterns)
+    for (const Vec3& along : pattern.directions)
+      steepest = std::max(steepest, std::abs(along.z) / (std::abs(along.z) + lengthOf(along.x, along.y)));
+  return static_cast<float>(steepest);
+}
+
 std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGroup> groups) {
   std::vector<BeamTables> all;
   if (plan.listed)
@@ -24,11 +37,13 @@ std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGr
   else
     all = {plan.rows ? makeRowTables(plan.sensor, *plan.rows, *groups[0].group) : makeBeamTables(plan.sensor)};
   const bool apart = std::ranges::any_of(groups, [](const FiredGroup& of) { return of.group->lasers.distance > 0; });
+  const float steepest = steepestOf(plan.sensor);
   for (BeamTables& tables : all) {
     tables.apart = apart;
     tables.frame.footprint = plan.spread.angle;
     tables.frame.spreadAcross = plan.spread.across;
     tables.frame.spreadUp = plan.spread.up;
+    tables.frame.steepest = steepest;
     if (tables.listed || !plan.motion()) continue;
     for (const gpu::Row& row : tables.rows) {
       const Vec3 &at = plan.sensor.channels[row.channel].origin, &centre = groups[0].group->lasers.centre;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists whose beams are a vertical fan: a scanner in an aircraft, whose mirror sweeps lines.
+// Lists whose beams lie in a plane: the mirror of a scanner in an aircraft sweeps lines, that of a profiler turns.
 #include <numbers>
 
 #include "base/vector.hpp"
@@ -38,7 +38,54 @@ Scene leaves() {
   return scene;
 }
 
+/// The beams of a turn of a profiler, from `least` degrees below its plane to as far above it.
+Sensor profiler(double leastDeg) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  BeamList turn;
+  for (uint32_t i = 0; i < 720; ++i) {
+    turn.directions.push_back(directionAt((0.5 * i - 180) * kDegree, leastDeg * (i % 3 - 1.0) * kDegree));
+    turn.times.push_back(0.05 / 720 * i);
+  }
+  return listSensor("profiler", std::move(turn));
+}
+
+/// A tunnel of 64 walls along z, each of two triangles 1 km long.
+Scene tunnel() {
+  constexpr int kWalls = 64;
+  MeshBuilder builder;
+  const auto cornerAt = [](int k) { return 3.0 * directionAt(2 * std::numbers::pi * k / kWalls, 0); };
+  for (int k = 0; k < kWalls; ++k)
+    builder.quad(cornerAt(k) + Vec3{0, 0, -500}, cornerAt(k + 1) + -1.0 * cornerAt(k), {0, 0, 1000});
+  Scene scene;
+  scene.materials = {lambertian(0.5f, "concrete")};
+  scene.materials[0].doubleSided = true;
+  scene.meshes = {builder.take()};
+  scene.instances = {{"tunnel", 0, {}}};
+  return scene;
+}
+
 }  // namespace
+
+TEST_CASE("walls along the way of a profiler are bounded at the elevations of its beams") {
+  needVulkan();
+  const Scene scene = tunnel();
+  TestOptions options = optionsOn("vulkan"), truth = optionsOn("reference");
+  options.effects = Effects::none();
+  options.effects.sensorMotion.use = EffectUse::on;
+  truth.effects = options.effects;
+  Shot shot;
+  Pose end;
+  end.position.z = 1.5;
+  shot.motion.stamps = {{0, Pose()}, {0.05, end}};
+  for (const double leastDeg : {0.0, 20.0}) {
+    INFO(leastDeg << " degrees");
+    const Sensor sensor = profiler(leastDeg);
+    const Scan scan = scanOn(scene, sensor, shot, options);
+    requireSame(scanOn(scene, sensor, shot, truth), scan);
+    CHECK(scan.counters.hits == 720);
+    CHECK(scan.counters.projected < 500);  // of 128 triangles, each of which may have several boxes
+  }
+}
 
 TEST_CASE("leaves beside a fan of beams that fire in turn are not projected, standing and moving") {
   needVulkan();

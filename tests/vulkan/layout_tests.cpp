@@ -66,7 +66,7 @@ const Layouts kShared = {
     STRUCT(Frame, columns, rows, beams, rangeMin, rangeMax, columnsPerRadian, columnSlack, projectedCapacity,
            tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin, shiftMax, beside,
            momentsBefore, momentsAfter, stretch, footprint, slabShift, cullWorkgroups, triangleWorkgroups,
-           shellClusters, shellHint, spreadAcross, spreadUp, hasBeamRanges, hidesNear, phase, shellCount, slabFirst,
+           shellClusters, shellHint, spreadAcross, spreadUp, hasBeamRanges, hidesNear, steepest, phase, shellCount, slabFirst,
            slabCount, beamColumnFirst, beamColumnCount, views, moments, scanBeams, table, lookupCells),
     STRUCT(Row, angles, channel, azimuths, first, lag, behind),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
