@@ -103,14 +103,14 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    if (error.get_exit_code() == 0) return cli::checkedOutput(app.exit(error), 1);  // --help and --version
     cli::complain(std::string(error.what()) + " (see gnosphere-bench --help)");
     return 2;
   }
   for (const auto& [command, action] : cases) {
     if (!command->parsed()) continue;
     try {
-      return action();
+      return cli::checkedOutput(action(), 1);
     } catch (const Error& error) {
       cli::complain(error.what());
       return error.code() == ErrorCode::invalidArgument ? 2 : 1;

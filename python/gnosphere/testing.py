@@ -10,6 +10,7 @@ pytest finds it where gnosphere is installed. `pytest --gnosphere-update` writes
 import html
 import os
 import shlex
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,11 +127,8 @@ class GoldenCloud:
             return
         if not golden.exists():
             pytest.fail(f"there is no golden cloud {golden}; look at the scan, then run pytest --gnosphere-update", False)
-        made = self.pages / file
-        made.parent.mkdir(parents=True, exist_ok=True)
-        write_cloud(scan, made, options)
-        if made.read_bytes() == golden.read_bytes():
-            made.unlink()
+        content = _bytes_of(scan, file, options)
+        if content == golden.read_bytes():
             return
         before = read_cloud(golden)
         shapes = [(cloud.channels, cloud.columns, cloud.returns) for cloud in (before, scan)]
@@ -147,15 +145,28 @@ class GoldenCloud:
         found = difference(before, scan, {} if exact else limits)
         counts = found.counts()
         if not exact and sum(counts.values()) <= allowed:
-            made.unlink()
             return
         if exact:
             found = difference(before, scan, dict.fromkeys(limits, 0.0))
             counts = found.counts()
         said = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "values of other fields differ"
-        page = self.pages / f"{name}.html"
-        page.write_text(page_of(name, golden, made, before, scan, found, said))
-        pytest.fail(f"{name} differs from its golden cloud: {said}; look at {page}", False)
+        made, page = self.pages / file, self.pages / f"{name}.html"
+        try:
+            made.parent.mkdir(parents=True, exist_ok=True)
+            made.write_bytes(content)
+            page.write_text(page_of(name, golden, made, before, scan, found, said))
+            where = f"look at {page}"
+        except OSError as error:
+            where = f"a page that shows it cannot be written ({error}); name a folder with --gnosphere-pages"
+        pytest.fail(f"{name} differs from its golden cloud: {said}; {where}", False)
+
+
+def _bytes_of(scan: Scan, file: str, options: CloudOptions) -> bytes:
+    """The file of a cloud, which is written nowhere near the tests: their folder may be read-only, or shared."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / Path(file).name
+        write_cloud(scan, path, options)
+        return path.read_bytes()
 
 
 def page_of(name: str, golden: Path, made: Path, before: Scan, scan: Scan, found: Difference, said: str) -> str:

@@ -76,6 +76,14 @@ def test_the_same_scan_passes_and_leaves_nothing(run, pytester):
     assert not list((Path(pytester.path) / "gnosphere-pages").glob("*"))
 
 
+def test_a_scan_is_compared_where_no_page_can_be_written(run, pytester):
+    (Path(pytester.path) / "gnosphere-pages").write_text("no folder")
+    run('golden_cloud("wall", wall(10))').assert_outcomes(passed=1)
+    done = run('golden_cloud("wall", wall(10.05))')
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*another range; a page that shows it cannot be written (*--gnosphere-pages"])
+
+
 def test_another_range_fails_and_leaves_a_page(run, pytester):
     done = run('golden_cloud("wall", wall(10.05))')
     done.assert_outcomes(failed=1)

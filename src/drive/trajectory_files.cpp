@@ -159,8 +159,11 @@ Stamps readCarlaRoute(const std::filesystem::path& file, const TrajectoryFileOpt
   if (!route) refuse(options.route.empty() ? "has no route" : "has no route '" + options.route + "'");
   Stamps stamps;
   const auto add = [&](const pugi::xml_node& place) {
-    const Vec3 p = fromCarla({place.attribute("x").as_double(NAN), place.attribute("y").as_double(NAN),
-                              place.attribute("z").as_double(NAN)});
+    const auto number = [&](const char* name) {
+      const std::vector<double> one = parseNumbers(place.attribute(name).value(), ' ');
+      return one.size() == 1 ? one[0] : std::numeric_limits<double>::quiet_NaN();
+    };
+    const Vec3 p = fromCarla({number("x"), number("y"), number("z")});
     if (!std::isfinite(p.x + p.y + p.z)) refuse("has a waypoint without finite x, y and z");
     double time = 0;
     if (!stamps.empty()) {

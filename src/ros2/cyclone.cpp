@@ -57,7 +57,7 @@ class Domain {
     needThreads();
     const dds_entity_t made = dds_create_domain(number, configuration(discovery).c_str());
     if (made != DDS_RETCODE_PRECONDITION_NOT_MET)  // another part of the process has made it
-      domain_ = entityOf(made, "the domain");
+      domain_ = entityOf(made, "the domain, which needs a network interface,");
     participant_ = dds_create_participant(number, nullptr, nullptr);
     if (participant_ < 0 && domain_ > 0) dds_delete(domain_);
     entityOf(participant_, "the participant");

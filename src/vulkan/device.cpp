@@ -46,8 +46,7 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& 
     if (byUuid ? info.uuid == choice.uuid : any ? info.usable : named(i)) matches.push_back(i);
   }
   if (devices.empty())
-    throw Error(ErrorCode::device,
-                std::string("no Vulkan device was found; ") + driverAdvice + "; or use the device 'reference'");
+    throw Error(ErrorCode::device, "no Vulkan device was found; " + driverRemedy() + "; or use the device 'reference'");
   if (matches.empty() && byUuid)
     throw Error(ErrorCode::device, "the device with the chosen UUID is no longer there" + seen);
   if (matches.empty() && any) throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
@@ -149,7 +148,18 @@ void Device::makeOwn() {
   info.enabledExtensionCount = static_cast<uint32_t>(needed.extensions.size());
   info.ppEnabledExtensionNames = needed.extensions.data();
   VkDevice device = VK_NULL_HANDLE;
-  VK(instanceFunctions_.vkCreateDevice(physical_, &info, nullptr, &device));
+  VkResult made = VK_SUCCESS;
+  try {
+    made = instanceFunctions_.vkCreateDevice(physical_, &info, nullptr, &device);
+  } catch (...) {  // Mesa's compiler throws std::bad_alloc through the loader, whose lock then stays taken for ever
+    (void)instance_.release();
+    throw Error(ErrorCode::outOfMemory, "there is too little memory for the driver of '" + capabilities_.info.name +
+                                            "'; limits such as ulimit -v count, too");
+  }
+  if (made == VK_ERROR_UNKNOWN)  // what Mesa gives if it cannot start its threads
+    throw Error(ErrorCode::device, "the driver cannot make the device '" + capabilities_.info.name +
+                                       "'; may this process start threads (ulimit -u, pids.max)?");
+  VK(made);
   vk_ = functionsOf(instanceFunctions_.vkGetDeviceProcAddr, device);
   device_ = {device, vk_.vkDestroyDevice};
   vk_.vkGetDeviceQueue(device, capabilities_.queueFamily, 0, &queue_);
@@ -214,7 +224,7 @@ std::vector<DeviceInfo> listVulkanDevices(std::string* problem) {
     const vulkan::ApiInstance instance(false);
     for (VkPhysicalDevice physical : instance.physicalDevices())
       devices.push_back(vulkan::capabilitiesOf(instance.functions(), physical).info);
-    if (devices.empty() && problem) *problem = std::string("no Vulkan device was found; ") + vulkan::driverAdvice;
+    if (devices.empty() && problem) *problem = "no Vulkan device was found; " + vulkan::driverRemedy();
   } catch (const Error& error) {
     if (problem) *problem = error.what();
   }

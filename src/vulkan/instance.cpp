@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -28,7 +29,7 @@ Loader openLoader() {
   if (library)
     loader.lookUp = reinterpret_cast<PFN_vkGetInstanceProcAddr>(os::symbolOf(library, "vkGetInstanceProcAddr"));
   if (!loader.lookUp)
-    throw Error(ErrorCode::device, "no Vulkan loader (" + names[0] + ") and driver was found; " + driverAdvice);
+    throw Error(ErrorCode::device, "no Vulkan loader (" + names[0] + ") and driver was found; " + driverRemedy());
   loader.createInstance = reinterpret_cast<PFN_vkCreateInstance>(loader.lookUp(nullptr, "vkCreateInstance"));
   loader.extensions = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
       loader.lookUp(nullptr, "vkEnumerateInstanceExtensionProperties"));
@@ -78,6 +79,14 @@ VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
   return create;
 }
 
+// The loader says no more of drivers that it cannot load than a number.
+void checkDrivers(VkResult result, const char* call) {
+  if (result == VK_SUCCESS) return;
+  throw Error(result == VK_ERROR_OUT_OF_HOST_MEMORY ? ErrorCode::outOfMemory : ErrorCode::device,
+              "no Vulkan driver can be loaded: " + std::string(call) + " gave " + resultName(result) +
+                  "; VK_LOADER_DEBUG=error,driver prints why, and " + driverRemedy());
+}
+
 using Uuid = std::array<uint8_t, VK_UUID_SIZE>;
 
 // Returns the UUIDs of a device and of its driver. Before Vulkan 1.1 a device has none, and both are zeros.
@@ -91,6 +100,14 @@ std::pair<Uuid, Uuid> uuidsOf(const InstanceFunctions& vk, VkPhysicalDevice devi
 }
 
 }  // namespace
+
+std::string driverRemedy() {
+  for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+    if (const char* files = std::getenv(variable))
+      return "the variable " + std::string(variable) + " is '" + files +
+             "' and hides all other drivers: unset it, or " + driverAdvice;
+  return driverAdvice;
+}
 
 const char* resultName(VkResult result) {
   switch (result) {
@@ -106,6 +123,7 @@ const char* resultName(VkResult result) {
     case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
     case VK_ERROR_TOO_MANY_OBJECTS: return "VK_ERROR_TOO_MANY_OBJECTS";
     case VK_ERROR_OUT_OF_POOL_MEMORY: return "VK_ERROR_OUT_OF_POOL_MEMORY";
+    case VK_ERROR_UNKNOWN: return "VK_ERROR_UNKNOWN";
     default: return "VkResult";
   }
 }
@@ -162,8 +180,8 @@ ApiInstance::ApiInstance(bool validation) {
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
     throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw Error(ErrorCode::device, std::string("no Vulkan driver was found; ") + driverAdvice);
-  check(result, "vkCreateInstance");
+    throw Error(ErrorCode::device, "no Vulkan driver was found; " + driverRemedy());
+  checkDrivers(result, "vkCreateInstance");
   functions_ = functionsOf(vulkanLoader().lookUp, instance);
   instance_ = {instance, functions_.vkDestroyInstance};
   if (!validation) return;
@@ -180,7 +198,7 @@ ApiInstance::ApiInstance(bool validation) {
 // The loader lists a device once for each manifest of its driver, and containers often have two.
 std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
   uint32_t count = 0;
-  VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, nullptr));
+  checkDrivers(functions_.vkEnumeratePhysicalDevices(handle(), &count, nullptr), "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> listed(count), devices;
   if (count > 0) VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, listed.data()));
   std::vector<std::pair<Uuid, Uuid>> seen;  // of the device and of its driver

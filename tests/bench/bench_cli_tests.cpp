@@ -192,6 +192,9 @@ TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid c
   const Workplace place;
   CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);
   CHECK(place.run("table3 --runs 0", "", kBench).status == 2);
+  const Result full = place.run("-c \"'" + kBench + "' --help >/dev/full\"", "", "/bin/sh");
+  CHECK(full.status == 1);
+  CHECK_THAT(full.err, ContainsSubstring("the standard output is not complete"));
   CHECK(place.run("table3 --trajectory none.txt", "", kBench).status == 1);
   CHECK(place.run("table3 --json no/r.json", "", kBench).status == 1);
   CHECK(place.run("real", "", kBench).status == 2);

@@ -4,6 +4,7 @@
 
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <clocale>
 #include <cmath>
 #include <thread>
 
@@ -102,6 +103,20 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
   REQUIRE(stops.size() == 3);  // a place that is there twice takes no time
   CHECK(stops[1].time == 2);
   CHECK(stops[2].time == 5);
+
+  std::setlocale(LC_NUMERIC, "de_DE.utf8");  // numbers have commas there, if the machine has this locale
+  const auto halves = read("h.xml",
+                           "<routes><route><waypoint x='0.5' y='-1.25' z='0'/><waypoint x='2.5' y='-1.25' z='0'/>"
+                           "</route></routes>",
+                           "carla-route", {.speed = 0.5});
+  std::setlocale(LC_NUMERIC, "C");
+  REQUIRE(halves.size() == 2);
+  CHECK(halves[0].pose.position == Vec3{0.5, 1.25, 0});
+  CHECK(halves[1].time == 4);
+  for (const char* other : {"x='1,5' y='0' z='0'", "x='1' y='0'", "x='1 2' y='0' z='0'"})
+    CHECK_THROWS_WITH(read("o.xml", "<routes><route><waypoint " + std::string(other) + "/></route></routes>",
+                           "carla-route", {.speed = 1}),
+                      ContainsSubstring("without finite x, y and z"));
 
   CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
   CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));

@@ -586,7 +586,21 @@ TEST_CASE("without a Vulkan driver one line says how to get one") {
   const Result scan = place.run("scan floor.obj", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
   CHECK(scan.status == 1);
   CHECK_THAT(scan.err, ContainsSubstring("apt install mesa-vulkan-drivers brings one") && EndsWith("\n"));
+  CHECK_THAT(scan.err, ContainsSubstring("VK_DRIVER_FILES is '/nonexistent' and hides all other drivers: unset it"));
   CHECK(std::count(scan.err.begin(), scan.err.end(), '\n') == 1);
+  place.put("bad.json", "no manifest");
+  const Result bad = place.run("scan floor.obj", "VK_DRIVER_FILES=bad.json VK_ICD_FILENAMES=bad.json");
+  CHECK(bad.status == 1);
+  CHECK_THAT(bad.err, ContainsSubstring("VK_DRIVER_FILES is 'bad.json' and hides all other drivers: unset it"));
+  CHECK(std::count(bad.err.begin(), bad.err.end(), '\n') == 1);
+}
+
+TEST_CASE("a drive through a town needs a name of the town that JSON can have") {
+  const Workplace place;
+  const Result town = place.run("town -o 'a\xff.glb' --drive a.json --triangles 1000");
+  CHECK(town.status == 2);
+  CHECK_THAT(town.err, ContainsSubstring("JSON, which is UTF-8"));
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
 }
 
 TEST_CASE("if the disk fills up, the old file stays and no partial file is left") {

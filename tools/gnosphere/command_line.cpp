@@ -76,23 +76,6 @@ class HelpFormatter : public CLI::Formatter {
   size_t columns_ = textColumns();
 };
 
-/// Returns the exit status of a call: `failed`, with a message, if the standard output has lost what was printed.
-/// Whoever closes a pipe, as `head` does, wants no more, so then there is no message.
-int checkedOutput(int status, int failed) {
-  if (std::fflush(stdout) == 0) {
-    if (std::ferror(stdout) == 0) return status;
-    errno = 0;
-    std::clearerr(stdout);  // what failed before has left no reason; one more byte fails for the same
-    std::fputc('\n', stdout);
-    std::fflush(stdout);
-  }
-  constexpr int kBrokenPipe = 128 + 13;  // what shells report of a program that the signal SIGPIPE ends
-  if (errno == EPIPE) return kBrokenPipe;
-  complain("the standard output is not complete: it cannot be written" +
-           (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
-  return failed;
-}
-
 /// Says which word of a call is none of the command's, or that there is no such command.
 std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chosen) {
   const std::vector<std::string> words = chosen.empty() ? app.remaining() : chosen[0]->remaining();

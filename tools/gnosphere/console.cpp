@@ -2,11 +2,15 @@
 #include "console.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <string_view>
 
 #include "base/os.hpp"
 #include "base/path.hpp"
@@ -24,12 +28,37 @@ bool parsePair(const std::string& text, char separator, bool optional, uint64_t&
   return parse(text.data(), text.data() + at, a) && parse(text.data() + at + 1, text.data() + text.size(), b);
 }
 
+namespace {
+
+/// Whether a progress bar can be drawn and erased.
+bool showsProgress() {
+  const char* kind = std::getenv("TERM");
+  return os::isTerminal(stderr) && !(kind && std::string_view(kind) == "dumb");
+}
+
+}  // namespace
+
 void complain(const std::string& message) {
   std::string line = message;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);                                           // keeps the order of the two streams on a terminal
-  const char* erase = os::isTerminal(stderr) ? "\r\x1b[K" : "";  // a progress bar may be on this line
+  std::fflush(stdout);                                    // keeps the order of the two streams on a terminal
+  const char* erase = showsProgress() ? "\r\x1b[K" : "";  // a progress bar may be on this line
   std::fprintf(stderr, "%sgnosphere: %s\n", erase, printable(line).c_str());
+}
+
+int checkedOutput(int status, int failed) {
+  if (std::fflush(stdout) == 0) {
+    if (std::ferror(stdout) == 0) return status;
+    errno = 0;
+    std::clearerr(stdout);  // what failed before has left no reason; one more byte fails for the same
+    std::fputc('\n', stdout);
+    std::fflush(stdout);
+  }
+  constexpr int kBrokenPipe = 128 + 13;  // what shells report of a program that the signal SIGPIPE ends
+  if (errno == EPIPE) return kBrokenPipe;
+  complain("the standard output is not complete: it cannot be written" +
+           (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
+  return failed;
 }
 
 std::string grouped(uint64_t number) {
@@ -153,7 +182,7 @@ bool ProgressLines::isDue(uint64_t done, uint64_t total, double nowMs) {
 Progress::Progress(const char* what, uint64_t total, bool lines)
     : what_(what),
       total_(total),
-      terminal_(os::isTerminal(stderr)),
+      terminal_(showsProgress()),
       inLines_(lines && !terminal_),
       startMs_(nowMs()),
       lastMs_(startMs_),
@@ -183,9 +212,11 @@ void Progress::step(uint64_t done, uint64_t total) {
   lastMs_ = now;
   shown_ = true;
   constexpr uint64_t kCells = 24;
-  const uint64_t full = kCells * done / total;
-  std::fprintf(stderr, "\r\x1b[K[%s%s] %s", std::string(full, '#').c_str(), std::string(kCells - full, ' ').c_str(),
-               text.c_str());
+  const uint64_t full = kCells * done / total, columns = os::terminalColumns(stderr);
+  const std::string bar = "[" + std::string(full, '#') + std::string(kCells - full, ' ') + "] ";
+  std::string line = columns == 0 || bar.size() + text.size() < columns ? bar + text : text;
+  if (columns > 0 && line.size() >= columns) line.resize(columns - 1);
+  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
 }
 
 std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {

@@ -16,6 +16,10 @@ bool parsePair(const std::string& text, char separator, bool optional, uint64_t&
 /// Prints `gnosphere: message` as one line on stderr.
 void complain(const std::string& message);
 
+/// Returns the exit status of a call: `failed`, with a message, if the standard output has lost what was printed.
+/// Whoever closes a pipe, as `head` does, wants no more, so then there is no message.
+int checkedOutput(int status, int failed);
+
 std::string grouped(uint64_t number);  ///< 1234567 -> 1,234,567
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 std::string metres(double value);     ///< 0.00059 -> 5.90e-04

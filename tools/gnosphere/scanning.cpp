@@ -310,8 +310,9 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::vector<s
     for (const std::string& input : inputs)
       if (std::filesystem::equivalent(pathOf(file), pathOf(input), absent))
         throw Error(ErrorCode::invalidArgument, file + " is read, too, as " + input + "; choose another output file");
-    const std::filesystem::path own = std::filesystem::absolute(writePlaceOf(pathOf(file)).file),
-                                place = std::filesystem::weakly_canonical(own, absent);
+    const std::filesystem::path own = std::filesystem::absolute(writePlaceOf(pathOf(file)).file, absent);
+    if (absent) throw Error(ErrorCode::file, file + ": the working directory is gone: " + absent.message());
+    const std::filesystem::path place = std::filesystem::weakly_canonical(own, absent);
     if (!seen.insert(absent ? own : place).second)
       throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
     checkWritable(pathOf(file));

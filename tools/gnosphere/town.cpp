@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "base/path.hpp"
+#include "base/utf8.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "town_drive.hpp"
@@ -38,6 +39,9 @@ int runTown(const TownCall& call) {
   }
   if (!call.example.empty() && pathOf(call.example).extension() != ".json")
     throw Error(ErrorCode::invalidArgument, "--drive: " + call.example + ": the name must end in .json");
+  if (!call.example.empty() && toUtf8(file.filename().string()) != file.filename().string())
+    throw Error(ErrorCode::invalidArgument,
+                "--drive: " + call.file + ": a drive file names it, in JSON, which is UTF-8; choose such a name");
   checkWritable(file);  // fails before the work, not after it
   if (!call.example.empty())
     for (const std::filesystem::path& part : townDriveFiles(pathOf(call.example))) {
