@@ -7,8 +7,8 @@
 
 namespace gnosphere::vulkan {
 
-/// What brings a Vulkan driver. A package that has a way of its own to bring one says so before anything else calls the
-/// library.
+/// Advice on how to get a Vulkan driver. A package that has a way of its own to bring one says so before anything else
+/// calls the library.
 inline const char* driverAdvice = os::vulkanAdvice();
 
 /// The end of messages that no Vulkan driver is there: the advice, or the variable that names other drivers.
