@@ -61,7 +61,7 @@ struct Frame {
   float spreadUp;                           // like footprint, in elevation
   uint hasBeamRanges;                       // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
-  float steepest;                           // largest elevation key of a beam, upwards or downwards
+  float steepest;                           // largest elevation key of a line of light, upwards or downwards
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
   uint shellCount;                          // most shells of a scan
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0

@@ -69,7 +69,7 @@ void seemInMotion(vec3 low, vec3 high, float shift, float turn) {
 void widenBySeeming(inout Outline outline, inout Box box) {
   outline.keyMin -= seemingUp;
   outline.keyMax += seemingUp;
-  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp()), across = seemingAcross * perRadian;
+  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, seemingUp), across = seemingAcross * perRadian;
   if (spreadAcross() * perRadian > 0.5) {
     box.columnMin = 0.0;
     box.columnMax = float(frame.columns);
@@ -110,7 +110,7 @@ bool widenByMotion(uint at, mat3 seen, Course course, inout Outline outline, ino
   box.columnMax += wrap;
   // Radians per column, and columns per column, which grows towards the poles.
   float perColumn = seemingAngle(course.perColumn, motion.turnPerColumn, course.nearest);
-  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp() + kMostSeeming);
+  float perRadian = azimuthPerRadianSeen(outline.keyMin, outline.keyMax, kMostSeeming);
   float ratio = perColumn * perRadian * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
   float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
@@ -124,7 +124,7 @@ bool widenByMotion(uint at, mat3 seen, Course course, inout Outline outline, ino
   widenBySeeming(outline, box);
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
   float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
-  float margin = 1.05 * apart * azimuthPerRadianSeen(outline.keyMin, outline.keyMax, spreadUp() + apart) *
+  float margin = 1.05 * apart * azimuthPerRadianSeen(outline.keyMin, outline.keyMax, apart) *
                  frame.columnsPerRadian;
   vec2 shifts = STAGGERED ? vec2(frame.shiftMin, frame.shiftMax) : vec2(0.0);
   return box.columnMin >= margin + shifts.y + BESIDE && box.columnMax <= turnColumns - 1.0 - margin + shifts.x;

@@ -56,14 +56,14 @@ float keySlack() { return kKeySlack + spreadUp(); }
 float azimuthPerRadian(float key) { return 1.0 / max(1.0 - key, 1e-6); }
 
 // The largest azimuth by which content with elevation keys keyMin..keyMax appears elsewhere, per radian. Only content at
-// the elevations of beams counts; beams see it `up` radians higher or lower.
+// the elevations of beams counts, which see it `up` radians higher or lower.
 float azimuthPerRadianSeen(float keyMin, float keyMax, float up) {
-  return azimuthPerRadian(min(max(-keyMin, keyMax), frame.steepest + kKeySlack + up));
+  return azimuthPerRadian(min(max(-keyMin, keyMax), frame.steepest + up));
 }
 
 // Columns are widened by this many; beyond half a radian, every column is covered.
 float columnSlack(float keyMin, float keyMax) {
-  float spread = 1.05 * spreadAcross() * azimuthPerRadianSeen(keyMin, keyMax, spreadUp());
+  float spread = 1.05 * spreadAcross() * azimuthPerRadianSeen(keyMin, keyMax, seemingUp);
   float rounding = frame.columnSlack * azimuthPerRadian(max(-keyMin, keyMax));
   return spread > 0.5 ? float(frame.columns) : (rounding + spread * frame.columnsPerRadian);
 }

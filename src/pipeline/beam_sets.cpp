@@ -43,7 +43,7 @@ std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGr
     tables.frame.footprint = plan.spread.angle;
     tables.frame.spreadAcross = plan.spread.across;
     tables.frame.spreadUp = plan.spread.up;
-    tables.frame.steepest = steepest;
+    tables.frame.steepest = steepest + plan.spread.up + gpu::kKeySlack;
     if (tables.listed || !plan.motion()) continue;
     for (const gpu::Row& row : tables.rows) {
       const Vec3 &at = plan.sensor.channels[row.channel].origin, &centre = groups[0].group->lasers.centre;
