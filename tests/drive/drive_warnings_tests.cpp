@@ -171,6 +171,21 @@ TEST_CASE("a sensor that makes no scan, or is mounted far away, is warned of") {
         Warnings{"sensors[0].mount.position: is 1500 m from the vehicle's origin; positions are in metres"});
 }
 
+TEST_CASE("a drive that leaves out scans of a faster sensor is warned of") {
+  Json json = quietDrive();
+  json["rate"] = 10;
+  json["sensors"][0]["sensor"] = "Puck:20Hz";
+  json["sensors"][0].erase("rate");
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[0].sensor: makes 20 scans a second, and the drive has 10 of them; give '" +
+                 json["sensors"][0]["name"].get<std::string>() + "' a \"rate\" of 20 to have all"});
+  json["sensors"][0]["rate"] = 10;
+  CHECK(warningsOf(json).empty());
+  json["sensors"][0].erase("rate");
+  json["rate"] = 20;
+  CHECK(warningsOf(json).empty());
+}
+
 TEST_CASE("weather of the drive that the effects of a sensor turn off is warned of") {
   Json json = quietDrive();
   json["sensors"][1]["effects"] = {{"fog", {{"use", "off"}}}, {"snow", {{"use", "off"}}}};
