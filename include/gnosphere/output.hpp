@@ -14,7 +14,8 @@
 namespace gnosphere {
 
 /// Parses a list such as "x,y,z,range". A vector is given by one name ("normal") and becomes one column per component
-/// (normal_x normal_y normal_z). Throws Error(invalidArgument) with the nearest names.
+/// (normal_x normal_y normal_z). `return_number`, `return_count` and `class_id` are taken for `return`, `returns` and
+/// `class`. Throws Error(invalidArgument) with the nearest names.
 GNOSPHERE_API std::vector<Field> parseFields(const std::string& names);
 GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
 

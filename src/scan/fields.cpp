@@ -106,6 +106,15 @@ const ColumnInfo* findColumn(std::string_view name) {
   return nullptr;
 }
 
+std::optional<Field> findField(std::string_view name) {
+  if (name == "return_number") return Field::returnNumber;
+  if (name == "return_count") return Field::returnCount;
+  if (name == "class_id") return Field::classId;
+  for (const ColumnInfo& column : allColumns())
+    if (name == column.fieldName) return column.field;
+  return std::nullopt;
+}
+
 const std::vector<Field>& defaultFields() {
   static const auto& fields = lasting(std::vector<Field>{Field::x, Field::y, Field::z, Field::range, Field::ring,
                                                          Field::beam, Field::triangle, Field::instance});
@@ -118,9 +127,8 @@ std::vector<Field> parseFields(const std::string& names) {
     const size_t end = std::min(names.find(',', begin), names.size());
     const std::string name = lower(trimmed(std::string_view(names).substr(begin, end - begin), " \t"));
     const auto columns = allColumns();
-    const auto known = std::find_if(columns.begin(), columns.end(),
-                                    [&](const ColumnInfo& column) { return name == column.fieldName; });
-    if (known == columns.end()) {
+    const std::optional<Field> known = findField(name);
+    if (!known) {
       if (const ColumnInfo* column = findColumn(name))
         throw Error(ErrorCode::invalidArgument,
                     "'" + name + "' is a column of the field " + column->fieldName + "; ask for " + column->fieldName);
@@ -130,10 +138,10 @@ std::vector<Field> parseFields(const std::string& names) {
       throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; " + nearestText(name, all) +
                                                   "; docs/api.md and gnosphere scan --help list all");
     }
-    if (std::find(fields.begin(), fields.end(), known->field) != fields.end()) {
+    if (std::find(fields.begin(), fields.end(), *known) != fields.end()) {
       throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");
     }
-    fields.push_back(known->field);
+    fields.push_back(*known);
     begin = end + 1;
   }
   return fields;

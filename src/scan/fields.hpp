@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -38,6 +39,9 @@ struct ColumnInfo {
 /// Returns all columns in the order of Field.
 std::span<const ColumnInfo> allColumns();
 std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields);
+/// Finds a field by its name, or by that of its enumerator as Python spells it, which differs for `return_number`,
+/// `return_count` and `class_id`. The name must be in lower case.
+std::optional<Field> findField(std::string_view name);
 /// Finds a column by name, ignoring case; null if the name is unknown.
 const ColumnInfo* findColumn(std::string_view name);
 
