@@ -46,12 +46,12 @@ class BatchStream::Impl {
     ring_ = simulator.makeRing(options.inFlight, bytes_, options.toHost ? bytes_ : headerBytes());
   }
 
-  uint64_t submit(std::span<const Shot> shots) {
+  uint64_t submit(std::span<const Shot> shots, size_t sensorOfNone) {
     if (shots.size() > options_.views)
       refuse("the batch has " + std::to_string(shots.size()) + " shots; the stream is made for " +
              std::to_string(options_.views));
     checkSensorOfBatch(shots);
-    const size_t buffer = next_ % options_.inFlight, sensor = shots.empty() ? 0 : shots[0].sensor;
+    const size_t buffer = next_ % options_.inFlight, sensor = shots.empty() ? sensorOfNone : shots[0].sensor;
     if (bytesFor(sensor) > bytes_)
       refuse("sensor " + std::to_string(sensor) + " needs result buffers of " + std::to_string(bytesFor(sensor)) +
              " bytes; those of the stream, which was made before the sensor was added, have " + std::to_string(bytes_));
@@ -200,8 +200,8 @@ BatchStream& BatchStream::operator=(BatchStream&& other) noexcept {
   return *this;
 }
 
-uint64_t BatchStream::submit(std::span<const Shot> shots) {
-  return ofThisProcess(impl_).submit(shots);
+uint64_t BatchStream::submit(std::span<const Shot> shots, size_t sensorOfNone) {
+  return ofThisProcess(impl_).submit(shots, sensorOfNone);
 }
 StreamedBatch BatchStream::wait(uint64_t number) {
   return ofThisProcess(impl_).wait(number);

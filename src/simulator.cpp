@@ -107,9 +107,9 @@ class Simulator::Impl {
   }
 
   void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result,
-                const std::function<void(size_t)>& progress) {
+                const std::function<void(size_t)>& progress, size_t sensorOfNone) {
     const Clock::time_point start = Clock::now();
-    const size_t index = shots.empty() ? 0 : shots[0].sensor;
+    const size_t index = shots.empty() ? sensorOfNone : shots[0].sensor;
     std::vector<Field> fields;
     checkFor(result, [&] {
       prepareToScan(shots, true);
@@ -378,13 +378,13 @@ void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(si
 }
 
 void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields,
-                              const std::function<void(size_t)>& progress) {
-  ofThisProcess(impl_).runBatch(shots, fields, result, progress);
+                              const std::function<void(size_t)>& progress, size_t sensorOfNone) {
+  ofThisProcess(impl_).runBatch(shots, fields, result, progress, sensorOfNone);
 }
 
-Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields) {
+Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields, size_t sensorOfNone) {
   Batch result;
-  scanBatchInto(shots, result, fields);
+  scanBatchInto(shots, result, fields, {}, sensorOfNone);
   return result;
 }
 

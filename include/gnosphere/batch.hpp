@@ -35,12 +35,14 @@ class Batch {
   ColumnView<T> column(Field field, uint32_t component = 0) const {
     return entries_.column<T>(field, component);
   }
-  bool has(Field field) const { return entries_.has(field); }
+  /// Returns whether column() has the field: also if there are no views. A batch that no call has filled has ranges.
+  bool has(Field field) const { return field == Field::range || (made_ && entries_.has(field)); }
   size_t entries() const { return entries_.ranges.size(); }
 
  private:
   friend class BatchArrays;
   Scan entries_;  ///< of all views, as if they were one scan
+  bool made_ = false;
 };
 
 }  // namespace gnosphere

@@ -219,7 +219,8 @@ struct Scan {
     const RawColumn raw = find(field, component, valueTypeOf<T>());
     return {static_cast<const T*>(raw.data), ranges.size(), raw.stride};
   }
-  /// Returns whether column() has the field. A scan may have more fields than were requested.
+  /// Returns whether column() has the field: also if there are no entries. A scan may have more fields than were
+  /// requested; Scan() has those that every scan has.
   GNOSPHERE_API bool has(Field field) const;
 
   size_t beamCount() const { return ranges.size() / returns; }

@@ -339,9 +339,10 @@ class GNOSPHERE_API Simulator {
   /// within Tuning::maxBatchBytes. `progress`, if given, gets the number of views that are done after each of them, on
   /// the calling thread; an exception of `progress` ends the batch and is passed on. Throws as scanAll() does, and
   /// Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor does not report.
+  /// Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
   void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {},
-                     const std::function<void(size_t views)>& progress = {});
-  Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {});
+                     const std::function<void(size_t views)>& progress = {}, size_t sensorOfNone = 0);
+  Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {}, size_t sensorOfNone = 0);
 
   /// Each of the following changes takes effect with the next scan. Each throws Error(invalidArgument) that names an
   /// index that does not exist or was removed, or a value that is not valid.

@@ -167,8 +167,9 @@ class Placer {
     const std::vector<ColumnInfo> infos = columnsOf({field});
     for (const ColumnInfo& info : infos) {
       const CloudColumn* column = table_.find(info.name);
-      if (!column || entryCount_ == 0) continue;
+      if (!column) continue;
       if (!columns.data<T>(field)) columns.fill(field, none);
+      if (entryCount_ == 0) return;
       put(*column, columns.data<T>(field) + info.component, infos.size());
     }
   }
@@ -255,6 +256,7 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
   ScanColumns columns(scan);
   columns.setUnknown(Field::triangle, !table.find("triangle"));
   columns.setUnknown(Field::instance, !table.find("instance"));
+  if (entryCount == 0) columns.setUnknown(Field::x, !hasPoints);
   scan.triangles.resize(entryCount, kNoTriangle);
   scan.instances.resize(entryCount, kNoTriangle);
   for (const ColumnInfo& column : allColumns()) {

@@ -31,6 +31,9 @@ void BatchArrays::make(const std::vector<Field>& fields) {
   all.triangles.resize(asks(fields, Field::triangle) ? entries : 0);
   all.instances.resize(asks(fields, Field::instance) ? entries : 0);
   ScanColumns columns(all);
+  columns.setUnknown(Field::x, !points);
+  for (const Field owner : {Field::triangle, Field::instance}) columns.setUnknown(owner, !asks(fields, owner));
+  batch_.made_ = true;
   for (size_t i = 0; i < kFieldCount; ++i) {
     const auto field = static_cast<Field>(i);
     if (!isOfEveryScan(field)) columns.make(field, asks(fields, field));

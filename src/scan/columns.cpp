@@ -6,10 +6,18 @@
 
 namespace gnosphere {
 
-void ScanColumns::make(Field field, bool wanted) {
+namespace {
+
+/// The size of a column of a scan that has it: without entries one byte, which tells it from a column that is missing.
+size_t bytesOfColumn(Field field, size_t entries) {
   const FieldInfo info = fieldInfo(field);
-  const size_t bytes = scan_.ranges.size() * info.components * sizeOf(info.type);
-  scan_.columns_[static_cast<size_t>(field)].resize(wanted ? bytes : 0);
+  return std::max<size_t>(entries * info.components * sizeOf(info.type), 1);
+}
+
+}  // namespace
+
+void ScanColumns::make(Field field, bool wanted) {
+  scan_.columns_[static_cast<size_t>(field)].resize(wanted ? bytesOfColumn(field, scan_.ranges.size()) : 0);
 }
 
 void refuseMissing(Field field) {
@@ -49,14 +57,13 @@ bool Scan::has(Field field) const {
   switch (field) {
     case Field::x:
     case Field::y:
-    case Field::z: return points.size() == 3 * entries;
+    case Field::z: return points.size() == 3 * entries && columns_[static_cast<size_t>(Field::x)].empty();
     case Field::range: return true;
     case Field::triangle: return triangles.size() == entries && columns_[static_cast<size_t>(field)].empty();
     case Field::instance: return instances.size() == entries && columns_[static_cast<size_t>(field)].empty();
     default: break;
   }
-  const FieldInfo info = fieldInfo(field);
-  return columns_[static_cast<size_t>(field)].size() == entries * info.components * sizeOf(info.type);
+  return columns_[static_cast<size_t>(field)].size() == bytesOfColumn(field, entries);
 }
 
 Scan::RawColumn Scan::find(Field field, uint32_t component, ValueType type) const {

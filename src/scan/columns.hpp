@@ -24,14 +24,15 @@ class ScanColumns {
     if (wanted) std::fill_n(data<T>(field), scan_.ranges.size() * fieldInfo(field).components, value);
   }
 
-  /// Says whether the owners of the returns are unknown, as in a cloud without a column `triangle` or `instance`. The
-  /// field's public array then has kNoTriangle in every entry, and Scan::has() denies it.
+  /// Says whether a field with a public array is unknown, which Scan::has() then denies: `triangle` or `instance`, as
+  /// in a cloud without such a column, whose array has kNoTriangle in every entry; and x, which stands for the points
+  /// of a batch that was not asked for them.
   void setUnknown(Field field, bool unknown) { scan_.columns_[static_cast<size_t>(field)].resize(unknown ? 1 : 0); }
 
-  /// Returns the memory of the values; null if the scan does not have the column.
+  /// Returns the memory of the values; null if the scan does not have the column, or has no entries.
   std::byte* bytes(Field field) const {
     auto& values = scan_.columns_[static_cast<size_t>(field)];
-    return values.empty() ? nullptr : values.data();
+    return values.empty() || scan_.ranges.empty() ? nullptr : values.data();
   }
 
   /// Returns the values, with the components of an entry side by side; null if the scan does not have the column.

@@ -294,6 +294,45 @@ TEST_CASE("a batch has only the fields that were asked for, in memory that it ke
   CHECK(batch.ranges().empty());
 }
 
+TEST_CASE("a batch without views has the sensor and the fields that were asked for") {
+  const auto device = GENERATE(DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan);
+  if (device == DeviceChoice::Kind::vulkan) needVulkan();
+  TestOptions options = vulkanOptions();
+  options.device = device;
+  Sensor small = gridSensor(9, 2, -10, 10);
+  small.name = "small";
+  const SensorRequest requests[] = {gridSensor(90, 16, -30, 30), {small, Effects::none(), {Field::normal}}};
+  Simulator simulator(worlds(1, 1), {requests[0], requests[1]}, options);
+  Batch batch;
+  CHECK(batch.has(Field::range));
+  CHECK_FALSE(batch.has(Field::x));
+  CHECK_FALSE(batch.has(Field::triangle));
+  simulator.scanBatchInto({}, batch, {}, {}, 1);
+  CHECK(batch.sensor == "small");
+  CHECK(batch.beams == 18);
+  CHECK(batch.views == 0);
+  for (const Field field : {Field::range, Field::z, Field::triangle, Field::instance, Field::normal})
+    CHECK(batch.has(field));
+  CHECK_FALSE(batch.has(Field::intensity));
+  CHECK(batch.column<float>(Field::normal, 2).empty());
+  const Field instances[] = {Field::instance};
+  simulator.scanBatchInto({}, batch, instances);
+  CHECK(batch.beams == 1440);
+  CHECK(batch.has(Field::instance));
+  for (const Field field : {Field::x, Field::y, Field::triangle, Field::normal}) CHECK_FALSE(batch.has(field));
+  CHECK_THROWS_AS(batch.column<float>(Field::x), Error);
+  CHECK_THROWS_AS(batch.column<float>(Field::normal), Error);
+  simulator.removeSensor(0);
+  CHECK_THROWS_AS(simulator.scanBatch({}), Error);
+  CHECK_THROWS_AS(simulator.scanBatch({}, {}, 7), Error);
+  batch = simulator.scanBatch({}, {}, 1);
+  CHECK(batch.sensor == "small");
+  const std::vector<Shot> shots = {Shot{.sensor = 1}};
+  simulator.scanBatchInto(shots, batch, {}, {}, 7);  // shots have their own sensor
+  CHECK(batch.views == 1);
+  CHECK(batch.has(Field::normal));
+}
+
 TEST_CASE("a batch tells how many views are done, and an exception of the listener ends it") {
   const auto device = GENERATE(DeviceChoice::Kind::reference, DeviceChoice::Kind::vulkan);
   if (device == DeviceChoice::Kind::vulkan) needVulkan();

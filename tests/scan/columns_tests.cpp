@@ -11,6 +11,7 @@
 #include "cloud_support.hpp"
 #include "problem.hpp"
 #include "scan/api_example.hpp"
+#include "scan/columns.hpp"
 #include "scan/fields.hpp"
 #include "support.hpp"
 
@@ -68,6 +69,28 @@ TEST_CASE("every field has a name, a type and components, and parses back from i
   CHECK(fieldInfo(Field::barycentrics).components == 2);
   CHECK(fieldInfo(Field::classId).type == ValueType::u16);
   CHECK_THAT(fieldInfo(Field::trueRange).name, Equals("true_range"));
+}
+
+TEST_CASE("a field is named by its column or by its enumerator") {
+  CHECK(parseFields("return_number, RETURN_COUNT,class_id") ==
+        std::vector<Field>{Field::returnNumber, Field::returnCount, Field::classId});
+  CHECK_THROWS_WITH(parseFields("class,class_id"), ContainsSubstring("'class_id' is asked for twice"));
+}
+
+TEST_CASE("a scan without entries has the fields that every scan has, and those that were made") {
+  Scan scan;
+  for (size_t i = 0; i < kFieldCount; ++i) {
+    const auto field = static_cast<Field>(i);
+    INFO(fieldInfo(field).name);
+    CHECK(scan.has(field) == isOfEveryScan(field));
+  }
+  ScanColumns(scan).make(Field::normal);
+  CHECK(scan.has(Field::normal));
+  CHECK(scan.column<float>(Field::normal, 2).empty());
+  CHECK(ScanColumns(scan).bytes(Field::normal) == nullptr);
+  CHECK_THROWS_WITH(scan.column<float>(Field::intensity), ContainsSubstring("no field 'intensity'"));
+  ScanColumns(scan).make(Field::normal, false);
+  CHECK_FALSE(scan.has(Field::normal));
 }
 
 TEST_CASE("a scan always has points, ranges and owners as columns") {
