@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The extension module. What gnosphere/gnosphere.hpp declares is in it under the same names in snake_case.
-#include <utility>
+#include <atomic>
 
 #include "bind.hpp"
 #include "vulkan/driver_advice.hpp"
 
+#define PyInit__gnosphere initialiseGnosphere  // the function that NB_MODULE defines, which the one below calls
 NB_MODULE(_gnosphere, m) {
   using namespace gnosphere::python;
-  // The types live as long as the process does, so they cannot be made again.
-  static bool imported = false;
-  if (std::exchange(imported, true))
-    throw nb::import_error(
-        "gnosphere._gnosphere cannot be initialised a second time in one process, after it was deleted from "
-        "sys.modules or its first import failed; start a new process");
   // Python's collector does not look into NumPy arrays. An array of a StreamedBatch keeps its stream, so if an object
   // holds such an array and is what SimulatorOptions.warn refers to, all of them live until the program ends, and
   // nanobind would report them as leaks.
@@ -38,4 +33,17 @@ NB_MODULE(_gnosphere, m) {
   bindDrive(m);
   bindRos2(m);
   bindCommandLine(m);
+}
+#undef PyInit__gnosphere
+
+/// What Python calls for an import. The types live as long as the process does, so they cannot be made again: neither
+/// after the module was deleted from sys.modules nor in another interpreter of the process. This refuses it before
+/// nanobind replaces what the module in use has.
+extern "C" NB_EXPORT PyObject* PyInit__gnosphere(void) {
+  static std::atomic<bool> imported = false;
+  if (!imported.exchange(true)) return initialiseGnosphere();
+  PyErr_SetString(PyExc_ImportError,
+                  "gnosphere._gnosphere cannot be initialised a second time in one process, in another interpreter, "
+                  "after it was deleted from sys.modules or its first import failed; start a new process");
+  return nullptr;
 }
