@@ -168,12 +168,30 @@ def _request(
     return gno.SensorRequest(chosen, effects or gno.Effects(), fields, ignored_instances=[int(i) for i in ignore])
 
 
-def pose_of(position: npt.ArrayLike, orientation: npt.ArrayLike = (0, 0, 0, 1)) -> gno.Pose:
-    """A pose from a position and a quaternion x, y, z, w, or a rotation matrix (3, 3) that maps to the world."""
-    turn = np.asarray(orientation, np.float64)
+def pose_of(position: npt.ArrayLike, orientation: Optional[npt.ArrayLike] = None) -> gno.Pose:
+    """A pose from a position and a quaternion x, y, z, w, by default 0, 0, 0, 1, or a rotation matrix (3, 3) that maps
+    to the world; or from a rigid map (4, 4) or (3, 4) to the world alone: pose_of(matrix). Raises ValueError for arrays
+    of other shapes, and for a matrix that is no rotation within 0.001: one that scales, shears or mirrors."""
+    place = np.asarray(position, np.float64)
+    if place.ndim == 2 and orientation is None:
+        if place.shape not in ((3, 4), (4, 4)):
+            raise ValueError(f"the map of a pose has the shape {place.shape}; it must be (4, 4) or (3, 4)")
+        if len(place) == 4 and not np.array_equal(place[3], (0, 0, 0, 1)):
+            raise ValueError(f"the last row of the map of a pose is {place[3].tolist()}; it must be [0, 0, 0, 1]")
+        place, orientation = place[:3, 3], place[:3, :3]
+    turn = np.asarray((0, 0, 0, 1) if orientation is None else orientation, np.float64)
+    if place.shape != (3,):
+        raise ValueError(f"the position of a pose has the shape {place.shape}; it must be (3,): x, y, z in metres")
     if turn.shape == (3, 3):
+        if not np.allclose(turn.T @ turn, np.eye(3), rtol=0, atol=1e-3) or not np.linalg.det(turn) > 0:
+            raise ValueError("the matrix of a pose is no rotation: it scales, shears or mirrors, or is not finite")
         turn = quaternion(turn)
-    return gno.Pose(tuple(map(float, np.asarray(position))), tuple(map(float, turn)))
+    if turn.shape != (4,):
+        raise ValueError(
+            f"the orientation of a pose has the shape {turn.shape}; it must be (4,), a quaternion x, y, z, w, or "
+            "(3, 3), a rotation matrix; a map of shape (4, 4) is given alone, as pose_of(map)"
+        )
+    return gno.Pose(tuple(map(float, place)), tuple(map(float, turn)))
 
 
 def quaternion(matrix: npt.ArrayLike) -> npt.NDArray[np.float64]:

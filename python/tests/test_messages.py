@@ -200,6 +200,36 @@ def test_each_sensor_counts_its_own_scans_and_has_its_own_settings(device):
     assert lidar.frames == [4, 0] and [own.name for own in lidar.sensors] == ["", "fan"]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (((0, 0, 0), np.diag([1, -1, 1])), "is no rotation: it scales, shears or mirrors"),
+        (((0, 0, 0), np.zeros((3, 3))), "is no rotation"),
+        (((0, 0, 0), 2 * np.eye(3)), "is no rotation"),
+        (((0, 0, 0), [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]), "is no rotation"),
+        (((0, 0, 0), np.full((3, 3), np.nan)), "is no rotation"),
+        ((np.diag([1, 1, -1, 1]),), "is no rotation"),
+        ((np.diag([1, 1, 1, 2]),), r"the last row of the map of a pose is \[0.0, 0.0, 0.0, 2.0\]"),
+        ((np.eye(3),), r"the map of a pose has the shape \(3, 3\); it must be \(4, 4\) or \(3, 4\)"),
+        (((0, 0, 0), np.eye(4)), r"the orientation of a pose has the shape \(4, 4\); .* as pose_of\(map\)"),
+        (((0, 0, 0), (1, 0, 0)), r"the orientation of a pose has the shape \(3,\)"),
+        (((0, 0),), r"the position of a pose has the shape \(2,\)"),
+    ],
+)
+def test_what_is_no_pose_is_a_value_error(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        adapter.pose_of(*arguments)
+
+
+def test_a_rigid_map_is_a_pose():
+    pose = gnosphere.Pose((1, 2, 3), (0.1, 0.2, 0.3, 0.9))
+    rows = adapter.rows_of(pose)
+    for given in (rows, rows[:3], rows.astype(np.float32), rows.tolist()):
+        made = adapter.pose_of(given)
+        assert made.position == (1, 2, 3)
+        assert adapter.rows_of(made) == pytest.approx(rows, abs=1e-6)
+
+
 def test_a_position_alone_is_a_pose_that_is_not_turned():
     assert adapter.pose_of(np.array([1, 2, 3])).orientation == (0, 0, 0, 1)
     assert adapter.pose_of((1, 2, 3), (0.1, 0.2, 0.3, 0.9)).orientation == pytest.approx((0.1, 0.2, 0.3, 0.9))

@@ -185,7 +185,7 @@ class RobotScene:
         mounted = self.sensors[self.number(sensor)]
         place = self._now[mounted.frame] @ mounted.local
         turn = place[:3, :3] / np.linalg.norm(place[:3, :3], axis=0)  # frames of USD may be scaled
-        return adapter.pose_of(place[:3, 3], turn)
+        return gno.Pose(place[:3, 3], adapter.quaternion(turn))  # the nearest rotation where the frame is sheared
 
     def shot(self, sensor: Union[int, str] = 0, frame: int = 0) -> gno.Shot:
         """A Shot from where a sensor is, for the Lidar that lidar() makes."""
