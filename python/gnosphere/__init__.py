@@ -6,7 +6,7 @@ y left, z up, in metres; angles are radians unless a name ends in _deg; times ar
 """
 
 import importlib as _importlib
-from typing import TYPE_CHECKING as _TYPE_CHECKING
+import typing as _typing
 
 try:
     import gnosphere_cpu as _gnosphere_cpu  # noqa: F401  the Vulkan driver that `pip install gnosphere[cpu]` brings
@@ -15,10 +15,11 @@ except ImportError:
 
 from ._gnosphere import *
 from ._gnosphere import __version__ as __version__
+from . import _properties as _properties
 from . import _text as _text
 from . import _values as _values
 
-if _TYPE_CHECKING:
+if _typing.TYPE_CHECKING:
     from . import helios as helios, patterns as patterns, pictures as pictures, robotics as robotics
 else:
 

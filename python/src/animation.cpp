@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/animation.hpp, and what clips move in gnosphere/scene.hpp.
 #include "arrays.hpp"
+#include "rows.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere::python {
@@ -64,14 +65,15 @@ void bindNode(nb::module_& m) {
           "Shape (joints, 3, 4), float64: a read-only view, which keeps the skin alive.");
 }
 
-void makeTrack(Track* self, uint32_t node, Track::Property property, const ArrayLike& times, const ArrayLike& values,
-               Track::Interpolation interpolation) {
+void makeTrack(Track* self, uint32_t node, const Choice<Track::Property>& property, const ArrayLike& times,
+               const ArrayLike& values, const Choice<Track::Interpolation>& interpolation) {
   const auto keys = arrayOf<float>(times, "Track: times");
   const auto table = arrayOf<float>(values, "Track: values", kAnyWidth);
   if (keys.rows() == 0 || keys.rows() != table.rows())
     refuse("Track: times and values have " + std::to_string(keys.rows()) + " and " + std::to_string(table.rows()) +
            " rows; both must have one per key, and there must be a key");
-  new (self) Track{node, property, interpolation, keys.copy(), table.copy()};
+  new (self) Track{node, chosen(property, "Track: property"), chosen(interpolation, "Track: interpolation"),
+                   keys.copy(), table.copy()};
 }
 
 void bindClip(nb::module_& m) {
@@ -91,6 +93,7 @@ void bindClip(nb::module_& m) {
       .def("__init__", &makeTrack, "node"_a, "property"_a, "times"_a, "values"_a,
            "interpolation"_a = Track::Interpolation::linear,
            "node: index into SceneAnimation.nodes.\n"
+           "property, interpolation: their enumerators, or the names of these.\n"
            "times: shape (keys,), float32, seconds, ascending; at least one.\n"
            "values: shape (keys, n), float32. n is 3, 4 for a rotation (x, y, z, w), or the number of morph targets. "
            "Cubic: three times as many, the slopes before the key, the values, and the slopes after it (glTF 2.0, "
@@ -208,11 +211,13 @@ void bindStates(nb::module_& m) {
       .value("hold", ClipEnd::hold, "Its first or last state holds.");
   m.def(
       "state_at",
-      [](const Scene& scene, const Clip& clip, double seconds, ClipEnd end) {
+      [](const Scene& scene, const Clip& clip, double seconds, const Choice<ClipEnd>& end) {
+        const ClipEnd way = chosen(end, "state_at: end");
+        const ReleasedGil released;
         check(scene, clip);
-        return stateAt(scene, clip, seconds, end);
+        return stateAt(scene, clip, seconds, way);
       },
-      "scene"_a, "clip"_a, "seconds"_a, "end"_a = ClipEnd::loop, WithoutGil(),
+      "scene"_a, "clip"_a, "seconds"_a, "end"_a = ClipEnd::loop,
       "The state of the scene `seconds` after the start of a clip. What the clip does not move is at rest: instances "
       "that follow no node keep their transform, and meshes that none of them places their deformation. An empty "
       "Clip() gives the state at rest. Raises Error(invalid_argument) for a clip or an animation that does not fit the "

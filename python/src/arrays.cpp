@@ -2,6 +2,11 @@
 #include "arrays.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "base/transform.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -52,6 +57,27 @@ nb::object rowsOfMaps(nb::object array, const std::string& name) {
   if (lengthAlong(array, 1) == 4) array = withoutLastRows(array, name);
   if (lengthAlong(array, 1) != 3) return nb::none();
   return array.attr("reshape")(lengthAlong(array, 0), 12);
+}
+
+/// The quaternion of the linear part of a map; none unless it is a rotation within 0.001.
+std::optional<Quaternion> rotationOf(const Transform& map) {
+  const auto m = [&](size_t row, size_t column) { return map.rows[4 * row + column]; };
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j) {
+      const double product = m(0, i) * m(0, j) + m(1, i) * m(1, j) + m(2, i) * m(2, j);
+      if (!(std::abs(product - (i == j ? 1 : 0)) <= 1e-3)) return std::nullopt;
+    }
+  if (!(determinant(map) > 0)) return std::nullopt;
+  // Four times the products of the quaternion's largest part with each of its parts (Shepperd).
+  const double trace = m(0, 0) + m(1, 1) + m(2, 2);
+  if (trace >= 0) return Quaternion{m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1), 1 + trace};
+  const size_t i = m(0, 0) >= m(1, 1) && m(0, 0) >= m(2, 2) ? 0 : m(1, 1) >= m(2, 2) ? 1 : 2;
+  const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+  std::array<double, 3> axis = {};
+  axis[i] = 1 + m(i, i) - m(j, j) - m(k, k);
+  axis[j] = m(j, i) + m(i, j);
+  axis[k] = m(k, i) + m(i, k);
+  return Quaternion{axis[0], axis[1], axis[2], m(k, j) - m(j, k)};
 }
 
 }  // namespace
@@ -149,6 +175,31 @@ Transform transformOf(const ArrayLike& argument, const std::string& name) {
   Transform result;
   std::copy(rows.values().begin(), rows.values().end(), result.rows.begin());
   return result;
+}
+
+MapLike mapLikeOf(nb::handle argument) {
+  if (nb::isinstance<Transform>(argument)) return {nb::cast<const Transform&>(argument)};
+  if (!isSequenceOfObjects(argument) && !nb::hasattr(argument, "shape") && !isArray(argument.ptr()))
+    throw nb::type_error(("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not a " +
+                          nb::cast<std::string>(argument.type().attr("__name__")))
+                             .c_str());
+  return {transformOf({nb::borrow(argument)}, "transform")};
+}
+
+std::vector<Pose> posesOfMaps(const nb::object& array, const std::string& name) {
+  const nb::object maps = rowsOfMaps(array, name);
+  const auto rows = arrayOf<double>({maps}, name, 12);
+  std::vector<Pose> poses(rows.rows());
+  for (size_t i = 0; i < poses.size(); ++i) {
+    Transform map;
+    std::copy_n(rows.values().begin() + static_cast<ptrdiff_t>(12 * i), 12, map.rows.begin());
+    const std::optional<Quaternion> turn = rotationOf(map);
+    if (!turn)
+      refuse(name + ": entry " + std::to_string(i) +
+             " is no pose; the first three columns of its rows must be a rotation, without scale, shear or mirror");
+    poses[i] = {{map.rows[3], map.rows[7], map.rows[11]}, *turn};
+  }
+  return poses;
 }
 
 nb::object transformRows(const TransformsLike& argument, const std::string& name) {

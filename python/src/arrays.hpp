@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "bind.hpp"
+#include "late.hpp"
 
 namespace gnosphere::python {
 
@@ -114,6 +114,17 @@ std::vector<Transform> transformsOf(const TransformsLike& argument, const std::s
 /// One map, of shape (3, 4) or (4, 4). Throws as transformsOf() does.
 Transform transformOf(const ArrayLike& argument, const std::string& name);
 
+/// An argument that is one map: a Transform, or an array of shape (3, 4) or (4, 4).
+struct MapLike {
+  Transform map;
+};
+/// Throws Error(invalidArgument), or a TypeError.
+MapLike mapLikeOf(nb::handle argument);
+
+/// The poses of rigid maps, an array of shape (n, 3, 4) or (n, 4, 4). Throws Error(invalidArgument) that begins with
+/// `name` and names the first entry that is not a rotation and a shift.
+std::vector<Pose> posesOfMaps(const nb::object& array, const std::string& name);
+
 /// Makes maps, or an array of poses of shape (n, 7), an array of shape (n, 12) or (n, 7). Throws as transformsOf()
 /// does.
 nb::object transformRows(const TransformsLike& argument, const std::string& name);
@@ -193,6 +204,15 @@ struct type_caster<gnosphere::python::ArrayLike> {
   }
   static handle from_cpp(const gnosphere::python::ArrayLike& array, rv_policy, cleanup_list*) noexcept {
     return array.object.inc_ref();
+  }
+};
+
+template <>
+struct type_caster<gnosphere::python::MapLike>
+    : late_caster<gnosphere::python::MapLike, &gnosphere::python::mapLikeOf> {
+  static constexpr auto Name = make_caster<gnosphere::Transform>::Name + const_name(" | numpy.typing.ArrayLike");
+  static handle from_cpp(const gnosphere::python::MapLike& given, rv_policy, cleanup_list* cleanup) noexcept {
+    return make_caster<gnosphere::Transform>::from_cpp(given.map, rv_policy::copy, cleanup);
   }
 };
 

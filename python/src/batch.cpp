@@ -63,7 +63,7 @@ void bindBatch(nb::module_& m) {
       "it was asked for them.\n\nThe arrays are NumPy arrays of the library's memory, which each keeps alive; "
       "torch.from_dlpack() and its like take them without a copy. While one is held, scan_batch_into() takes new "
       "memory, so the values of an array change only if you write to them.");
-  batch.def(nb::init<>(), "An empty batch, for Simulator.scan_batch_into().");
+  batch.def(nb::init<>(), "An empty batch, for Simulator.scan_batch_into(); of the fields it has ranges alone.");
   readMember(batch, "sensor", &Batch::sensor, "The sensor's name.");
   readMember(batch, "columns", &Batch::columns, "Columns of the organised cloud of a view.");
   readMember(batch, "channels", &Batch::channels, "Rows of the organised cloud of a view.");
@@ -90,12 +90,15 @@ void bindBatch(nb::module_& m) {
   array("instances", "def instances(self, /) -> numpy.typing.NDArray[numpy.uint32]", Field::instance, 1,
         "uint32: index of the instance.");
   batch
-      .def("column", &columnOfBatch, "field"_a,
-           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
-           "Returns the values of a field in the type of field_info(), in an array that can be written. Raises "
-           "Error(invalid_argument) if the batch does "
-           "not have the field.")
-      .def("has", &batchHasField, "field"_a, "Whether column() has the field.");
+      .def(
+          "column", [](const SharedBatch& self, const FieldLike& given) { return columnOfBatch(self, given.field); },
+          "field"_a, nb::sig("def column(self, field: Field | str) -> numpy.typing.NDArray[typing.Any]"),
+          "Returns the values of a field in the type of field_info(), in an array that can be written. Raises "
+          "Error(invalid_argument) if the batch does "
+          "not have the field.")
+      .def(
+          "has", [](const SharedBatch& self, const FieldLike& given) { return batchHasField(self, given.field); },
+          "field"_a, "Whether column() has the field.");
   bindNames<&batchHasField, &columnOfBatch>(batch, "the batch", "`fields` of scan_batch() asks for more");
 }
 

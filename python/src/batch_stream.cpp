@@ -146,20 +146,22 @@ void bindStreamed(nb::module_& m) {
       nb::for_getter(nb::sig("def points(self, /) -> numpy.typing.NDArray[numpy.float32]")),
       "float32, three components: x, y, z in metres in the frame of each view's sensor; if x, y or z is a field.");
   batch
-      .def("column", &columnOfStreamed, "field"_a,
-           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
-           "Returns the values of a field as a NumPy array. Raises Error(invalid_argument) if the batch does not have "
-           "the field, or if the results are on the device only.")
       .def(
-          "cuda_column", [](const Streamed& self, Field field) { return column(self, field, Where::cuda); }, "field"_a,
-          nb::sig("def cuda_column(self, field: Field) -> typing.Any"),
+          "column", [](const Streamed& self, const FieldLike& given) { return columnOfStreamed(self, given.field); },
+          "field"_a, nb::sig("def column(self, field: Field | str) -> numpy.typing.NDArray[typing.Any]"),
+          "Returns the values of a field as a NumPy array. Raises Error(invalid_argument) if the batch does not have "
+          "the field, or if the results are on the device only.")
+      .def(
+          "cuda_column",
+          [](const Streamed& self, const FieldLike& given) { return column(self, given.field, Where::cuda); },
+          "field"_a, nb::sig("def cuda_column(self, field: Field | str) -> typing.Any"),
           "Returns the values of a field as an object that torch.from_dlpack() and its like take without a copy, on "
           "the CUDA device. Work on them in CUDA must have ended (torch.cuda.synchronize()) before the batch is "
           "submitted that uses the same result buffer. Raises Error(device) that gives the reason if CUDA cannot have "
           "them.")
       .def(
-          "has", [](const Streamed& self, Field field) { return streamedHasField(self, field); }, "field"_a,
-          "Whether column() has the field.");
+          "has", [](const Streamed& self, const FieldLike& given) { return streamedHasField(self, given.field); },
+          "field"_a, "Whether column() has the field.");
   bindNames<&streamedHasField, &columnOfStreamed>(batch, "the batch", "SensorRequest.fields asks for more");
 }
 
@@ -204,9 +206,10 @@ void bindBatchStream(nb::module_& m) {
           "Error(out_of_memory).")
       .def(
           "submit",
-          [](Stream& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame) {
+          [](Stream& self, const ShotsLike& given, const Whole& sensor, const NumbersLike& worlds, const Whole& frame) {
             const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "submit");
-            const uint64_t number = self.simulator.use([&](Simulator&) { return self.stream.submit(shots); });
+            const auto ofNone = sensor.of<size_t>("submit: sensor");
+            const uint64_t number = self.simulator.use([&](Simulator&) { return self.stream.submit(shots, ofNone); });
             self.submitted = number + 1;
             return number;
           },
@@ -221,16 +224,18 @@ void bindBatchStream(nb::module_& m) {
            "this number, or if its buffer has been used again.")
       .def(
           "layout",
-          [](Stream& self, size_t sensor) {
-            return self.simulator.use([&](Simulator&) { return RecordLayout(self.stream.layout(sensor)); });
+          [](Stream& self, const Whole& sensor) {
+            const auto number = sensor.of<size_t>("layout: sensor");
+            return self.simulator.use([&](Simulator&) { return RecordLayout(self.stream.layout(number)); });
           },
           "sensor"_a = 0,
           "How the records of a view lie in memory: a column per value. Raises Error(invalid_argument) for an unknown "
           "sensor.")
       .def(
           "places",
-          [](Stream& self, size_t sensor) {
-            return self.simulator.use([&](Simulator&) { return self.stream.places(sensor); });
+          [](Stream& self, const Whole& sensor) {
+            const auto number = sensor.of<size_t>("places: sensor");
+            return self.simulator.use([&](Simulator&) { return self.stream.places(number); });
           },
           "sensor"_a = 0,
           "Where the results of a sensor are in a result buffer. Raises Error(invalid_argument) for an unknown sensor.")

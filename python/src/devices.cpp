@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds what gnosphere/simulator.hpp says of devices and of how a scan is computed.
+#include <nanobind/stl/array.h>
+
 #include <cstring>
 
 #include "rows.hpp"
+#include "state.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -37,11 +40,14 @@ void bindAccuracy(nb::module_& m) {
   parts
       .def(
           "__init__",
-          [](Parts* self, Parts::Bounds bounds, Parts::Cull cull, Parts::Inside inside, Parts::Range range) {
-            new (self) Parts{bounds, cull, inside, range};
+          [](Parts* self, const Choice<Parts::Bounds>& bounds, const Choice<Parts::Cull>& cull,
+             const Choice<Parts::Inside>& inside, const Choice<Parts::Range>& range) {
+            new (self) Parts{chosen(bounds, "AccuracyParts: bounds"), chosen(cull, "AccuracyParts: cull"),
+                             chosen(inside, "AccuracyParts: inside"), chosen(range, "AccuracyParts: range")};
           },
           "bounds"_a = Parts::Bounds::exact, "cull"_a = Parts::Cull::nearestPoint,
-          "inside"_a = Parts::Inside::watertight, "range"_a = Parts::Range::edgeWeights)
+          "inside"_a = Parts::Inside::watertight, "range"_a = Parts::Range::edgeWeights,
+          "Each is an enumerator, or the name of one.")
       .def_ro("bounds", &Parts::bounds, "Which beams a triangle is tested against.")
       .def_ro("cull", &Parts::cull, "Which point of a triangle must be in range.")
       .def_ro("inside", &Parts::inside, "How the inside test decides.")
@@ -74,8 +80,11 @@ void bindTuning(nb::module_& m) {
 }  // namespace
 
 void bindDevices(nb::module_& m) {
-  nb::class_<DeviceInfo>(m, "DeviceInfo", "A device of this machine, and whether it can be used.")
-      .def_ro("name", &DeviceInfo::name, "What the driver calls it.")
+  nb::class_<DeviceInfo> info(m, "DeviceInfo", "A device of this machine, and whether it can be used.");
+  bindState<&DeviceInfo::name, &DeviceInfo::type, &DeviceInfo::driver, &DeviceInfo::apiVersion,
+            &DeviceInfo::maxBufferBytes, &DeviceInfo::subgroupSize, &DeviceInfo::usable, &DeviceInfo::reason,
+            &DeviceInfo::uuid>(info);
+  info.def_ro("name", &DeviceInfo::name, "What the driver calls it.")
       .def_ro("type", &DeviceInfo::type, "'discrete', 'integrated', 'virtual', 'cpu', 'other', 'cuda' or 'reference'.")
       .def_ro("driver", &DeviceInfo::driver, "Name and version of the driver.")
       .def_ro("api_version", &DeviceInfo::apiVersion, "Vulkan version; empty for the reference.")
@@ -119,12 +128,13 @@ void bindDevices(nb::module_& m) {
   choice
       .def(
           "__init__",
-          [](DeviceChoice* self, DeviceChoice::Kind kind, std::string name, const nb::bytes& uuid) {
-            DeviceChoice made(kind, std::move(name));
+          [](DeviceChoice* self, const Choice<DeviceChoice::Kind>& kind, std::string name, const nb::bytes& uuid) {
+            DeviceChoice made(chosen(kind, "DeviceChoice: kind"), std::move(name));
             made.uuid = uuidIn(uuid);
             new (self) DeviceChoice(std::move(made));
           },
           "kind"_a = DeviceChoice::Kind::vulkan, "name"_a = "", "uuid"_a = bytesOf({}),
+          "kind: an enumerator, or the name of one.\n"
           "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
           "device; if empty, the best device.\n"
           "uuid: DeviceInfo.uuid of the device, 16 bytes, in which case `name` is ignored; zeros for any device.")

@@ -2,6 +2,8 @@
 // Binds drive/drive.hpp and drive/run.hpp, as the module gnosphere.drive.
 #include <nanobind/stl/function.h>
 
+#include <optional>
+
 #include "bind.hpp"
 #include "drive/run.hpp"
 #include "options.hpp"
@@ -14,6 +16,21 @@ using drive::RunReport;
 using Progress = std::function<void(uint64_t, uint64_t)>;
 
 namespace {
+
+/// What Python gives for `progress`. What it returns does not matter.
+using ProgressFunction = nb::typed<nb::callable, nb::object(uint64_t, uint64_t)>;
+
+/// The Python function of options; none if they have none.
+std::optional<ProgressFunction> progressOf(const RunOptions& options) {
+  using Python = nb::detail::type_caster<Progress>::pyfunc_wrapper_t;
+  const auto* progress = options.progress.target<Python>();
+  if (!progress) return {};
+  return nb::borrow<ProgressFunction>(progress->f);
+}
+
+void setProgress(RunOptions& options, const std::optional<ProgressFunction>& function) {
+  options.progress = function ? nb::cast<Progress>(*function) : nullptr;
+}
 
 std::vector<nb::handle> visitedOf(const RunOptions& options) {
   std::vector<nb::handle> functions = handlesOf(functionsOf(options.simulator));
@@ -51,8 +68,9 @@ void bindDrive(nb::module_& parent) {
       .def(
           "__init__",
           [](RunOptions* self, std::filesystem::path out, uint64_t first, uint64_t end, uint64_t shard, uint64_t count,
-             bool verify, const SimulatorOptions& simulator, Progress progress) {
-            new (self) RunOptions{std::move(out), first, end, shard, count, verify, simulator, std::move(progress)};
+             bool verify, const SimulatorOptions& simulator, const std::optional<ProgressFunction>& progress) {
+            new (self) RunOptions{std::move(out), first, end, shard, count, verify, simulator, nullptr};
+            setProgress(*self, progress);
             ownFunctions(self->simulator);
           },
           "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
@@ -70,9 +88,10 @@ void bindDrive(nb::module_& parent) {
             ownFunctions(self.simulator);
           },
           nb::rv_policy::reference_internal, "The drive's accuracy and other options replace its own.")
-      .def_rw("progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
-              "Called when a frame is complete, with the number of frames made and that of frames to make, on a thread "
-              "of the run. An exception of it ends the run.");
+      .def_prop_rw(
+          "progress", &progressOf, &setProgress,
+          "Called when a frame is complete, with the number of frames made and that of frames to make, on a thread of "
+          "the run. What it returns does not matter; an exception of it ends the run.");
 
   nb::class_<RunReport> report(m, "RunReport", "What was made, and what was there.");
   report.def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")

@@ -4,6 +4,8 @@
 #include <gnosphere/output.hpp>
 #include <string>
 
+#include "scan/fields.hpp"
+
 namespace gnosphere::python {
 namespace {
 
@@ -35,6 +37,21 @@ FieldList fieldListOf(nb::handle argument) {
     }
   }
   return list;
+}
+
+FieldLike fieldLikeOf(nb::handle argument) {
+  if (const std::optional<Field> field = findFieldOf(argument)) return {*field};
+  const auto name = nb::cast<std::string>(argument);
+  const std::vector<Field> named = parseFields(name);  // which refuses a name that no field has
+  if (named.size() != 1) refuse("one field is wanted, not " + std::to_string(named.size()) + ": '" + name + "'");
+  return {named[0]};
+}
+
+std::optional<Field> findFieldOf(nb::handle object) {
+  if (nb::isinstance<nb::str>(object)) return findField(nb::cast<std::string>(object));
+  if (nb::isinstance<Field>(object)) return nb::cast<Field>(object);
+  throw nb::type_error(
+      ("a field is a Field or the name of one, such as 'intensity', and not a " + typeOf(object)).c_str());
 }
 
 }  // namespace gnosphere::python

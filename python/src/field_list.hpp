@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments that are fields: their names in one text, as on the command line, or a sequence of fields and names.
+// Arguments that are fields: their names in one text, as on the command line, or a sequence of fields and names; or one
+// of these.
 #pragma once
 
-#include <exception>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "bind.hpp"
+#include "late.hpp"
 
 namespace gnosphere::python {
 
@@ -19,42 +20,31 @@ struct FieldList {
 /// TypeError for anything else.
 FieldList fieldListOf(nb::handle argument);
 
+/// An argument that is one field, such as Field.intensity or "intensity".
+struct FieldLike {
+  Field field = {};
+};
+
+/// Throws as fieldListOf() does.
+FieldLike fieldLikeOf(nb::handle argument);
+/// The field that an object is or names; none if no field has this name. Throws a TypeError for another object.
+std::optional<Field> findFieldOf(nb::handle object);
+
 }  // namespace gnosphere::python
 
 namespace nanobind::detail {
 
-/// Errors of an argument are thrown when the called function takes it, because from_python() cannot throw.
 template <>
-struct type_caster<gnosphere::python::FieldList> {
-  using Value = gnosphere::python::FieldList;
-  template <typename T>
-  using Cast = movable_cast_t<T>;
-  template <typename T>
-  static constexpr bool can_cast() {
-    return true;
-  }
+struct type_caster<gnosphere::python::FieldList>
+    : late_caster<gnosphere::python::FieldList, &gnosphere::python::fieldListOf> {
   static constexpr auto Name =
       const_name("str | collections.abc.Sequence[") + make_caster<gnosphere::Field>::Name + const_name(" | str]");
+};
 
-  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
-    try {
-      value = gnosphere::python::fieldListOf(source);
-    } catch (...) {
-      error = std::current_exception();
-    }
-    return true;
-  }
-  explicit operator Value*() { return &checked(); }
-  explicit operator Value&() { return checked(); }
-  explicit operator Value&&() { return static_cast<Value&&>(checked()); }
-
- private:
-  Value& checked() {
-    if (error) std::rethrow_exception(error);
-    return value;
-  }
-  Value value;
-  std::exception_ptr error;
+template <>
+struct type_caster<gnosphere::python::FieldLike>
+    : late_caster<gnosphere::python::FieldLike, &gnosphere::python::fieldLikeOf> {
+  static constexpr auto Name = make_caster<gnosphere::Field>::Name + const_name(" | str");
 };
 
 }  // namespace nanobind::detail

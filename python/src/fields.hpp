@@ -4,10 +4,9 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "bind.hpp"
+#include "field_list.hpp"
 
 namespace gnosphere::python {
 
@@ -26,12 +25,6 @@ inline std::vector<std::string> namesOf(const std::vector<Field>& fields) {
   return names;
 }
 
-inline std::optional<Field> fieldNamed(const std::vector<Field>& fields, std::string_view name) {
-  for (const Field field : fields)
-    if (fieldInfo(field).name == name) return field;
-  return std::nullopt;
-}
-
 /// Defines result[name], `name in result`, `for name in result` and keys(). There is no len(), with which NumPy would
 /// take a result for a sequence. `kHas` says whether a result has a field and `kColumn` returns its values; `what`
 /// names the result in messages, and `remedy` says how a result gets more fields.
@@ -40,24 +33,33 @@ void bindNames(nb::class_<Result>& type, const char* what, const char* remedy) {
   const auto fieldsOf = [](const Result& self) { return fieldsWith([&](Field field) { return kHas(self, field); }); };
   type.def(
           "__getitem__",
-          [=](const Result& self, std::string_view name) -> nb::object {
-            const std::vector<Field> fields = fieldsOf(self);
-            if (const std::optional<Field> field = fieldNamed(fields, name)) return kColumn(self, *field);
+          [=](const Result& self, nb::handle name) -> nb::object {
+            const std::optional<Field> field = findFieldOf(name);
+            if (field && kHas(self, *field)) return kColumn(self, *field);
             std::string known;
-            for (const std::string& one : namesOf(fields)) known += (known.empty() ? "" : ", ") + one;
+            for (const std::string& one : namesOf(fieldsOf(self))) known += (known.empty() ? "" : ", ") + one;
+            const auto wanted = field ? fieldInfo(*field).name : nb::cast<std::string>(name);
             throw nb::key_error(
-                (std::string(what) + " has no field '" + std::string(name) + "'; it has " + known + ", and " + remedy)
-                    .c_str());
+                (std::string(what) + " has no field '" + wanted + "'; it has " + known + ", and " + remedy).c_str());
           },
-          "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
-          (std::string("The column of the field with this name, such as \"range\"; see column() and keys(). Raises "
-                       "KeyError if ") +
+          "name"_a, nb::sig("def __getitem__(self, name: str | Field) -> numpy.typing.NDArray[typing.Any]"),
+          (std::string("The column of a field, by its name, such as \"range\", or as a Field; see column() and keys(). "
+                       "Raises KeyError if ") +
            what + " does not have it.")
               .c_str())
       .def(
           "__contains__",
-          [=](const Result& self, std::string_view name) { return fieldNamed(fieldsOf(self), name).has_value(); },
-          "name"_a, (std::string("Whether ") + what + " has the field with this name.").c_str())
+          [=](const Result& self, nb::handle name) {
+            if (!nb::isinstance<nb::str>(name) && !nb::isinstance<Field>(name)) return false;
+            const std::optional<Field> field = findFieldOf(name);
+            return field && kHas(self, *field);
+          },
+          "name"_a.none(), nb::sig("def __contains__(self, name: object) -> bool"),
+          (std::string("Whether ") + what + " has the field of this name, or this Field.").c_str())
+      .def(
+          "_ipython_key_completions_", [=](const Result& self) { return nb::list(tupleOf(namesOf(fieldsOf(self)))); },
+          nb::sig("def _ipython_key_completions_(self) -> list[str]"),
+          "The names that IPython and Jupyter offer for what stands in brackets.")
       .def(
           "__iter__", [=](const Result& self) { return nb::iter(tupleOf(namesOf(fieldsOf(self)))); },
           nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"),

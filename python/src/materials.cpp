@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds the optics of materials of gnosphere/effects.hpp.
-#include "bind.hpp"
+#include "state.hpp"
 
 namespace gnosphere::python {
 
 void bindMaterials(nb::module_& m) {
-  nb::class_<Optics>(m, "Optics", "Optical properties of a material at the wavelength of Effects.Intensity.")
-      .def_ro("reflectance", &Optics::reflectance, "Diffuse (Lambertian), 0..1.")
+  nb::class_<Optics> optics(m, "Optics", "Optical properties of a material at the wavelength of Effects.Intensity.");
+  bindState<&Optics::reflectance, &Optics::gloss, &Optics::roughness, &Optics::retro, &Optics::transmission>(optics);
+  optics.def_ro("reflectance", &Optics::reflectance, "Diffuse (Lambertian), 0..1.")
       .def_ro("gloss", &Optics::gloss, "Share of the light that the glossy lobe reflects, 0..1.")
       .def_ro("roughness", &Optics::roughness, "Roughness of the glossy lobe, 0..1.")
       .def_ro("retro", &Optics::retro,

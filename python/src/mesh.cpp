@@ -188,21 +188,23 @@ void bindInstance(nb::module_& m) {
   instance
       .def(
           "__init__",
-          [](Instance* self, const Whole& of, const Transform& transform, const Whole& classId, std::string name,
+          [](Instance* self, const Whole& of, const MapLike& transform, const Whole& classId, std::string name,
              const Whole& world) {
             new (self) Instance{std::move(name),
                                 of.of<uint32_t>("Instance: mesh"),
-                                transform,
+                                transform.map,
                                 classId.of<uint16_t>("Instance: class_id"),
                                 "",
                                 world.of<uint32_t>("Instance: world")};
           },
-          "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "", "world"_a = 0)
+          "mesh"_a, "transform"_a = MapLike(), "class_id"_a = 0, "name"_a = "", "world"_a = 0,
+          "transform: a Transform, or an array of shape (3, 4) or (4, 4).")
       .def_rw("name", &Instance::name, "Scenes from files have the name that the file states.");
   readWriteWhole(instance, "mesh", &Instance::mesh, "Index into Scene.meshes.");
   instance.def_prop_rw(
       "transform", [](const Instance& self) { return self.transform; },
-      [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.");
+      [](Instance& self, const MapLike& transform) { self.transform = transform.map; },
+      "Mesh frame to world frame. An array of shape (3, 4) or (4, 4) can be assigned, too.");
   readWriteWhole(instance, "class_id", &Instance::classId,
                  "Semantic class of all surfaces whose material states none; 0 for none. See Field.class_id.");
   instance.def_rw("class_name", &Instance::className,

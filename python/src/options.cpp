@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "field_list.hpp"
 #include "rows.hpp"
+#include "state.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -49,8 +50,9 @@ void bindShot(nb::module_& m) {
       .def_prop_ro(
           "instances", [](const AddedScene& self) { return copiedColumn(self.instances); }, kOwned,
           "Shape (n,), uint32.");
-  nb::class_<MemoryUse>(m, "MemoryUse", "Bytes of device memory by purpose.")
-      .def_ro("scene", &MemoryUse::scene, "Meshes, instances, and lists whose size follows theirs.")
+  nb::class_<MemoryUse> memory(m, "MemoryUse", "Bytes of device memory by purpose.");
+  bindState<&MemoryUse::scene, &MemoryUse::sensor, &MemoryUse::work>(memory);
+  memory.def_ro("scene", &MemoryUse::scene, "Meshes, instances, and lists whose size follows theirs.")
       .def_ro("sensor", &MemoryUse::sensor, "Tables of the beams.")
       .def_ro("work", &MemoryUse::work, "Results, and the intermediate arrays and lists of the stages.");
 
@@ -79,8 +81,8 @@ void bindShot(nb::module_& m) {
                              "Sensor.rotation_period later. It is never changed after it is made.")
       .def(
           "__init__",
-          [](InstanceMotion* self, size_t instance, const Transform& end) {
-            new (self) InstanceMotion{instance, end};
+          [](InstanceMotion* self, size_t instance, const MapLike& end) {
+            new (self) InstanceMotion{instance, end.map};
           },
           "instance"_a, "end"_a)
       .def_ro("instance", &InstanceMotion::instance, "Index of the instance.")

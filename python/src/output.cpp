@@ -5,6 +5,7 @@
 #include "output/cloud_format.hpp"
 #include "scan.hpp"
 #include "scan/fields.hpp"
+#include "state.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -87,11 +88,16 @@ void bindLayout(nb::module_& m) {
 }
 
 void bindComparison(nb::module_& m) {
-  nb::class_<Comparison>(
+  nb::class_<Comparison> comparison(
       m, "Comparison",
       "The differences between two clouds of the same beams, counted per beam, or per return if beams "
-      "have several. Returns that the reference marks as ties are counted separately.")
-      .def_ro("beams", &Comparison::beams, "Beams compared, or returns if beams have several.")
+      "have several. Returns that the reference marks as ties are counted separately.");
+  bindState<&Comparison::beams, &Comparison::hits, &Comparison::missed, &Comparison::falseHits, &Comparison::wrongOwner,
+            &Comparison::wrongRange, &Comparison::ties, &Comparison::tieDifferences, &Comparison::tieMissed,
+            &Comparison::tieFalseHits, &Comparison::tieWrongOwner, &Comparison::tieErrorMax, &Comparison::rangeErrorMax,
+            &Comparison::rangeError9999, &Comparison::rangeErrorRms, &Comparison::hitErrorMax, &Comparison::wrongPoint,
+            &Comparison::pointErrorMax>(comparison);
+  comparison.def_ro("beams", &Comparison::beams, "Beams compared, or returns if beams have several.")
       .def_ro("hits", &Comparison::hits, "Returns of the reference.")
       .def_ro("missed", &Comparison::missed, "Returns of the reference that the other does not have, without ties.")
       .def_ro("false_hits", &Comparison::falseHits,

@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "field_list.hpp"
+#include "rows.hpp"
 #include "scan.hpp"
 
 namespace gnosphere::python {
@@ -26,14 +27,16 @@ void bindQos(nb::module_& m) {
       .value("volatile_data", Qos::Durability::volatileData)
       .value("transient_local", Qos::Durability::transientLocal, "who subscribes late gets the last messages");
   qos.def(
-         "__init__",
-         [](Qos* self, Qos::Reliability reliability, Qos::Durability durability, uint32_t depth) {
-           new (self) Qos{reliability, durability, depth};
-         },
-         "reliability"_a = Qos::Reliability::reliable, "durability"_a = Qos::Durability::volatileData, "depth"_a = 5)
-      .def_rw("reliability", &Qos::reliability, "Whether messages that were lost are sent again.")
-      .def_rw("durability", &Qos::durability, "Whether subscribers that come late get the last messages.")
-      .def_rw("depth", &Qos::depth, "How many messages are kept.");
+      "__init__",
+      [](Qos* self, const Choice<Qos::Reliability>& reliability, const Choice<Qos::Durability>& durability,
+         uint32_t depth) {
+        new (self) Qos{chosen(reliability, "Qos: reliability"), chosen(durability, "Qos: durability"), depth};
+      },
+      "reliability"_a = Qos::Reliability::reliable, "durability"_a = Qos::Durability::volatileData, "depth"_a = 5,
+      "reliability, durability: their enumerators, or the names of these.");
+  readWriteChoice(qos, "reliability", &Qos::reliability, "Whether messages that were lost are sent again.");
+  readWriteChoice(qos, "durability", &Qos::durability, "Whether subscribers that come late get the last messages.");
+  qos.def_rw("depth", &Qos::depth, "How many messages are kept.");
 }
 
 void bindCloud(nb::module_& m) {

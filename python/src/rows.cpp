@@ -50,15 +50,6 @@ std::string typeOf(nb::handle type, const std::string& property) {
   return signature.substr(first, signature.rfind(", /)") - first);
 }
 
-/// The same as users write it, without the names of modules.
-std::string shortTypeOf(nb::handle type, const std::string& property) {
-  std::string text = typeOf(type, property);
-  for (const std::string& module :
-       {nb::cast<std::string>(type.attr("__module__")) + ".", std::string("collections.abc.")})
-    for (size_t at = text.find(module); at != text.npos; at = text.find(module)) text.erase(at, module.size());
-  return text;
-}
-
 /// Returns "off, on or automatic".
 std::string listedNames(nb::handle members) {
   std::vector<ChoiceWord> words;
@@ -129,14 +120,7 @@ void setProperty(nb::handle object, const std::string& name, nb::handle value) {
   const std::vector<std::string> known = propertiesOf(type);
   if (std::ranges::find(known, name) == known.end())
     throw nb::type_error((classNameOf(type) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
-  try {
-    nb::setattr(object, name.c_str(), value);
-  } catch (nb::python_error& error) {
-    if (!error.matches(PyExc_TypeError)) throw;
-    throw nb::type_error((classNameOf(type) + ": " + name + " must be of the type " + shortTypeOf(type, name) +
-                          ", not " + nb::cast<std::string>(nb::repr(value)))
-                             .c_str());
-  }
+  nb::setattr(object, name.c_str(), value);  // gnosphere/_properties.py says what is wrong
 }
 
 void checkPositional(nb::handle type, size_t given, size_t taken) {

@@ -14,6 +14,7 @@
 
 #include "arrays.hpp"
 #include "fields.hpp"
+#include "state.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -205,8 +206,9 @@ void bindCounters(nb::module_& m) {
       .def("__setstate__", &setState);
   counters.attr("__hash__") = nb::none();
 
-  nb::class_<StageTime>(m, "StageTime", "The time of one stage of a scan.")
-      .def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")
+  nb::class_<StageTime> stage(m, "StageTime", "The time of one stage of a scan.");
+  bindState<&StageTime::name, &StageTime::ms>(stage);
+  stage.def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")
       .def_ro("ms", &StageTime::ms, "Milliseconds.");
   auto timings =
       nb::class_<Timings>(m, "Timings",
@@ -218,6 +220,7 @@ void bindCounters(nb::module_& m) {
           "From the submission until the results can be read on the host, without compiling kernels and without what "
           "the function given to scan_all() takes meanwhile.")
       .def_ro("gpu_ms", &Timings::gpuMs, "Milliseconds by the timestamps of the device.");
+  bindState<&Timings::wallMs, &Timings::gpuMs, &Timings::stages>(timings);
   readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
 }
 
@@ -272,7 +275,9 @@ void bindScan(nb::module_& m) {
       "views of the library's memory, which each view keeps alive: also after the Scan is deleted, and after "
       "scan_into() or scan_all() has gone on, which take new memory while a view is held. So the values of a view "
       "change only if you write to them.");
-  scan.def(nb::init<>(), "An empty scan, for Simulator.scan_into().");
+  scan.def(
+      nb::init<>(),
+      "An empty scan, for Simulator.scan_into(). Of the fields it has those that every scan has, without entries.");
   readMember(scan, "sensor", &Scan::sensor, "The sensor's name.");
   readMember(scan, "columns", &Scan::columns, "Columns of the organised cloud.");
   readMember(scan, "channels", &Scan::channels, "Rows of the organised cloud.");
@@ -296,12 +301,13 @@ void bindScan(nb::module_& m) {
             "Shape (entries,), uint32: index within the instance's mesh. A view that keeps its memory alive.");
   readArray(scan, "instances", &Scan::instances,
             "Shape (entries,), uint32: index into Scene.instances. A view that keeps its memory alive.");
-  scan.def("column", &columnOfScan, "field"_a,
-           nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
-           "Returns the values of a field, shape (entries,), or (entries, components) of a vector, in the type of "
-           "field_info(): a read-only view that keeps its memory alive. An entry without a value has NaN in floats "
-           "other than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
-           "Error(invalid_argument) if the scan does not have the field.")
+  scan.def(
+          "column", [](const SharedScan& self, const FieldLike& given) { return columnOfScan(self, given.field); },
+          "field"_a, nb::sig("def column(self, field: Field | str) -> numpy.typing.NDArray[typing.Any]"),
+          "Returns the values of a field, shape (entries,), or (entries, components) of a vector, in the type of "
+          "field_info(): a read-only view that keeps its memory alive. An entry without a value has NaN in floats "
+          "other than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
+          "Error(invalid_argument) if the scan does not have the field.")
       .def_prop_ro(
           "shape",
           [](const SharedScan& self) {
@@ -320,19 +326,19 @@ void bindScan(nb::module_& m) {
           "What a notebook shows: a line about the scan, and its range image.")
       .def(
           "show",
-          [](nb::handle_t<SharedScan> self, std::string_view field) {
-            callPictures("show", self, nb::str(field.data(), field.size()));
-          },
-          "field"_a = "range",
+          [](nb::handle_t<SharedScan> self, const nb::object& field) { return callPictures("show", self, field); },
+          "field"_a = "range", nb::sig("def show(self, field: str | Field = 'range') -> typing.Any"),
           "Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a "
-          "field. Needs Matplotlib.")
+          "field. Returns the figure of Matplotlib, which is needed; see gnosphere.pictures.show(). Raises ValueError "
+          "for a scan without beams.")
       .def(
           "in_world", [](const SharedScan& self) { return SharedScan{std::make_shared<Scan>(inWorld(*self.value))}; },
           "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
           "is the identity. If the sensor moves during the scan, the scan must be deskewed "
           "(Effects.SensorMotion.deskew). Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
-      .def("has", &scanHasField, "field"_a,
-           "Whether column() has the field. A scan may have more fields than were requested.")
+      .def(
+          "has", [](const SharedScan& self, const FieldLike& given) { return scanHasField(self, given.field); },
+          "field"_a, "Whether column() has the field. A scan may have more fields than were requested.")
       .def(
           "beam_count", [](const SharedScan& self) { return self.value->beamCount(); },
           "Number of beams, with and without a return.")

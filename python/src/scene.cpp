@@ -4,9 +4,12 @@
 #include <nanobind/stl/array.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "arrays.hpp"
+#include "base/transform.hpp"
 #include "rows.hpp"
+#include "state.hpp"
 #include "whole.hpp"
 
 namespace gnosphere::python {
@@ -34,6 +37,18 @@ void bindTransform(nb::module_& m) {
           "(a * b) p = a * (b * p)")
       .def(
           "__mul__", [](const Transform& a, const Vec3& p) { return a * p; }, nb::is_operator(), "Maps the point p.")
+      .def(
+          "__matmul__", [](const Transform& a, const Transform& b) { return a * b; }, nb::is_operator(),
+          "As a * b: (a @ b) p = a * (b * p)")
+      .def(
+          "inverse",
+          [](const Transform& self) {
+            if (const double size = determinant(self); size == 0 || !std::isfinite(size))
+              refuse("Transform: the map has no inverse; its determinant is " + std::to_string(size));
+            return inverse(self);
+          },
+          "The map back: self * self.inverse() is the identity, but for rounding. Raises Error(invalid_argument) if "
+          "there is none.")
       .def("__repr__",
            [](nb::handle self) { return nb::str("Transform({})").format(self.attr("rows").attr("tolist")()); });
 }
@@ -53,12 +68,14 @@ void bindMaterial(nb::module_& m) {
   image
       .def(
           "__init__",
-          [](AlphaImage* self, const ArrayLike& alpha, AlphaImage::Wrap u, AlphaImage::Wrap v) {
+          [](AlphaImage* self, const ArrayLike& alpha, const Choice<AlphaImage::Wrap>& u,
+             const Choice<AlphaImage::Wrap>& v) {
             const auto shape = nb::cast<nb::tuple>(nb::module_::import_("numpy").attr("shape")(alpha.object));
             if (nb::len(shape) != 2) refuse("AlphaImage: alpha must be an array of shape (height, width)");
             const ArrayLike flat{nb::module_::import_("numpy").attr("ravel")(alpha.object)};
             new (self) AlphaImage{nb::cast<uint32_t>(shape[1]), nb::cast<uint32_t>(shape[0]),
-                                  arrayOf<uint8_t>(flat, "AlphaImage: alpha").copy(), u, v};
+                                  arrayOf<uint8_t>(flat, "AlphaImage: alpha").copy(), chosen(u, "AlphaImage: wrap_u"),
+                                  chosen(v, "AlphaImage: wrap_v")};
           },
           "alpha"_a, "wrap_u"_a = AlphaImage::Wrap::repeat, "wrap_v"_a = AlphaImage::Wrap::repeat,
           "alpha: shape (height, width), uint8; row 0 is at v = 0.")
@@ -70,9 +87,9 @@ void bindMaterial(nb::module_& m) {
             return nb::ndarray<nb::numpy, uint8_t, nb::ndim<2>>(self.alpha.data(), {self.height, self.width},
                                                                 nb::find(self));
           },
-          kOwned, "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.")
-      .def_rw("wrap_u", &AlphaImage::wrapU, "What coordinates below 0 and above 1 read, across.")
-      .def_rw("wrap_v", &AlphaImage::wrapV, "What coordinates below 0 and above 1 read, downwards.");
+          kOwned, "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.");
+  readWriteChoice(image, "wrap_u", &AlphaImage::wrapU, "What coordinates below 0 and above 1 read, across.");
+  readWriteChoice(image, "wrap_v", &AlphaImage::wrapV, "What coordinates below 0 and above 1 read, downwards.");
 
   nb::class_<Material> material(m, "Material",
                                 "Surface properties in the terms of the glTF metallic-roughness model. Colours are "
@@ -84,7 +101,8 @@ void bindMaterial(nb::module_& m) {
             const auto& c = self.baseColor;
             return nb::typed<nb::tuple, float, float, float, float>(nb::make_tuple(c[0], c[1], c[2], c[3]));
           },
-          [](Material& self, std::array<float, 4> color) { self.baseColor = color; }, "Red, green, blue, alpha.")
+          [](Material& self, const Color& color) { self.baseColor = color.rgba; },
+          "Red, green, blue, alpha: any sequence or array of 4 numbers is taken.")
       .def_rw("metallic", &Material::metallic, "0 for a dielectric, 1 for a metal.")
       .def_rw("roughness", &Material::roughness, "0 for a mirror, 1 for a rough surface.")
       .def_rw("transmission", &Material::transmission, "The share of the light that passes through.");
@@ -143,17 +161,19 @@ void bindScene(nb::module_& m) {
       .def_prop_ro(
           "instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); },
           "A tuple; its elements can be changed in place. Each access makes it anew, so take it once before a loop.")
-      .def_ro("unread_images", &Scene::unreadImages,
+      .def_rw("unread_images", &Scene::unreadImages,
               "Number of images of AlphaMode.mask materials that are missing or not PNG.")
       .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")
       .def("placed_triangle_count", &Scene::placedTriangleCount, "Summed over instances.");
   readWriteCopy(scene, "animation", &Scene::animation,
                 "Empty in a scene that has neither clips nor deformable meshes. A copy, assigned whole.");
-  readTuple(scene, "left_out", &Scene::leftOut,
-            "What the file says about motion and the scene leaves out: a line each, with how often.");
+  readWriteTuple(scene, "left_out", &Scene::leftOut,
+                 "What the file says about motion and the scene leaves out: a line each, with how often. A tuple, "
+                 "assigned whole.");
 
-  nb::class_<Bounds>(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.")
-      .def_ro("min", &Bounds::min, "The least x, y and z, in metres.")
+  nb::class_<Bounds> bounds(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.");
+  bindState<&Bounds::min, &Bounds::max>(bounds);
+  bounds.def_ro("min", &Bounds::min, "The least x, y and z, in metres.")
       .def_ro("max", &Bounds::max, "The greatest x, y and z, in metres.")
       .def("empty", &Bounds::empty, "Whether there is no vertex in it.");
   m.def("world_bounds", &worldBounds, "scene"_a, WithoutGil(),
@@ -164,8 +184,13 @@ void bindScene(nb::module_& m) {
       "indices or sizes are inconsistent.");
 
   m.def(
-      "joined", [](const Scene& scene, const Scene& other, const Transform& to) { return joined(scene, other, to); },
-      "scene"_a, "other"_a, "transform"_a = Transform(), WithoutGil(),
+      "joined",
+      [](const Scene& scene, const Scene& other, const MapLike& to) {
+        const Transform map = to.map;
+        const ReleasedGil released;
+        return joined(scene, other, map);
+      },
+      "scene"_a, "other"_a, "transform"_a = MapLike(),
       "Returns a scene with everything of `scene`, and everything of `other` behind it, moved by `transform`: "
       "materials, "
       "alpha images, meshes, instances, skins and clips get the indices that follow, in their order; nodes do, too, "

@@ -24,9 +24,10 @@ void construct(Self* self, Scene scene, std::vector<RequestLike> sensors, Simula
   new (self) Self(scene, requests, options);
 }
 
-SharedScan scan(Self& self, const Pose& pose, size_t sensor) {
+SharedScan scan(Self& self, const Pose& pose, const Whole& sensor) {
   const Pose chosen = pose;
-  return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(chosen, sensor); }))};
+  const auto number = sensor.of<size_t>("scan: sensor");
+  return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(chosen, number); }))};
 }
 
 /// What a call takes out of a result and gives back.
@@ -107,20 +108,24 @@ void withMemory(const std::vector<Shot>& shots, const Work& work) {
   }
 }
 
-SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
-                      const FieldList& list) {
+SharedBatch scanBatch(Self& self, const ShotsLike& given, const Whole& sensor, const NumbersLike& worlds,
+                      const Whole& frame, const FieldList& list) {
   SharedBatch result;
+  const auto number = sensor.of<size_t>("scan_batch: sensor");
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, list.fields, SeesSignals()); });
+    self.use([&](Simulator& simulator) {
+      simulator.scanBatchInto(shots, *result.value, list.fields, SeesSignals(), number);
+    });
   });
   return result;
 }
 
-void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size_t sensor, const NumbersLike& worlds,
-                   uint64_t frame, const FieldList& list) {
+void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, const Whole& sensor,
+                   const NumbersLike& worlds, const Whole& frame, const FieldList& list) {
+  const auto number = sensor.of<size_t>("scan_batch: sensor");
   withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
     Taken taken(result);
-    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, list.fields, SeesSignals()); });
+    self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, list.fields, SeesSignals(), number); });
   });
 }
 
@@ -152,14 +157,17 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsL
   return nb::cast(copiedColumn(added));
 }
 
-/// The poses of a batch: a sequence of Pose, or an array of shape (n, 7).
+/// The poses of a batch: a sequence of Pose, or an array of shape (n, 7), (n, 4, 4) or (n, 3, 4).
 std::vector<Pose> posesOf(const nb::object& given, const std::string& name) {
   if (firstIs<Pose>(given)) return entriesOf<Pose>(given, name + ": shots");
   if (!isSequenceOfObjects(given) && !nb::hasattr(given, "shape") && !isArray(given.ptr()))
     throw nb::type_error((name + ": shots is a " + nb::cast<std::string>(given.type().attr("__name__")) +
                           "; it must be a sequence, such as a list, of Shot or of Pose, or an array of shape (n, 7)")
                              .c_str());
-  const auto rows = arrayOf<double>({given}, name + ": shots", 7);
+  const nb::object array = arrayOrRefuse(given, name + ": shots", " of shape (n, 7)");
+  if (nb::cast<size_t>(array.attr("ndim")) == 3 && nb::cast<size_t>(array.attr("shape")[2]) == 4)
+    return posesOfMaps(array, name + ": shots");
+  const auto rows = arrayOf<double>({array}, name + ": shots", 7);
   std::vector<Pose> poses(rows.rows());
   for (size_t i = 0; i < poses.size(); ++i) {
     const double* v = rows.values().data() + 7 * i;
@@ -179,13 +187,16 @@ constexpr const char* kScanBatch =
     "Makes the scans of many shots of one sensor, each with the same result as scan_into(), and collects them in "
     "arrays with the view (the index into `shots`) as their first dimension, without holding the GIL. `shots` is a "
     "sequence of Shot, a sequence of Pose, or an array of poses of shape (n, 7): position x, y, z (metres) and "
-    "orientation x, y, z, w (MuJoCo puts w first). Poses are completed by `sensor`, `worlds` (one number, or one for "
+    "orientation x, y, z, w (MuJoCo puts w first); or of shape (n, 4, 4) or (n, 3, 4): rotations and shifts that map "
+    "to "
+    "the world. Poses are completed by `sensor`, `worlds` (one number, or one for "
     "each view) and `frame`: the frame number of the first view, which those of the others follow. Random numbers "
     "depend on the frame number. "
     "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
     "of views from call to call to have other noise. A sensor of several patterns fires pattern `frame` modulo their "
     "number. `fields` are those that the batch has beside the ranges; without any it has all that a Scan of the sensor "
-    "has. Ctrl-C ends the batch. Raises "
+    "has. Without shots the batch has no views, but the fields and the shape of `sensor`. Ctrl-C ends the batch. "
+    "Raises "
     "Error(invalid_argument) that names the first shot which is not valid, before anything runs, Error(out_of_memory) "
     "if the results do not fit into the memory, and TypeError for shots of several types.";
 
@@ -195,7 +206,9 @@ void bindScans(nb::class_<Self>& simulator) {
            "fields"_a = nb::make_tuple(), kScanBatch)
       .def("scan_batch_into", &scanBatchInto, "shots"_a, "result"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
            "fields"_a = nb::make_tuple(),
-           "As scan_batch(), into an existing Batch, whose memory is used again unless an array of it is still held.");
+           "As scan_batch(), into an existing Batch, whose memory is used again unless an array of it is still held. "
+           "While "
+           "the call works the Batch is empty for other threads.");
   simulator
       .def("scan", &scan, "pose"_a, "sensor"_a = 0,
            "Makes one scan from the fixed pose `pose`, without holding the GIL. Its frame number is 0, and random "
@@ -207,7 +220,8 @@ void bindScans(nb::class_<Self>& simulator) {
            "Error(invalid_argument) for weather that is not planned (see SensorRequest.variable_weather).")
       .def("scan_into", &scanInto, "shot"_a, "result"_a,
            "As scan() of a shot, into an existing Scan, without holding the GIL. Its arrays are reused, so nothing is "
-           "allocated once they have their size, unless a view of them is still held: then the scan gets new ones.")
+           "allocated once they have their size, unless a view of them is still held: then the scan gets new ones. "
+           "While the call works the Scan is empty for other threads.")
       .def(
           "scan_all", &scanAll, "shots"_a, "receive"_a,
           "Makes many scans, each with the same result as scan_into(), pipelined: while Python receives one scan, the "
@@ -235,7 +249,10 @@ void setTransforms(Self& self, const ArrayLike& instances, const TransformsLike&
 void bindChanges(nb::class_<Self>& simulator) {
   const auto removal = [&](const char* name, void (Simulator::*remove)(size_t), const char* argument, const char* doc) {
     simulator.def(
-        name, [remove](Self& self, size_t index) { self.use([&](Simulator& of) { (of.*remove)(index); }); },
+        name,
+        [remove, what = std::string(name) + ": " + argument](Self& self, const Whole& index) {
+          self.use([&, number = index.of<size_t>(what)](Simulator& of) { (of.*remove)(number); });
+        },
         nb::arg(argument), doc);
   };
   simulator.def(
@@ -257,9 +274,10 @@ void bindChanges(nb::class_<Self>& simulator) {
       "material's own alpha_image is ignored.");
   simulator.def(
       "set_material",
-      [](Self& self, size_t index, const Material& material, const AlphaImage* image) {
+      [](Self& self, const Whole& index, const Material& material, const AlphaImage* image) {
         const std::optional<AlphaImage> alpha = image ? std::optional(*image) : std::nullopt;
-        self.use([&, copy = material](Simulator& of) { of.setMaterial(index, copy, alpha ? &*alpha : nullptr); });
+        const auto number = index.of<size_t>("set_material: index");
+        self.use([&, copy = material](Simulator& of) { of.setMaterial(number, copy, alpha ? &*alpha : nullptr); });
       },
       "index"_a, "material"_a, "image"_a = nb::none(),
       "Replaces a material, also of meshes in use; `image` as in add_material(). Of a material that a mesh uses "
@@ -272,29 +290,30 @@ void bindChanges(nb::class_<Self>& simulator) {
   removal("remove_mesh", &Simulator::removeMesh, "mesh", "Removes a mesh; no instance may place it.");
   simulator.def(
       "set_positions",
-      [](Self& self, size_t mesh, const ArrayLike& positions) {
+      [](Self& self, const Whole& mesh, const ArrayLike& positions) {
         const auto array = arrayOf<float>(positions, "set_positions: positions", 3);
-        self.use([&](Simulator& of) { of.setPositions(mesh, array.values()); });
+        const auto number = mesh.of<size_t>("set_positions: mesh");
+        self.use([&](Simulator& of) { of.setPositions(number, array.values()); });
       },
       "mesh"_a, "positions"_a,
       "Moves the vertices of a mesh. positions: shape (vertices, 3), float32, metres relative to Mesh.origin, for as "
       "many vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable.");
   simulator.def(
       "set_deformation",
-      [](Self& self, size_t mesh, const Deformation& deformation) {
-        self.use([&, copy = deformation](Simulator& of) { of.setDeformation(mesh, copy); });
+      [](Self& self, const Whole& mesh, const Deformation& deformation) {
+        const auto number = mesh.of<size_t>("set_deformation: mesh");
+        self.use([&, copy = deformation](Simulator& of) { of.setDeformation(number, copy); });
       },
       "mesh"_a, "deformation"_a,
       "Moves the joints and morph targets of a deformable mesh, whose vertices then are at deformed_positions(). An "
       "empty deformation puts them back to Mesh.positions.");
   simulator.def(
       "add_instance",
-      [](Self& self, const Whole& mesh, const Transform& transform, const Whole& classId, const Whole& world) {
+      [](Self& self, const Whole& mesh, const MapLike& transform, const Whole& classId, const Whole& world) {
         const auto number = mesh.of<uint32_t>("add_instance: mesh"),
                    ofWorld = world.of<uint32_t>("add_instance: world");
         const auto ofClass = classId.of<uint16_t>("add_instance: class_id");
-        return self.use(
-            [&, copy = transform](Simulator& of) { return of.addInstance(number, copy, ofClass, ofWorld); });
+        return self.use([&](Simulator& of) { return of.addInstance(number, transform.map, ofClass, ofWorld); });
       },
       "mesh"_a, "transform"_a, "class_id"_a = 0, "world"_a = 0,
       "Adds an instance to a world and returns its index, which Scan.instances uses. World 0 is everyone's.");
@@ -307,20 +326,22 @@ void bindChanges(nb::class_<Self>& simulator) {
                 "set_transforms(); the others are one number, or have the shape (n,).");
   simulator.def(
       "add_scene",
-      [](Self& self, const Scene& scene, const Transform& transform) {
-        return self.use([&, copy = transform](Simulator& of) { return of.addScene(scene, copy); });
+      [](Self& self, const Scene& scene, const MapLike& transform) {
+        return self.use([&](Simulator& of) { return of.addScene(scene, transform.map); });
       },
-      "scene"_a, "transform"_a = Transform(),
+      "scene"_a, "transform"_a = MapLike(),
       "Adds the materials, meshes and instances of a scene, for example of a vehicle with several parts, moved by "
       "`transform`. To move it again, set the transforms of its instances to the new one times those that `scene` "
       "states. The scene must not be changed meanwhile.");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
       "set_transform",
-      [](Self& self, size_t instance, const Transform& transform) {
-        self.use([&, copy = transform](Simulator& of) { of.setTransform(instance, copy); });
+      [](Self& self, const Whole& instance, const MapLike& transform) {
+        const auto number = instance.of<size_t>("set_transform: instance");
+        self.use([&](Simulator& of) { of.setTransform(number, transform.map); });
       },
-      "instance"_a, "transform"_a, "Moves an instance: mesh frame to world frame.");
+      "instance"_a, "transform"_a,
+      "Moves an instance: mesh frame to world frame, as a Transform or an array of shape (3, 4) or (4, 4).");
   simulator.def(
       "set_transforms", &setTransforms, "instances"_a, "transforms"_a,
       "Moves many instances in one call. `instances` has the shape (n,), integers; `transforms` is a sequence of "
@@ -336,8 +357,9 @@ void bindAnswers(nb::class_<Self>& simulator) {
   simulator
       .def(
           "plan",
-          [](Self& self, size_t sensor, size_t views) {
-            return self.use([&](Simulator& of) { return of.plan(sensor, views); });
+          [](Self& self, const Whole& sensor, const Whole& views) {
+            const auto number = sensor.of<size_t>("plan: sensor"), count = views.of<size_t>("plan: views");
+            return self.use([&](Simulator& of) { return of.plan(number, count); });
           },
           "sensor"_a = 0, "views"_a = 1,
           "Describes what a scan of the sensor computes, and why; with `views`, what so many scans do that are made "
@@ -355,8 +377,10 @@ void bindAnswers(nb::class_<Self>& simulator) {
 
 }  // namespace
 
-std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
-                          const std::string& name) {
+std::vector<Shot> shotsOf(const ShotsLike& given, const Whole& ofSensor, const NumbersLike& worlds,
+                          const Whole& firstFrame, const std::string& name) {
+  const auto sensor = ofSensor.of<size_t>(name + ": sensor");
+  const auto frame = firstFrame.of<uint64_t>(name + ": frame");
   if (firstIs<Shot>(given.object)) {
     const uint32_t* const world = std::get_if<uint32_t>(&worlds);
     if (sensor != 0 || frame != 0 || !world || *world != 0)

@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "base/maker_process.hpp"
 #include "options.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 
@@ -44,14 +45,14 @@ class SimulatorOfOneThread {
   std::atomic<bool> busy_ = false;
 };
 
-/// Shots, or their poses: a sequence of either, or an array of shape (n, 7).
+/// Shots, or their poses: a sequence of either, or an array of shape (n, 7), (n, 4, 4) or (n, 3, 4).
 using ShotsLike = SequenceOrArray<Shot, Pose>;
 /// One number for all, or one for each.
 using NumbersLike = std::variant<uint32_t, ArrayLike>;
 
 /// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots have their own. Throws
 /// Error(invalidArgument), or a TypeError, that begins with `name`.
-std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
-                          const std::string& name);
+std::vector<Shot> shotsOf(const ShotsLike& given, const Whole& ofSensor, const NumbersLike& worlds,
+                          const Whole& firstFrame, const std::string& name);
 
 }  // namespace gnosphere::python

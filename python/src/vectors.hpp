@@ -69,6 +69,31 @@ inline Py_ssize_t readVector(PyObject* source, Py_ssize_t size, double* numbers)
   return count;
 }
 
+/// A colour with its alpha.
+struct Color {
+  std::array<float, 4> rgba = {};
+};
+
+/// What the numbers of a vector are, for messages.
+inline const char* namesOf(const Vec3*) {
+  return "x, y, z";
+}
+inline const char* namesOf(const Quaternion*) {
+  return "x, y, z, w";
+}
+inline const char* namesOf(const Color*) {
+  return "red, green, blue, alpha";
+}
+inline void setNumbers(const std::array<double, 3>& from, Vec3& to) {
+  to = {from[0], from[1], from[2]};
+}
+inline void setNumbers(const std::array<double, 4>& from, Quaternion& to) {
+  to = {from[0], from[1], from[2], from[3]};
+}
+inline void setNumbers(const std::array<double, 4>& from, Color& to) {
+  for (size_t i = 0; i < 4; ++i) to.rgba[i] = static_cast<float>(from[i]);
+}
+
 }  // namespace gnosphere::python
 
 namespace nanobind::detail {
@@ -88,7 +113,7 @@ struct numbers_caster {
   bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
     std::array<double, size> numbers = {};
     count = gnosphere::python::readVector(source.ptr(), size, numbers.data());
-    value = std::apply([](auto... number) { return Vector{number...}; }, numbers);
+    gnosphere::python::setNumbers(numbers, value);
     return count >= 0;
   }
   explicit operator Value*() { return &checked(); }
@@ -100,13 +125,18 @@ struct numbers_caster {
     if (count == gnosphere::python::kMasked)
       throw type_error("a vector has masked entries; numpy.ma.filled() gives them values");
     if (count != size)
-      throw type_error(("a vector of " + std::to_string(size) + " numbers (" + (size == 3 ? "x, y, z" : "x, y, z, w") +
+      throw type_error(("a vector of " + std::to_string(size) + " numbers (" + gnosphere::python::namesOf(&value) +
                         ") is wanted, not one of " + std::to_string(count))
                            .c_str());
     return value;
   }
   Value value;
   Py_ssize_t count = size;
+};
+
+template <>
+struct type_caster<gnosphere::python::Color> : numbers_caster<gnosphere::python::Color, 4> {
+  static constexpr auto Name = const_name("numpy.typing.ArrayLike");
 };
 
 template <>

@@ -2,6 +2,7 @@
 """Bad input is an exception with a sentence, and never a crash."""
 
 import gc
+import importlib.util
 import subprocess
 import sys
 import warnings
@@ -410,13 +411,133 @@ def test_a_second_import_is_an_import_error():
     assert last.startswith("ImportError: gnosphere._gnosphere cannot be initialised a second time in one process")
 
 
+OTHER_INTERPRETER = """
+import gnosphere
+try:
+    import _interpreters as interpreters
+except ImportError:
+    import _xxsubinterpreters as interpreters
+other = interpreters.create()
+code = "import sys; sys.path[:] = PATH; import gnosphere._gnosphere".replace("PATH", repr(__import__("sys").path))
+try:
+    failed = interpreters.run_string(other, code)
+except interpreters.RunFailedError as error:
+    failed = error
+print(failed and getattr(failed, "formatted", failed))
+print(gnosphere.Pose((1, 2, 3)), gnosphere.Sensor(range_max=5), gnosphere.builtin_sensor("Puck").name)
+reference = gnosphere.SimulatorOptions(device="reference")
+print(gnosphere.Simulator(gnosphere.Scene(), gnosphere.builtin_sensor("Puck"), reference).scan(gnosphere.Pose()))
+"""
+
+
+def test_an_import_in_another_interpreter_is_refused_and_harms_none():
+    """What the first interpreter has goes on, and so does its end."""
+    if not any(importlib.util.find_spec(name) for name in ("_interpreters", "_xxsubinterpreters")):
+        pytest.skip("this Python has no module of interpreters")
+    done = subprocess.run([sys.executable, "-c", OTHER_INTERPRETER], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    refused, values, scan = done.stdout.splitlines()
+    assert "gnosphere._gnosphere cannot be initialised a second time in one process, in another interpreter" in refused
+    assert values == "Pose((1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0)) Sensor(range_max=5) Puck:10Hz" and "0 returns" in scan
+
+
+def test_values_of_the_wrong_type_name_the_property():
+    class Mine(gnosphere.Material):
+        pass
+
+    mesh = gnosphere.Mesh(CORNERS, FACES, PARTS)
+    for target, name, value, sentence in (
+        (gnosphere.Material(), "roughness", "x", "^Material: roughness must be of the type float, not 'x'$"),
+        (Mine(), "roughness", "x", "^Material: roughness must be of the type float, not 'x'$"),
+        (gnosphere.Shot(), "pose", 3, "^Shot: pose must be of the type Pose, not 3$"),
+        (gnosphere.Scene(), "animation", None, "^Scene: animation must be of the type SceneAnimation, not None$"),
+        (mesh, "origin", (1, 2), r"^Mesh: origin: a vector of 3 numbers \(x, y, z\) is wanted, not one of 2$"),
+        (gnosphere.CloudOptions(), "fields", 3, "^fields is a int; it must be"),
+        (
+            gnosphere.drive.RunOptions("out"),
+            "progress",
+            3,
+            r"^RunOptions: progress must be of the type Callable\[\[int, ",
+        ),
+        (
+            gnosphere.Instance(0),
+            "transform",
+            "abc",
+            "^Instance: transform: a transform is|^a transform is a Transform, or",
+        ),
+    ):
+        with pytest.raises(TypeError, match=sentence):
+            setattr(target, name, value)
+    with pytest.raises(AttributeError):
+        gnosphere.Pose().position = (1, 2, 3)
+    for color in ((1, 1, 1), np.ones(3)):
+        wanted = r"^Material: base_color: a vector of 4 numbers \(red, green, blue, alpha\) is wanted, not one of 3$"
+        with pytest.raises(TypeError, match=wanted):
+            gnosphere.Material(base_color=color)
+    assert gnosphere.Material(base_color=np.float32([0.5, 1, 0, 1])).base_color == (0.5, 1, 0, 1)
+
+
+def test_words_stand_for_enumerators(town):
+    Track, Image = gnosphere.Track, gnosphere.AlphaImage
+    track = Track(0, "translation", [0, 1], [[0, 0, 0], [1, 0, 0]], "step")
+    assert (track.property, track.interpolation) == (Track.Property.translation, Track.Interpolation.step)
+    image = Image([[1]], "clamp", wrap_v="mirror")
+    assert (image.wrap_u, image.wrap_v) == (Image.Wrap.clamp, Image.Wrap.mirror)
+    image.wrap_u = "repeat"
+    assert image.wrap_u == Image.Wrap.repeat
+    clip = gnosphere.Clip("wave", 1.0)
+    assert gnosphere.state_at(town, clip, 3, end="hold") == gnosphere.state_at(town, clip, 3, gnosphere.ClipEnd.hold)
+    assert gnosphere.DeviceChoice("reference") == gnosphere.DeviceChoice(gnosphere.DeviceChoice.Kind.reference)
+    assert gnosphere.AccuracyParts(range="exact").range == gnosphere.AccuracyParts.Range.exact
+    for call, sentence in (
+        (lambda: Track(0, "turn", [0], [[0, 0, 0]]), "Track: property must be translation, .* is 'turn'"),
+        (lambda: setattr(image, "wrap_u", "clmp"), "AlphaImage: wrap_u must be repeat, mirror or clamp, is 'clmp'"),
+        (lambda: gnosphere.state_at(town, clip, 3, "stop"), "state_at: end must be loop or hold, is 'stop'"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            call()
+
+
+def test_maps_are_transforms_or_arrays(reference, square):
+    rows = np.eye(4) + 7 * np.eye(4, k=3)
+    place = gnosphere.Transform(rows)
+    for given in (place, rows, rows[:3], rows.tolist()):
+        instance = gnosphere.Instance(0, given)
+        assert instance.transform == place
+        instance.transform = np.eye(4)
+        assert instance.transform == gnosphere.Transform()
+        instance.transform = given
+        assert instance.transform == place and gnosphere.InstanceMotion(0, given).end == place
+        reference.set_transform(0, given)
+        assert reference.scan(gnosphere.Pose()).ranges[4] == pytest.approx(7)
+        reference.remove_instance(reference.add_instance(0, given))
+        scene = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(0)])
+        assert gnosphere.joined(scene, scene, given).instances[1].transform == place
+    for call in (
+        lambda: gnosphere.Instance(0, np.eye(3)),
+        lambda: reference.set_transform(0, np.eye(3)),
+        lambda: setattr(instance, "transform", np.eye(3)),
+    ):
+        with refused(ErrorCode.invalid_argument, "transform has the shape (3, 3); it must be (3, 4) or (4, 4)"):
+            call()
+
+
+def test_a_transform_has_an_inverse_and_a_product():
+    turned = gnosphere.Transform([[0, -2, 0, 1], [1, 0, 0, 2], [0, 0, 3, 4]])
+    back = turned.inverse()
+    assert (turned @ back).rows == pytest.approx(np.eye(4)[:3]) and turned @ back == turned * back
+    assert back * (turned * (5, 6, 7)) == pytest.approx((5, 6, 7))
+    for flat in (np.diag([1, 1, 0, 1]), np.diag([np.nan, 1, 1, 1])):
+        with refused(ErrorCode.invalid_argument, "Transform: the map has no inverse; its determinant is "):
+            gnosphere.Transform(flat).inverse()
+
+
 @pytest.mark.filterwarnings("ignore:nanobind. attempted to access an uninitialized instance")
 @pytest.mark.parametrize(
     "call",
     [
         lambda s: s.scan(None),
         lambda s: s.scan((0, 0, 0)),
-        lambda s: s.scan(gnosphere.Pose(), -1),
         lambda s: s.scan(gnosphere.Pose(), 1.5),
         lambda s: s.scan_into(None, None),
         lambda s: s.scan_into(gnosphere.Shot(), None),
@@ -427,7 +548,9 @@ def test_a_second_import_is_an_import_error():
         lambda s: gnosphere.Mesh(None, FACES, PARTS),
         lambda s: gnosphere.AlphaImage(None),
         lambda s: s.add_instance(0, None),
-        lambda s: s.add_instance(0, np.eye(4)),
+        lambda s: s.set_transform(0, None),
+        lambda s: s.set_transform(0, 5),
+        lambda s: setattr(gnosphere.Instance(0), "transform", "abc"),
         lambda s: s.add_sensor(gnosphere.Pose()),
         lambda s: s.add_sensor(gnosphere.Sensor.__new__(gnosphere.Sensor)),
         lambda s: gnosphere.Simulator(gnosphere.Scene(), [gnosphere.Sensor(), None]),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gnosphere
+import gnosphere.adapter
 from gnosphere import Batch, Effects, Field, SensorRequest, Shot
 
 
@@ -242,3 +243,67 @@ def test_shots_have_their_own_sensor_world_and_frame(simulator):
 def test_a_batch_shows_the_fields_that_it_has(simulator):
     text = repr(simulator.scan_batch(np.array([[0, 0, 0, 0, 0, 0, 1.0]]), fields=[Field.range]))
     assert text.startswith("Batch(") and "ranges=<1 x 120 float32>" in text and "points" not in text
+
+
+def test_a_batch_without_views_is_one_of_its_sensor(simulator):
+    """Also when sensor 0 is gone: it has the sensor's shape, and the fields that were asked for."""
+    one, none = np.array([[0, 0, 0, 0, 0, 0, 1.0]]), np.zeros((0, 7))
+    every = {"x", "y", "z", "range", "triangle", "instance"}
+    for shots in (none, []):
+        empty, batch = simulator.scan_batch(shots, sensor=1), simulator.scan_batch(one, sensor=1)
+        assert (empty.sensor, empty.views, empty.beams) == (batch.sensor, 0, 120)
+        assert empty.keys() == batch.keys() and {"normal", *every} <= set(empty.keys()) and "intensity" not in empty
+        for name in empty.keys():
+            assert empty[name].shape == (0, *batch[name].shape[1:]) and empty[name].dtype == batch[name].dtype
+        assert set(simulator.scan_batch(shots).keys()) - {"tie", "tolerance"} == every
+        assert simulator.scan_batch(shots, sensor=1, fields="normal").keys() == ("range", "normal")
+        assert simulator.scan_batch(shots, fields="instance").keys() == ("range", "instance")
+        with pytest.raises(gnosphere.Error, match="field 'normal', which sensor 0 does not report"):
+            simulator.scan_batch(shots, fields="normal")
+    simulator.remove_sensor(0)
+    into = Batch()
+    simulator.scan_batch_into(none, into, sensor=1, fields="x")
+    assert into.keys() == ("x", "y", "z", "range") and into.points.shape == (0, 120, 3)
+    for sensor in (0, 7):
+        with pytest.raises(gnosphere.Error, match=f"sensor {sensor} "):
+            simulator.scan_batch(none, sensor=sensor)
+
+
+def test_a_new_batch_has_ranges_alone():
+    assert Batch().keys() == ("range",) and Batch()["range"].shape == (0, 0)
+
+
+def test_poses_of_a_batch_are_rigid_maps_too(simulator):
+    poses = np.tile([1.0, 2, 0, 0, 0, 0, 1], (40, 1))
+    poses[:, 3:] = np.random.default_rng(5).normal(size=(40, 4))
+    poses[:4, 3:] = np.eye(4)  # half turns about each axis, and none
+    maps = np.array([gnosphere.adapter.rows_of(gnosphere.Pose(pose[:3], pose[3:])) for pose in poses])
+    expected = simulator.scan_batch(poses, sensor=1)
+    for given in (maps, maps[:, :3], maps.tolist(), maps.astype(np.float32)):
+        batch = simulator.scan_batch(given, sensor=1)
+        assert np.isfinite(batch.ranges).any()
+        seen = np.isfinite(batch.ranges) & np.isfinite(expected.ranges)
+        assert seen.sum() > 0.99 * np.isfinite(expected.ranges).sum()
+        np.testing.assert_allclose(batch.ranges[seen], expected.ranges[seen], rtol=1e-3)
+    for wrong, sentence in (
+        (np.diag([1, -1, 1, 1.0]), "shots: entry 1 is no pose; the first three columns of its rows must be a rotation"),
+        (np.diag([2, 2, 2, 1.0]), "entry 1 is no pose"),
+        (np.eye(4) + np.eye(4, k=1) * [[1], [0], [0], [0]], "entry 1 is no pose"),
+        (np.full((4, 4), np.nan) * np.diag([1, 1, 1, 0]), "shots"),
+        (np.zeros((4, 4)), r"the last row of entry 1 is \[0.0, 0.0, 0.0, 0.0\]"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            simulator.scan_batch(np.array([np.eye(4), wrong]))
+
+
+def test_numbers_below_0_are_named(simulator):
+    for call, sentence in (
+        (lambda: simulator.scan_batch([], frame=-1), "scan_batch: frame must be a whole number, 0.*, is -1"),
+        (lambda: simulator.scan_batch([], sensor=-1), "scan_batch: sensor must be a whole number, 0.*, is -1"),
+        (lambda: simulator.scan(gnosphere.Pose(), -1), "scan: sensor must be a whole number, 0.*, is -1"),
+        (lambda: simulator.plan(-1), "plan: sensor must be a whole number"),
+        (lambda: simulator.remove_instance(-1), "remove_instance: instance must be a whole number"),
+        (lambda: simulator.set_transform(-1, gnosphere.Transform()), "set_transform: instance must be a whole number"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            call()

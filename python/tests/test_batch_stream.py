@@ -151,3 +151,20 @@ def test_a_stream_whose_simulator_warns_its_owner_is_freed(scene, request_of_nor
     gone = weakref.ref(Owner())
     gc.collect()
     assert gone() is None
+
+
+def test_a_batch_without_views_is_one_of_its_sensor(scene, request_of_normals, options):
+    small = SensorRequest(gnosphere.Sensor(range_max=9, columns=5, channels=[gnosphere.Channel()]), Effects.none())
+    simulator = gnosphere.Simulator(scene, [request_of_normals, small], options)
+    stream = BatchStream(simulator, views=3, to_host=True)
+    for sensor, beams in ((1, 5), (0, 120)):
+        batch = stream.wait(stream.submit(np.zeros((0, 7)), sensor=sensor))
+        assert (batch.sensor, batch.views, batch.beams) == (sensor, 0, beams)
+        assert batch.ranges.shape == (0, beams) and (Field.normal in batch) == ("normal" in batch) == (sensor == 0)
+    simulator.remove_sensor(0)
+    assert stream.wait(stream.submit([], sensor=1)).beams == 5
+    for sensor in (0, 7):
+        with pytest.raises(gnosphere.Error, match=f"there is no sensor {sensor}"):
+            stream.submit([], sensor=sensor)
+    with pytest.raises(gnosphere.Error, match="submit: frame must be a whole number, 0.*, is -1"):
+        stream.submit([], sensor=1, frame=-1)

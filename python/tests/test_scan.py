@@ -246,3 +246,46 @@ def test_in_world_maps_points_normals_and_velocities_by_the_pose(simulator, town
     low, high = np.nanmin(world.points, 0), np.nanmax(world.points, 0)
     bounds = gnosphere.world_bounds(town)
     assert (low > np.array(bounds.min) - 1e-3).all() and (high < np.array(bounds.max) + 1e-3).all()
+
+
+def test_a_new_scan_has_what_every_scan_has():
+    scan = gnosphere.Scan()
+    assert scan.keys() == ("x", "y", "z", "range", "triangle", "instance")
+    assert scan["x"].shape == scan.ranges.shape == (0,) and scan.has(Field.y)
+    for name in ("intensity", "normal", "tie", "class"):
+        assert name not in scan and not scan.has(name)
+
+
+def test_fields_have_either_spelling(reference):
+    """The names of columns, those of Field, and Field itself."""
+    for field in map(Field, range(27)):
+        column = gnosphere.field_info(field).name
+        assert gnosphere.parse_fields(column) == gnosphere.parse_fields(field.name) == (field,)
+    with pytest.raises(gnosphere.Error, match="'class' is asked for twice|'class_id' is asked for twice"):
+        gnosphere.parse_fields("class,class_id")
+    scan, batch = reference.scan(gnosphere.Pose()), reference.scan_batch(np.array([[0, 0, 0, 0, 0, 0, 1.0]]))
+    for result in (scan, batch):
+        wanted = result.column(Field.class_id)
+        for name in ("class", "class_id", Field.class_id):
+            assert name in result and result.has(name)
+            assert same(result[name], wanted) and same(result.column(name), wanted)
+        assert Field.x in result and same(result[Field.range], result.ranges)
+        for name in ("intensity", Field.intensity, "nonsense", None, 3):
+            assert name not in result
+        with pytest.raises(KeyError, match="has no field 'intensity'; it has"):
+            result[Field.intensity]
+        with pytest.raises(gnosphere.Error, match="no field is called 'rnge'; the nearest are range"):
+            result.column("rnge")
+        with pytest.raises(
+            TypeError, match="a field is a Field or the name of one, such as 'intensity', and not a int"
+        ):
+            result[0]
+        assert result._ipython_key_completions_() == list(result.keys())
+
+
+def test_a_cloud_without_points_has_the_fields_of_its_file(tmp_path):
+    (tmp_path / "empty.csv").write_text("range,intensity,class\n")
+    scan = gnosphere.read_cloud(tmp_path / "empty.csv")
+    assert scan.beam_count() == 0 and scan.keys() == ("range", "intensity", "class")
+    gnosphere.write_cloud(scan, tmp_path / "again.csv", gnosphere.CloudOptions("range,class_id"))
+    assert (tmp_path / "again.csv").read_text() == "range,class\n"
