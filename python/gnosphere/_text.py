@@ -25,10 +25,15 @@ def _shown(value: Any) -> str:
     return text if len(text) < 100 else f"<{type(value).__name__} {getattr(value, 'name', '')}".rstrip() + ">"
 
 
+def _own(kind: Any) -> Any:
+    """The class of the library that a class is, or is derived from."""
+    return next(base for base in kind.__mro__ if base.__module__.startswith("gnosphere."))
+
+
 def _properties(thing: Any) -> dict[str, str]:
-    values = {}
-    for name, kind in vars(type(thing)).items():
-        if isinstance(kind, property):
+    values: dict[str, Any] = {}
+    for name, member in vars(_own(type(thing))).items():
+        if isinstance(member, property):
             try:
                 values[name] = getattr(thing, name)
             except _gnosphere.Error:  # it has no such array
@@ -44,7 +49,7 @@ def _new(kind: Any) -> dict[str, str]:
 
 
 def _text(self: Any) -> str:
-    new = _new(type(self))
+    new = _new(_own(type(self)))
     said = ", ".join(f"{name}={text}" for name, text in _properties(self).items() if new.get(name) != text)
     return f"{type(self).__name__}({said})"
 

@@ -2,7 +2,8 @@
 """Copying, pickling and comparing what a constructor makes of keywords, as sensors, effects, poses and scenes.
 
 An object is its properties: those that the constructor takes, and those that can be assigned. Results and simulators
-hold memory of a device or of the library instead, so they are not copied.
+hold memory of a device or of the library instead, so they are not copied. Answers, such as a DeviceInfo or a Plan, are
+compared by all of their properties. What cannot change has a hash of its value.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 from . import _gnosphere
 from ._classes import classes_in
 
-_RESULTS = {"Simulator", "BatchStream", "Scan", "Batch", "Publisher"}
+_RESULTS = {"Simulator", "BatchStream", "StreamedBatch", "Scan", "Batch", "Publisher"}
 _keywords: dict[type, set[str]] = {}  # by class: the keywords of its constructor
 _properties: dict[type, list[str]] = {}
 
@@ -52,18 +53,41 @@ def _equal(self: Any, other: Any) -> Any:
     return all(_same(mine[name], its[name]) for name in mine)
 
 
+def _key(value: Any) -> Any:
+    """What is equal, and has a hash, for values that _same() takes for equal."""
+    if hasattr(value, "dtype"):
+        if value.flags.writeable and value.size:
+            raise TypeError("unhashable: its arrays can be written")
+        return value.shape, value.tobytes()
+    if isinstance(value, tuple):
+        return tuple(map(_key, value))
+    return value if value == value else "NaN"
+
+
+def _hash(self: Any) -> int:
+    return hash((type(self), _key(tuple(_state(self).values()))))
+
+
+def _make_comparable(kind: Any, names: list[str]) -> None:
+    _properties[kind] = names
+    setattr(kind, "__eq__", _equal)
+    changes = any(isinstance(member, property) and member.fset for member in vars(kind).values())
+    setattr(kind, "__hash__", None if changes else _hash)
+
+
 def _make_value(kind: Any) -> None:
     # A class that only the library makes objects of has no constructor in its docstring.
     signatures = re.findall(r"__init__\(self.*", vars(kind)["__init__"].__doc__)
     if not signatures:
+        names = [name for name, member in vars(kind).items() if isinstance(member, property)]
+        if names and "__eq__" not in vars(kind):
+            _make_comparable(kind, names)
         return
     keywords = {name for signature in signatures for name in re.findall(r"(\w+): ", signature)}
     properties = ((name, member) for name, member in vars(kind).items() if isinstance(member, property))
     _keywords[kind] = keywords
-    _properties[kind] = [name for name, member in properties if member.fset or name in keywords]
+    _make_comparable(kind, [name for name, member in properties if member.fset or name in keywords])
     setattr(kind, "__reduce__", _reduce)
-    setattr(kind, "__eq__", _equal)
-    setattr(kind, "__hash__", None)  # it can change
 
 
 for _module in (_gnosphere, _gnosphere.drive, _gnosphere._ros2):
