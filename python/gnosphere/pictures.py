@@ -6,13 +6,14 @@ A picture is an array of shape (height, width, 3), uint8. `gnosphere.write_pictu
 
 import base64
 import struct
+import sys
 import zlib
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._gnosphere import Scan
+from ._gnosphere import Field, Scan, field_info
 
 Pixels = NDArray[np.uint8]
 
@@ -57,7 +58,9 @@ def starts_at_left(scan: Scan) -> bool:
 def beam_image(scan: Scan, values: NDArray[Any]) -> NDArray[Any]:
     """One value per beam as an image, the uppermost channel on top, the columns from left to right as the sensor sees
     them. Lists of beams without rows are one row. Of columns that share a pixel the least value is shown; NaN gives way.
+    Raises ValueError for a scan without beams.
     """
+    _require_beams(scan)
     image = np.asarray(values).reshape(scan.channels, scan.columns)
     image = image if starts_at_top(scan) else image[::-1]
     image = image if starts_at_left(scan) else image[:, ::-1]
@@ -66,6 +69,11 @@ def beam_image(scan: Scan, values: NDArray[Any]) -> NDArray[Any]:
         starts = np.arange(0, scan.columns, step)
         image = np.fmin.reduceat(image, starts, axis=1)
     return np.repeat(image, max(1, -(-_HEIGHT // scan.channels)), axis=0)
+
+
+def _require_beams(scan: Scan) -> None:
+    if not scan.beam_count():
+        raise ValueError("the scan has no beams, so there is no picture of it")
 
 
 def range_image(scan: Scan, farthest: float | None = None) -> Pixels:
@@ -118,13 +126,18 @@ def html_of(scan: Scan) -> str:
     return f"<p>{line}</p>{image_tag(range_image(scan), title)}"
 
 
-def show(scan: Scan, field: str = "range") -> None:
-    """Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a field."""
+def show(scan: Scan, field: str | Field = "range") -> Any:
+    """Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a field.
+    Returns the figure of Matplotlib, for savefig() and the like. Where no window stays open, Matplotlib keeps no
+    reference to it. Raises ValueError for a scan without beams, and for a field with several components.
+    """
     try:
         import matplotlib.pyplot as plt
     except ImportError:
         raise ImportError("Scan.show() draws with Matplotlib, which is not installed; pip install matplotlib") from None
+    _require_beams(scan)
     values = np.asarray(scan[field], float)
+    field = field if isinstance(field, str) else field_info(field).name
     if values.ndim > 1:
         raise ValueError(f"the field {field} has {values.shape[1]} components; show() takes fields with one")
     returned = ~np.isnan(scan.ranges)
@@ -139,3 +152,23 @@ def show(scan: Scan, field: str = "range") -> None:
     above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     figure.colorbar(shown, ax=[beams, above], label=field)
     plt.show()
+    if not plt.isinteractive():  # else the window is open, and a notebook has closed the figure that it has drawn
+        plt.close(figure)
+    _leave_out_echo(figure)
+    return figure
+
+
+def _leave_out_echo(figure: Any) -> None:
+    """Keeps a notebook from drawing the figure a second time where it is what the cell ends with."""
+    python = sys.modules.get("IPython")
+    shell = python and python.get_ipython()
+    if not python or not shell:
+        return
+    cell = shell.execution_count
+
+    def display() -> None:
+        if shell.execution_count != cell:
+            del figure._ipython_display_
+            python.display.display(figure)
+
+    figure._ipython_display_ = display

@@ -90,8 +90,19 @@ def test_types_by_mypy(tmp_path):
     assert not checked(tmp_path, *strict, *sorted(EXAMPLES.glob("*.py")))
     # The stubs and the package's own code; the packages of engines need not be there.
     assert not checked(tmp_path, *strict, "--ignore-missing-imports", "--allow-subclassing-any", "-p", "gnosphere")
-    (tmp_path / "wrong.py").write_text("import gnosphere\ngnosphere.load_scene(5)\n")
-    assert 'Argument 1 to "load_scene" has incompatible type "int"' in checked(tmp_path, *strict, "wrong.py")
+    (tmp_path / "wrong.py").write_text("import gnosphere\ngnosphere.load_scene(5)\ngnosphere.nonsense\n")
+    found = checked(tmp_path, *strict, "wrong.py")
+    assert 'Argument 1 to "load_scene" has incompatible type "int"' in found
+    assert 'Module has no attribute "nonsense"' in found
+    (tmp_path / "unions.py").write_text(
+        "from gnosphere import Batch, Field, Instance, Scan\nfrom gnosphere.drive import RunOptions\nimport numpy as np\n"
+        'progress = RunOptions("out", progress=lambda done, total: done < total).progress\n'
+        "if progress is not None:\n    progress(1, 2)\n"
+        'Scan()[Field.x], Scan()["x"], Batch().column("range"), Field.x in Scan(), Instance(0, np.eye(4))\n'
+        "Instance(0).transform = np.eye(4)\nprogress(1, 2)\n"
+    )
+    lines = checked(tmp_path, *strict, "unions.py").splitlines()
+    assert [line.split(":")[1] for line in lines if ": error: " in line] == ["9"]
     (tmp_path / "keywords.py").write_text(
         "from gnosphere import Effects, EffectUse, Tuning\n"
         'Effects(fog=Effects.Fog(use="on", visibility=80), seed=7)\n'
@@ -154,11 +165,14 @@ def test_a_notebook(folder, tmp_path):
         f"scene = gnosphere.load_scene({str(folder / 'town.glb')!r})\n"
         "request = gnosphere.SensorRequest(gnosphere.builtin_sensor('OS1-64'), fields=[gnosphere.Field.intensity])\n"
         "scan = gnosphere.Simulator(scene, request).scan(gnosphere.Pose((0, 0, 1.8)))\nscan",
-        "scan.show('intensity')",
+        "figure = scan.show('intensity')\nfigure",
+        "figure",
     ]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
-    shown, drawn = (cell.outputs[-1].data for cell in notebook.cells[1:])
+    shown, drawn = (cell.outputs[-1].data for cell in notebook.cells[1:3])
+    # The figure is drawn once, though the cell ends with it; a later cell that ends with it shows it again.
+    assert [len([one for one in cell.outputs if "image/png" in one.data]) for cell in notebook.cells[2:]] == [1, 1]
     pictures = [shown["text/html"].split("base64,")[1].split('"')[0], drawn["image/png"]]
     kept = Path(os.environ.get("GNOSPHERE_PICTURES", tmp_path))
     for number, picture in enumerate(map(base64.b64decode, pictures)):

@@ -131,8 +131,8 @@ def test_the_axes_of_a_shown_scan_count_channels_and_columns(monkeypatch, downwa
     effects = gnosphere.Effects.none()
     effects.transmission.use = effects.returns.use = effects.intensity.use = gnosphere.EffectUse.on
     scan = scan_of(shapes, sensor, effects)
-    pictures.show(scan)
-    (shown,) = plt.gcf().axes[0].images
+    figure = pictures.show(scan)
+    (shown,) = figure.axes[0].images
     left, right, bottom, top = shown.get_extent()
     values = np.asarray(shown.get_array())
     around = np.radians(-span / 2 + span / 8 * np.arange(8))
@@ -147,3 +147,25 @@ def test_the_axes_of_a_shown_scan_count_channels_and_columns(monkeypatch, downwa
             place = int((column + 0.5 - left) / (right - left) * values.shape[1])
             assert values[row, place] == pytest.approx(expected[channel, column], rel=1e-5)
     plt.close("all")
+
+
+def test_there_is_no_picture_of_a_scan_without_beams():
+    scan = gnosphere.Scan()
+    for draw in (pictures.range_image, lambda scan: pictures.beam_image(scan, []), pictures.show, gnosphere.Scan.show):
+        if draw in (pictures.show, gnosphere.Scan.show):
+            pytest.importorskip("matplotlib")
+        with pytest.raises(ValueError, match="the scan has no beams, so there is no picture of it"):
+            draw(scan)
+    assert (pictures.from_above(scan, 5.0) == pictures.NOTHING).all() and "<img" not in scan._repr_html_()
+
+
+def test_a_shown_figure_is_returned_and_not_kept(monkeypatch, tmp_path):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.switch_backend("agg")
+    monkeypatch.setattr(plt, "show", lambda: None)
+    scan = scan_of(box((9, 9, 9)), listed([0, 1, 2], 0))
+    for field in ("range", gnosphere.Field.range):
+        figure = scan.show(field)
+        assert not plt.get_fignums() and figure.axes[0].get_title().endswith(": range")
+    figure.savefig(tmp_path / "scan.png")
+    assert (tmp_path / "scan.png").read_bytes().startswith(b"\x89PNG")
