@@ -105,7 +105,8 @@ TEST_CASE("a cloud in the world frame far from the origin comes with a warning o
 
 TEST_CASE("the reference tells which options it ignores") {
   const Workplace place;
-  const Result scan = place.run("scan floor.obj --set tuning.binning=lists --validation --accuracy exact --faces both" + kQuick);
+  const Result scan =
+      place.run("scan floor.obj --set tuning.binning=lists --validation --accuracy exact --faces both" + kQuick);
   CHECK(scan.status == 0);
   CHECK_THAT(scan.err, StartsWith("gnosphere: warning: --device reference ignores ") && ContainsSubstring("accuracy") &&
                            ContainsSubstring("tuning.binning") && ContainsSubstring("validation") &&
