@@ -25,7 +25,7 @@ constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
 constexpr uint32_t kShellsOfGpu = 2;
 // CPU devices have as many shells as it takes until one holds a whole scene whose clusters are half full, and a spare
 // one, because the range of the last scan's returns ends one shell early. In a forest of 300 million triangles 14
-// shells in place of 8 took 0.52 of the time of an OS1-64 with its effects, and 0.46 of that of its geometry.
+// shells in place of 8 took 0.54 of the time of an OS1-64 with its effects, and 0.67 of that of its geometry.
 constexpr uint32_t kLeastShells = 2;
 constexpr uint64_t kLeastTrianglesOfCluster = gpu::kClusterTriangles / 2;
 // EACH_RAY of each_ray.glsl has code for one and for two places, and then for seven.
