@@ -403,8 +403,8 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
   }
 }
 
-// Culls the triangles of a cluster, one per lane, and counts those that are left out. Returns one bit for each of the
-// others. All lanes of the subgroup must call this.
+// Returns one bit for each triangle of a cluster that is not culled, and counts the culled ones. Each lane looks at one
+// triangle at a time, so all lanes of the subgroup must call this.
 uint cullAll(LoadedCluster loaded, Vertices vertices, inout uvec4 culled, inout uint nonFinite) {
   uint left = 0;
   for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {

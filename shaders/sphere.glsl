@@ -55,8 +55,8 @@ float keySlack() { return kKeySlack + spreadUp(); }
 // times angle / cos(elevation). 1 - |key| is no larger than the cosine, so it may replace it.
 float azimuthPerRadian(float key) { return 1.0 / max(1.0 - key, 1e-6); }
 
-// The largest azimuth by which content with elevation keys keyMin..keyMax appears elsewhere, per radian. Only content at
-// the elevations of beams counts, which see it `up` radians higher or lower.
+// Returns the largest change of azimuth of content with elevation keys keyMin..keyMax, per radian by which it appears
+// displaced. Content counts only where a beam may see it: at most `up` radians above or below the steepest beam.
 float azimuthPerRadianSeen(float keyMin, float keyMax, float up) {
   return azimuthPerRadian(min(max(-keyMin, keyMax), frame.steepest + up));
 }

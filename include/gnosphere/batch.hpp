@@ -35,7 +35,7 @@ class Batch {
   ColumnView<T> column(Field field, uint32_t component = 0) const {
     return entries_.column<T>(field, component);
   }
-  /// Returns whether column() has the field: also if there are no views. A batch that no call has filled has ranges.
+  /// Returns whether column() has the field, also if the batch has no views. A new batch has ranges alone.
   bool has(Field field) const { return field == Field::range || (made_ && entries_.has(field)); }
   size_t entries() const { return entries_.ranges.size(); }
 

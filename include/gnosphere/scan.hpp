@@ -219,8 +219,8 @@ struct Scan {
     const RawColumn raw = find(field, component, valueTypeOf<T>());
     return {static_cast<const T*>(raw.data), ranges.size(), raw.stride};
   }
-  /// Returns whether column() has the field: also if there are no entries. A scan may have more fields than were
-  /// requested; Scan() has those that every scan has.
+  /// Returns whether column() has the field, also if the scan has no entries. A scan may have more fields than were
+  /// requested, and a new one has the fields that every scan has.
   GNOSPHERE_API bool has(Field field) const;
 
   size_t beamCount() const { return ranges.size() / returns; }

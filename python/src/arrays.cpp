@@ -2,11 +2,11 @@
 #include "arrays.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
 #include "base/transform.hpp"
+#include "drive/pose_math.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -68,16 +68,8 @@ std::optional<Quaternion> rotationOf(const Transform& map) {
       if (!(std::abs(product - (i == j ? 1 : 0)) <= 1e-3)) return std::nullopt;
     }
   if (!(determinant(map) > 0)) return std::nullopt;
-  // Four times the products of the quaternion's largest part with each of its parts (Shepperd).
-  const double trace = m(0, 0) + m(1, 1) + m(2, 2);
-  if (trace >= 0) return Quaternion{m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1), 1 + trace};
-  const size_t i = m(0, 0) >= m(1, 1) && m(0, 0) >= m(2, 2) ? 0 : m(1, 1) >= m(2, 2) ? 1 : 2;
-  const size_t j = (i + 1) % 3, k = (i + 2) % 3;
-  std::array<double, 3> axis = {};
-  axis[i] = 1 + m(i, i) - m(j, j) - m(k, k);
-  axis[j] = m(j, i) + m(i, j);
-  axis[k] = m(k, i) + m(i, k);
-  return Quaternion{axis[0], axis[1], axis[2], m(k, j) - m(j, k)};
+  const auto row = [&](size_t i) { return Vec3{m(i, 0), m(i, 1), m(i, 2)}; };
+  return drive::quaternionOf({row(0), row(1), row(2)});
 }
 
 }  // namespace

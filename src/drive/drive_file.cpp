@@ -112,10 +112,6 @@ void DriveReader::sensors() {
     rigged.mount = pose(memberOf(object, "mount"), path + ".mount");
     const double period = scanPeriodOf(rigged.sensor);
     rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
-    if (!object.contains("rate") && period > 0 && rigged.rate * period < 0.75)
-      warn(path + ".sensor", "makes " + gnosphere::numberText(1 / period) + " scans a second, and the drive has " +
-                                 gnosphere::numberText(rigged.rate) + " of them; give " + inQuotes(rigged.name) +
-                                 " a \"rate\" of " + gnosphere::numberText(1 / period) + " to have all");
     rigged.offset = object.value("offset", 0.0);
     rigged.livoxCustom = object.value("driver", "") == "livox-custom";
     if (object.contains("driver")) {

@@ -78,6 +78,7 @@ class DriveReader {
   void warnOfBodies();
   void warnOfClocks();
   void warnOfSensors();
+  void warnOfRate(size_t sensor, const std::string& path);
   void warnOfMount(const Pose& mount, const std::string& path);
   void warnOfWeather(const RigSensor& sensor, const std::string& path);
   void warnOfMotion(size_t sensor, const std::string& path);

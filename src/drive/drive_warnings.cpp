@@ -198,6 +198,16 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
            "a rotation_period of 0.001 s lets them move");
 }
 
+/// Warns of a sensor that makes more scans than the drive has, whose file does not state how many are wanted.
+void DriveReader::warnOfRate(size_t index, const std::string& path) {
+  const RigSensor& sensor = drive_.sensors[index];
+  const double period = scanPeriodOf(sensor.sensor);
+  if (root_["sensors"][index].contains("rate") || !(period > 0) || sensor.rate * period >= 0.75) return;
+  const std::string own = gnosphere::numberText(1 / period);
+  warn(path + ".sensor", "makes " + own + " scans a second, and the drive has " + gnosphere::numberText(sensor.rate) +
+                             " of them; give " + inQuotes(sensor.name) + " a \"rate\" of " + own + " to have all");
+}
+
 /// Warns of sensors of which a drive has less than its file seems to ask for.
 void DriveReader::warnOfSensors() {
   for (size_t s = 0; s < drive_.sensors.size(); ++s) {
@@ -206,6 +216,7 @@ void DriveReader::warnOfSensors() {
     if (sensor.offset >= drive_.duration - kSlack)
       warn(path + ".offset", "is " + secondsText(sensor.offset) + ", and the drive lasts " +
                                  secondsText(drive_.duration) + ", so " + inQuotes(sensor.name) + " makes no scan");
+    warnOfRate(s, path);
     warnOfMount(sensor.mount, path);
     warnOfWeather(sensor, path);
     warnOfMotion(s, path);

@@ -52,8 +52,8 @@ double distance(const float* a, const float* b) {
   return lengthOf({double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]});
 }
 
-/// By these shares of the range and of the distance from the frame's origin points may be apart beside the tolerance,
-/// whichever is more: the rounding of their coordinates. A laser may be away from the origin.
+/// Points may be farther apart than the tolerance by the rounding of their coordinates: a share of the range or,
+/// because a laser may be away from the origin, a share of the distance from the frame's origin, whichever is more.
 constexpr double kPointRounding = 1e-6, kCoordinateRounding = 0x1p-22;
 
 /// Returns the largest number of returns that both clouds may have.

@@ -30,14 +30,13 @@ float steepestOf(const Sensor& sensor) {
   return static_cast<float>(steepest);
 }
 
-std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGroup> groups) {
+std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGroup> groups, float steepest) {
   std::vector<BeamTables> all;
   if (plan.listed)
     all = makeListedTables(plan.sensor, groups, !plan.motion());
   else
     all = {plan.rows ? makeRowTables(plan.sensor, *plan.rows, *groups[0].group) : makeBeamTables(plan.sensor)};
   const bool apart = std::ranges::any_of(groups, [](const FiredGroup& of) { return of.group->lasers.distance > 0; });
-  const float steepest = steepestOf(plan.sensor);
   for (BeamTables& tables : all) {
     tables.apart = apart;
     tables.frame.footprint = plan.spread.angle;
@@ -63,6 +62,7 @@ BeamSets makeBeamSets(const SensorPlan& plan) {
   };
   BeamSets result;
   result.patterns.resize(std::max<size_t>(plan.sensor.patterns.size(), 1));
+  const float steepest = steepestOf(plan.sensor);
   std::map<size_t, std::vector<Member>> bySize;
   for (size_t i = 0; i < result.patterns.size(); ++i)
     for (OriginGroup& group : originGroups(plan.sensor, i)) {
@@ -76,7 +76,7 @@ BeamSets makeBeamSets(const SensorPlan& plan) {
           {member.group.lasers, static_cast<uint32_t>(result.sets.size()), static_cast<uint32_t>(fired.size())});
       fired.push_back({member.pattern, &member.group});
     }
-    result.sets.push_back(tablesOf(plan, fired));
+    result.sets.push_back(tablesOf(plan, fired, steepest));
   }
   return result;
 }

@@ -15,8 +15,8 @@
 namespace gnosphere {
 namespace {
 
-// Returns the range in metres within which kHintPercent per cent of a sample of the returns lie; 0 if there are hardly
-// any.
+// Returns the range in metres within which kHintPercent per cent of a sample of the returns lie, or 0 if the sample is
+// too small.
 float shellHintOf(const Scan& scan) {
   std::vector<float> ranges;
   ranges.reserve(size_t{2} * gpu::kHintSamples);

@@ -159,7 +159,7 @@ void Device::makeOwn() {
   if (made == VK_ERROR_UNKNOWN)  // what Mesa gives if it cannot start its threads
     throw Error(ErrorCode::device, "the driver cannot make the device '" + capabilities_.info.name +
                                        "'; may this process start threads (ulimit -u, pids.max)?");
-  VK(made);
+  check(made, "vkCreateDevice");
   vk_ = functionsOf(instanceFunctions_.vkGetDeviceProcAddr, device);
   device_ = {device, vk_.vkDestroyDevice};
   vk_.vkGetDeviceQueue(device, capabilities_.queueFamily, 0, &queue_);

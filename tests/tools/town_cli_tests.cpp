@@ -52,3 +52,11 @@ TEST_CASE("a town that cannot be made leaves no file") {
   checkRefused("town -o town.glb --triangles 999", 2, "--triangles: 999 are too few for a town; the smallest has 1000");
   checkRefused("town -o town.glb --triangles 150000000 --bake", 2, "a .glb file ends at 4294967295; bake up to");
 }
+
+TEST_CASE("a drive through a town needs a name of the town that JSON can have") {
+  const Workplace place;
+  const Result town = place.run("town -o 'a\xff.glb' --drive a.json --triangles 1000");
+  CHECK(town.status == 2);
+  CHECK_THAT(town.err, ContainsSubstring("JSON, which is UTF-8"));
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+}
