@@ -134,6 +134,16 @@ void DriveReader::survey(const json& object, Output& output, const std::string& 
                                       std::to_string(drive_.sensors.size()) +
                                       " sensors has a number of its own; LAS has numbers up to 65535");
   output.oneFile = object.value("one_file", false);
+  output.scale = object.value("scale", output.scale);
+  output.sourcePerScan = object.value("source_per_scan", false);
+  if (output.sourcePerScan && object.contains("flight_line"))
+    refuse(path + ".source_per_scan",
+           "makes the point source the number of the scan, and 'flight_line' states another; "
+           "keep one");
+  for (size_t sensor : output.sensors)
+    if (output.sourcePerScan && drive_.duration * drive_.sensors[sensor].rate > 65535)
+      refuse(path + ".source_per_scan",
+             inQuotes(drive_.sensors[sensor].name) + " makes more scans than LAS has point sources (65535)");
 }
 
 void DriveReader::outputs() {
@@ -156,7 +166,7 @@ void DriveReader::outputs() {
     if (object.contains("all_actors") && !format.allActors)
       refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
     output.allActors = object.value("all_actors", false);
-    for (const char* name : {"crs", "flight_line", "one_file"})
+    for (const char* name : {"crs", "flight_line", "one_file", "scale", "source_per_scan"})
       if (object.contains(name) && !format.survey)
         refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);

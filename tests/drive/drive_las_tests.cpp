@@ -160,6 +160,34 @@ TEST_CASE("LAS: one file of a whole drive has the points of the files of its sca
   CHECK_THAT(at<double>(whole, 179), WithinAbs(maxX, 1e-9));
 }
 
+TEST_CASE("LAS: a finer scale keeps more digits, the source may be the number of the scan, and poses stand beside") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  const auto las = [&](const char* name, double scale) {
+    return Json{{"format", "las"}, {"folder", name}, {"one_file", true}, {"source_per_scan", true}, {"scale", scale}};
+  };
+  json["outputs"] = {las("coarse", 0.001), las("fine", 0.00001), {{"format", "npy"}}};
+  REQUIRE(folder.run(json).finished);
+  const std::string coarse = folder.get("out/coarse/top.las"), fine = folder.get("out/fine/top.las");
+  REQUIRE(coarse.size() == fine.size());
+  CHECK(at<double>(coarse, 131) == 0.001);
+  CHECK(at<double>(fine, 131) == 0.00001);
+  CHECK_THAT(at<double>(fine, 179), WithinAbs(at<double>(coarse, 179), 0.00051));  // the greatest x
+  uint64_t between = 0;
+  std::map<int, uint64_t> sources;
+  for (size_t p = at<uint32_t>(fine, 96); p < fine.size(); p += 34) {
+    for (size_t axis = 0; axis < 12; axis += 4) {
+      const auto steps = at<int32_t>(fine, p + axis);
+      CHECK(std::abs(steps * 0.01 - at<int32_t>(coarse, p + axis)) < 0.51);
+      between += steps % 100 != 0 ? 1 : 0;
+    }
+    ++sources[at<uint16_t>(fine, p + 20)];
+  }
+  CHECK(between > 100);
+  CHECK((sources.size() == 10 && sources.begin()->first == 1 && sources.rbegin()->first == 10));
+  CHECK(folder.get("out/fine/top/poses.txt") == folder.get("out/npy/top/poses.txt"));
+}
+
 TEST_CASE("LAS: the one file of a sensor that meets nothing is there, and without points") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -196,6 +224,16 @@ TEST_CASE("LAS: what an output of a survey must not say") {
   CHECK_THAT(problem({{"format", "las"}, {"flight_line", 65535}}),
              ContainsSubstring("outputs[0].flight_line: is 65535, and each of 2 sensors has a number of its own"));
   CHECK(problem({{"format", "las"}, {"flight_line", 65534}}) == "none");
+  CHECK_THAT(problem({{"format", "las"}, {"flight_line", 1}, {"source_per_scan", true}}),
+             ContainsSubstring("outputs[0].source_per_scan: makes the point source the number of the scan, and "
+                               "'flight_line' states another; keep one"));
+  CHECK_THAT(problem({{"format", "las"}, {"scale", 0}}), ContainsSubstring("outputs[0].scale"));
+  CHECK_THAT(problem({{"format", "pcd"}, {"scale", 0.01}}), ContainsSubstring("outputs[0].scale: is only for las"));
+  Json frequent = smallDrive();
+  frequent["duration"] = 10000;
+  frequent["outputs"] = {{{"format", "las"}, {"source_per_scan", true}}};
+  CHECK_THROWS_WITH(folder.read(frequent), ContainsSubstring("outputs[0].source_per_scan: 'top' makes more scans than "
+                                                             "LAS has point sources (65535)"));
   Json early = quietDrive();
   early["outputs"] = {{{"format", "las"}}};
   const std::vector<std::string> warnings = folder.read(early).warnings;

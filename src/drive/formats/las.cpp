@@ -4,6 +4,7 @@
 // which the vehicle heads: 0 downwards, positive to the right.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "base/file.hpp"
@@ -15,10 +16,9 @@
 namespace gnosphere::drive {
 namespace {
 
-constexpr double kScale = 0.001;  ///< metres per unit of a coordinate
 constexpr uint16_t kHeaderBytes = 375;
-/// Metres from the offset of all coordinates within which those of a sensor fit into 32 bits, and its points, too.
-constexpr double kReach = 1e6;
+/// Units from the offset of all coordinates within which those of a sensor fit into 32 bits, and its points, too.
+constexpr double kReach = 1e9;
 constexpr double kScanAngleUnit = 0.006;               ///< degrees
 constexpr uint16_t kOwnBytes = 30 + sizeof(uint32_t);  ///< of a point without fields
 /// Adjusted standard GPS time: seconds since 1980-01-06 less 10^9, 18 leap seconds ahead of UTC (since 2017).
@@ -102,6 +102,7 @@ class Las : public Format {
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
+    writePoses(frames, files);
     if (!output_.oneFile) return;
     for (size_t sensor : output_.sensors) files.addMade(wholePath(sensor), [&] { writeWhole(sensor, frames, files); });
   }
@@ -127,7 +128,19 @@ class Las : public Format {
 
   bool isNear(const Vec3& p) const {
     const Vec3 d = p - offset_;
-    return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < kReach;
+    return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < kReach * output_.scale;
+  }
+
+  /// Rounds metres from the offset to units of the file. Throws Error(format) if they do not fit into 32 bits.
+  Point pointOf(const Vec3& d) const {
+    const double farthest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) / output_.scale;
+    if (!(farthest < std::numeric_limits<int32_t>::max()))
+      throw Error(ErrorCode::format, "outputs: LAS has no coordinates of " +
+                                         gnosphere::numberText(farthest * output_.scale) +
+                                         " m from their offset with a 'scale' of " +
+                                         gnosphere::numberText(output_.scale) + " m; state a greater one");
+    const auto units = [&](double metres) { return static_cast<int32_t>(std::lround(metres / output_.scale)); };
+    return {units(d.x), units(d.y), units(d.z)};
   }
 
   std::string wholePath(size_t sensor) const { return path(drive_.sensors[sensor].name + ".las"); }
@@ -155,9 +168,11 @@ class Las : public Format {
   /// Returns the points of a scan as a file has them.
   std::string pointsOf(const RecordedScan& recorded, const Vec3& offset) const {
     if (!isNear(recorded.pose.position) && output_.oneFile)
-      throw Error(ErrorCode::format,
-                  "outputs: with 'one_file' LAS has coordinates up to 1000 km from the start of the "
-                  "drive, and the vehicle goes beyond; leave it out");
+      throw Error(ErrorCode::format, "outputs: with 'one_file' and a 'scale' of " +
+                                         gnosphere::numberText(output_.scale) + " m LAS has coordinates up to " +
+                                         gnosphere::numberText(kReach * output_.scale / 1000) +
+                                         " km from the start of the drive, and the vehicle goes beyond; leave "
+                                         "'one_file' out, or state a greater scale");
     const Scan& scan = recorded.scan;
     const bool strong = scan.has(Field::intensity), timed = scan.has(Field::time);
     const auto intensities = strong ? scan.column<float>(Field::intensity) : ColumnView<float>();
@@ -169,6 +184,8 @@ class Las : public Format {
     const double gpsOfDrive = drive_.epoch + kGpsOfUnix;
     const std::string rows = output_.fields.empty() ? "" : packedRows(scan, layout_);
     size_t rowStart = 0;
+    const uint16_t source =
+        output_.sourcePerScan ? static_cast<uint16_t>(recorded.planned.number + 1) : sourceOf(recorded.planned.sensor);
     std::string points;
     points.reserve(scan.ranges.size() * pointBytes());
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
@@ -178,14 +195,11 @@ class Las : public Format {
       if (isNew) moment->second = momentOf(recorded, moment->first);
       const float* own = &scan.points[3 * entry];
       const Pose& pose = recorded.deskewed ? recorded.pose : moment->second.pose;
-      const Vec3 at = pose * Vec3{own[0], own[1], own[2]}, world = at - offset;
-      const Point point = {static_cast<int32_t>(std::lround(world.x / kScale)),
-                           static_cast<int32_t>(std::lround(world.y / kScale)),
-                           static_cast<int32_t>(std::lround(world.z / kScale))};
+      const Vec3 at = pose * Vec3{own[0], own[1], own[2]};
       size_t number = entry % scan.returns, count = 0;
       for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(entry - number + k);
       const float strength = strong ? std::min(65535.0f, std::max(0.0f, factor * intensities[entry])) : 0;
-      const Row row = {point,
+      const Row row = {pointOf(at - offset),
                        static_cast<uint16_t>(std::lround(strength)),
                        number + 1,
                        count,
@@ -193,7 +207,7 @@ class Las : public Format {
                        scan.instances[entry],
                        moment->second.scanAngle(at),
                        gpsOfDrive + (recorded.planned.time + time)};
-      appendPoint(points, row, sourceOf(recorded.planned.sensor));
+      appendPoint(points, row, source);
       points.append(rows, rowStart, layout_.stride);
       rowStart += layout_.stride;
     }
@@ -221,7 +235,7 @@ class Las : public Format {
     for (size_t p = 0; p + pointBytes() <= points.size(); p += pointBytes()) {
       int32_t xyz[3];
       std::memcpy(xyz, &points[p], sizeof(xyz));
-      const Vec3 at = kScale * Vec3{double(xyz[0]), double(xyz[1]), double(xyz[2])} + offset;
+      const Vec3 at = output_.scale * Vec3{double(xyz[0]), double(xyz[1]), double(xyz[2])} + offset;
       summary.min = lowest(summary.min, at);
       summary.max = highest(summary.max, at);
       ++summary.count;
@@ -253,7 +267,7 @@ class Las : public Format {
     append(out, uint8_t{6});
     append(out, static_cast<uint16_t>(pointBytes()));
     out.append(6 * sizeof(uint32_t), '\0');  // counts of old versions
-    for (int axis = 0; axis < 3; ++axis) append(out, kScale);
+    for (int axis = 0; axis < 3; ++axis) append(out, output_.scale);
     for (double value : {offset.x, offset.y, offset.z, max.x, min.x, max.y, min.y, max.z, min.z}) append(out, value);
     append(out, uint64_t{0});  // waveforms
     append(out, uint64_t{0});  // extended records
