@@ -41,9 +41,9 @@ struct CloudOptions {
 };
 
 /// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's extension
-/// decides. A temporary file is written and then renamed, so no half-written file is left. Throws
-/// Error(invalidArgument) for an unknown extension or a field that the scan does not have, and Error(file) if the file
-/// cannot be written. Links are followed, and pipes and devices are written directly.
+/// decides. PCD states the pose of the scan as its VIEWPOINT. A temporary file is written and then renamed, so no
+/// half-written file is left. Throws Error(invalidArgument) for an unknown extension or a field that the scan does not
+/// have, and Error(file) if the file cannot be written. Links are followed, and pipes and devices are written directly.
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
 /// Writes a PNG: a range image over columns and channels as the sensor sees it (upper channels on top, beams to the
@@ -57,8 +57,8 @@ GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& f
 /// placed by it, and by `return` if beams have several returns; without `return` the rows of a beam are its returns in
 /// their order, unless the file states that beams have one; without `beam` they are points of one beam each. With
 /// several returns `cause` is left out, because such a file does not contain beams without returns; NPY and CSV do not
-/// tell of those behind the last one with a return. A file does not state the pose. Throws Error(file), Error(format),
-/// or Error(invalidArgument) for an extension that cannot be read.
+/// tell of those behind the last one with a return. The pose is that of a PCD file, else the identity. Throws
+/// Error(file), Error(format), or Error(invalidArgument) for an extension that cannot be read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// The differences between two clouds of the same beams, counted per beam, or per return if beams have several;

@@ -231,6 +231,7 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
   CloudFile read;
   Scan& scan = read.scan;
   scan.sensor = table.sensor;
+  scan.pose = table.pose;
   scan.returns = findReturns(table, numbers);
   const Grid grid = findGrid(table, beam, scan.returns);
   read.statesGrid = grid.stated;

@@ -32,6 +32,7 @@ struct CloudTable {
   /// The sensor's grid, if the file has the comment that writeCloud() writes.
   uint32_t gridColumns = 0, gridChannels = 0, gridReturns = 1;
   std::string sensor;
+  Pose pose;  ///< the pose of the sensor, if the file states one
 
   [[noreturn]] void refuse(const std::string& why) const;  ///< throws Error(format)
   const CloudColumn* find(std::string_view name) const;

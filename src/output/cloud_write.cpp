@@ -126,6 +126,14 @@ void writeRows(const CloudRows& rows, const CloudFormat& format, bool ascii, con
     writeBinary(write, rows);
 }
 
+/// Returns the pose of the sensor as PCD writes it: x y z, then the quaternion, real part first.
+std::string viewpointOf(const Pose& pose) {
+  const auto& [p, q] = pose;
+  std::string text;
+  for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) text.append(" ").append(numberText(value));
+  return text;
+}
+
 }  // namespace
 
 std::string pcdHeader(const CloudRows& table, bool ascii) {
@@ -137,8 +145,8 @@ std::string pcdHeader(const CloudRows& table, bool ascii) {
          joined(table.columns, [&](const ColumnInfo& f) { return number(sizeOf(f.type)); }) + "\nTYPE" +
          joined(table.columns, [](const ColumnInfo& f) { return std::string(1, letterOf(f.type)); }) + "\nCOUNT" +
          joined(table.columns, [](const ColumnInfo&) { return "1"; }) + "\nWIDTH " + number(width) + "\nHEIGHT " +
-         number(height) + "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + number(table.rows.count()) + "\nDATA " +
-         (ascii ? "ascii" : "binary") + "\n";
+         number(height) + "\nVIEWPOINT" + viewpointOf(table.rows.scan().pose) + "\nPOINTS " +
+         number(table.rows.count()) + "\nDATA " + (ascii ? "ascii" : "binary") + "\n";
 }
 
 std::string plyHeader(const CloudRows& table, bool ascii) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "base/quaternion.hpp"
 #include "output/cloud_table.hpp"
 
 namespace gnosphere {
@@ -48,6 +51,23 @@ void readTypes(CloudTable& table, const Words& words) {
     }
     table.columns[i - 1].type = words[i][0];
   }
+}
+
+/// Reads the pose of the sensor: x y z, then the quaternion, real part first. One of length 0 turns nothing.
+void readViewpoint(CloudTable& table, const Words& words) {
+  double v[7];
+  bool sound = words.size() == 8;
+  for (size_t i = 0; sound && i < 7; ++i) {
+    const char* end = words[i + 1].data() + words[i + 1].size();
+    const auto result = std::from_chars(words[i + 1].data(), end, v[i]);
+    sound = result.ec == std::errc() && result.ptr == end && std::isfinite(v[i]);
+  }
+  if (!sound) table.refuse("PCD header: VIEWPOINT must be x y z qw qx qy qz, seven finite numbers");
+  const Quaternion turn = {v[4], v[5], v[6], v[3]};
+  table.pose = {{v[0], v[1], v[2]},
+                isZero(turn)   ? Quaternion{}
+                : isUnit(turn) ? turn
+                               : normalized(withUsableLength(turn))};
 }
 
 void checkHeader(CloudTable& table, bool pointsGiven) {
@@ -132,8 +152,10 @@ CloudTable readPcd(std::string bytes, const std::string& source) {
       continue;
     }
     const Words words = splitWords(line);
-    if (words.empty() || words[0] == "VERSION" || words[0] == "VIEWPOINT") continue;
-    if (words[0] == "FIELDS") {
+    if (words.empty() || words[0] == "VERSION") continue;
+    if (words[0] == "VIEWPOINT") {
+      readViewpoint(table, words);
+    } else if (words[0] == "FIELDS") {
       table.columns.clear();
       for (size_t i = 1; i < words.size(); ++i) table.columns.push_back({std::string(words[i])});
     } else if (words[0] == "SIZE") {

@@ -239,6 +239,9 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
   CHECK_THAT(pcd("WIDTH 1\nHEIGHT 1\n", "0 0 0 4294967290\n"), ContainsSubstring("4294967291 beams"));
   CHECK_THAT(pcd("# gnosphere columns 3 channels 2\nWIDTH 2\nHEIGHT 1\n", "0 0 0 5\n0 0 0 5\n"),
              ContainsSubstring("twice"));
+  for (const char* viewpoint : {"0 0 0 1 0 0", "0 0 0 1 0 0 nan", "0 0 0 1 0 0 x"})
+    CHECK_THAT(pcd(std::string("WIDTH 1\nHEIGHT 1\nVIEWPOINT ") + viewpoint + "\n", "0 0 0 1\n"),
+               ContainsSubstring("VIEWPOINT must be x y z qw qx qy qz, seven finite numbers"));
   std::string many;
   for (int row = 0; row < 17; ++row) many += "0 0 0 5\n";
   CHECK_THAT(pcd("WIDTH 17\nHEIGHT 1\n", many), ContainsSubstring("has a return number 17; there may be 16"));

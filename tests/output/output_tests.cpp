@@ -69,6 +69,19 @@ TEST_CASE("a PCD file is organised and binary, and matches its header") {
   }
 }
 
+TEST_CASE("a PCD file states the pose of its scan, which is read back to the bit") {
+  const Folder folder;
+  Scan scan = tiny();
+  scan.pose = {{500000.125, 5999999.1, -2.5}, {0, 0, 0.6, 0.8}};
+  writeCloud(scan, folder / "a.pcd");
+  CHECK_THAT(bytesOf(folder / "a.pcd"), ContainsSubstring("\nVIEWPOINT 500000.125 5999999.1 -2.5 0.8 0 0 0.6\n"));
+  const Pose read = readCloud(folder / "a.pcd").pose;
+  CHECK((read.position.x == 500000.125 && read.position.y == 5999999.1 && read.position.z == -2.5));
+  CHECK((read.orientation.x == 0 && read.orientation.y == 0 && read.orientation.z == 0.6 && read.orientation.w == 0.8));
+  writeCloud(inWorld(scan), folder / "world.pcd");
+  CHECK_THAT(bytesOf(folder / "world.pcd"), ContainsSubstring("\nVIEWPOINT 0 0 0 1 0 0 0\n"));
+}
+
 TEST_CASE("ASCII PCD and CSV are readable text with one line per beam") {
   const Folder folder;
   CloudOptions options;
