@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/parameter_text.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -104,12 +105,26 @@ std::string boxesText(const std::vector<Effects::Volume>& boxes) {
   return std::string("[").append(list).append("]");
 }
 
+namespace {
+
+/// Returns a word of a command line that is not JSON: a number as people write it (.5, 1., +2), or a text without
+/// quotes.
+json wordOf(const std::string& word) {
+  const std::string_view digits = std::string_view(word).substr(word.starts_with('+') ? 1 : 0);
+  double number = 0;
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const bool isNumber = problem == std::errc() && end == digits.data() + digits.size() && std::isfinite(number);
+  return isNumber && word.find_first_of(".+") != word.npos ? json(number) : json(word);
+}
+
+}  // namespace
+
 std::pair<std::string, json> splitAssignment(const std::string& assignment, const char* example) {
   const size_t equals = assignment.find('=');
   if (equals == assignment.npos) refuseArgument("'" + assignment + "' is not NAME=VALUE, as " + example);
   const std::string word = assignment.substr(equals + 1);
   json value = parseJson(word, false);
-  if (value.is_discarded()) value = word;  // a word on a command line needs no quotes
+  if (value.is_discarded()) value = wordOf(word);
   return {assignment.substr(0, equals), std::move(value)};
 }
 

@@ -229,6 +229,12 @@ TEST_CASE("an assignment sets a parameter and enables its effect, or sets a use"
   assign(effects, "fog.visibility=2e2");
   CHECK(effects.fog.visibility == 200);
   CHECK(effects.fog.use == EffectUse::on);
+  for (const auto& [text, value] : {std::pair{".5", 0.5}, {"1.", 1.0}, {"+2", 2.0}, {"1.e1", 10.0}, {"007.5", 7.5}}) {
+    assign(effects, std::string("fog.visibility=") + text);
+    CHECK(effects.fog.visibility == value);
+  }
+  CHECK_THROWS_WITH(assign(effects, "fog.visibility=.5m"),
+                    ContainsSubstring("fog.visibility must be 0..1000000 m, is \".5m\""));
   assign(effects, "fog=auto");
   CHECK(effects.fog.use == EffectUse::automatic);
   assign(effects, "intensity.model=carla");
