@@ -168,7 +168,8 @@ void validate(const Sensor& sensor) {
     refuse(sensor, "max returns must be within 1.." + std::to_string(limits::kReturns.most) + ", is " +
                        std::to_string(sensor.maxReturns));
   if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
-    refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod));
+    refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod) +
+                       "; of a scanner that stands and turns longer leave it out: then all beams fire at once");
   checkScanPeriod(sensor);
 }
 

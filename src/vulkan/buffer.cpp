@@ -40,7 +40,8 @@ void refuseLarger(const Device& device, const char* name, uint64_t bytes, uint64
   if (bytes > most)
     throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes) +
                                             "; the device '" + device.capabilities().info.name + "' allows " +
-                                            mebibytes(most));
+                                            mebibytes(most) +
+                                            "; scan a sector of the sensor at a time, or a part of the scene");
 }
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind)

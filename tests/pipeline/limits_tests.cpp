@@ -131,7 +131,7 @@ TEST_CASE("a buffer limit too small for a sensor or a scene is an error that nam
   const Scene scene = sceneOf(soup(1, 100, 5, 1));
   const std::string columns = errorOf(scene, kMebibyte / 2), words = errorOf(scene, kMebibyte);
   CHECK_THAT(columns, StartsWith("'columns' needs one buffer of 0.8 MiB; the device '"));
-  CHECK_THAT(columns, ContainsSubstring("' allows 0.5 MiB"));
+  CHECK_THAT(columns, ContainsSubstring("' allows 0.5 MiB; scan a sector of the sensor at a time"));
   CHECK_THAT(words, StartsWith("'words' needs one buffer of 1.5 MiB; the device '"));
   CHECK_THAT(errorOf(sceneOf(soup(1, 100'000, 5, 1)), kMebibyte), ContainsSubstring(" allows 1.0 MiB"));
 }
