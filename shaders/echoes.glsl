@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Combines the hits of a beam's light into echoes. Hits whose ranges differ by at most the separation belong to one
-// echo.
+// Combines the hits of a beam's light into echoes. An echo begins with a hit, and hits that are no farther behind it
+// than the separation belong to it.
 
 const float kUnseen = -1.0;  // energy of a hit that only lets light pass and is part of no echo
 

@@ -160,19 +160,18 @@ void storeEcho(uint slot, vec3 echo, float light, uint id) {
 void gatherEchoes(uint beam) {
   uint count = 0;
   for (uint k = 0; k < hitCount;) {
-    float first = ranges[k], last = first, most = -1.0, light = 1.0;
+    float first = ranges[k], most = -1.0, light = 1.0;
     uint strongest = ids[k];
     vec3 sums = vec3(0.0);
     bool any = false;
     for (; k < hitCount; ++k) {
       if (energies[k] < 0.0) continue;
       if (!any) {
-        first = last = ranges[k];
+        first = ranges[k];
         if (count > 0) light = lights[k];
       }
-      if (ranges[k] > sumOf(last, parameters.separation)) break;
+      if (ranges[k] > sumOf(first, parameters.separation)) break;
       any = true;
-      last = ranges[k];
       addPiece(sums, energies[k], sumOf(ranges[k], -first));
       if (energies[k] <= most) continue;
       most = energies[k];

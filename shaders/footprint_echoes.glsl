@@ -36,13 +36,14 @@ float lastRange() {
 void join(float before, uint piece, inout float end, inout float joined) {
   float range = ranges[piece], reach = reaches[piece];
   bool joins = sumOf(range, -reach) <= before && energies[piece] >= 0.0;
-  float behind = sumOf(sumOf(range, reach), parameters.separation);
+  float behind = sumOf(range, reach);
   end = joins && range > end ? range : end;
   joined = joins && behind > joined ? behind : joined;
 }
 
 // Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. A hit belongs to the echo
-// if the surface around it begins no farther than the separation behind the surfaces of the hits before.
+// if the surface around it begins no farther than the separation behind `first`, or overlaps the surface around a hit
+// before it.
 float endOfEcho(float first, float last) {
   float end = first, joined = sumOf(first, parameters.separation), before;
   if (last <= joined) return last;

@@ -357,8 +357,9 @@ std::vector<EffectInfo> makeTable() {
                "Which echoes are returned."),
            count<&E::returns, &E::Returns::count>(
                "count", "", 0, 15, "Only for the mode `all`: largest number of returns; 0 means the sensor's."),
-           number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100,
-                                                        "Echoes that are closer together are merged."),
+           number<&E::returns, &E::Returns::separation>(
+               "separation", "m", 0, 100,
+               "Surfaces no farther than this behind the first one of an echo are part of it."),
            number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,
                                                         "Full width at half maximum.")}),
       effect<&E::transmission>(

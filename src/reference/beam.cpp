@@ -183,8 +183,8 @@ void loseWeakest(std::vector<Echo>& echoes, bool& doubt) {
   echoes.erase(echoes.begin() + static_cast<ptrdiff_t>(weakest));
 }
 
-/// A piece belongs to the echo of those before it if the surface around it begins no farther than the separation behind
-/// the surfaces around them.
+/// An echo begins with a piece. Another one belongs to it if the surface around that one begins no farther than the
+/// separation behind the first piece, or overlaps the surface around a piece of the echo.
 std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const SensorPlan& plan,
                          BeamDoubt& doubt, uint64_t& lost) {
   const Effects& request = plan.effects;
@@ -197,9 +197,10 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
   size_t first = 0;
   while (first < pieces.size()) {
     size_t end = first + 1;
-    Bounded last = behind(pieces[first]);
+    const Bounded start(pieces[first].range, doubt.tolerance);
+    Bounded last = max(start + given(request.returns.separation), behind(pieces[first]));
     for (size_t i = end; i < pieces.size(); ++i) {
-      if (less(last + given(request.returns.separation), before(pieces[i]), doubt.tie)) continue;
+      if (less(last, before(pieces[i]), doubt.tie)) continue;
       while (end <= i) last = max(last, behind(pieces[end++]));  // with all that lie between
     }
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));

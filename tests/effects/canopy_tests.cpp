@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Echoes of footprints in foliage.
+#include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "base/vector.hpp"
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+constexpr double kSoil = 30, kHalf = 1.5;  // metres
+
+/// Leaves of 6 cm, 0.2 to 2.5 m before a wall of soil 30 m ahead. Seen along x, 1.1 of their area lies before 1 of
+/// soil.
+Scene canopy() {
+  Random uniform(5);
+  MeshBuilder builder;
+  constexpr double kLeaf = 0.06;
+  for (int leaf = 0; leaf < int(1.1 * 4 * kHalf * kHalf / (kLeaf * kLeaf)); ++leaf) {
+    const double c = uniform(), s = std::sqrt(1 - c * c), a = std::numbers::pi * uniform();
+    const Vec3 normal = {c, s * std::cos(a), s * std::sin(a)}, aside = {0, -std::sin(a), std::cos(a)};
+    const Vec3 u = kLeaf * aside, v = kLeaf * cross(normal, aside);
+    const double x = kSoil - 1.35 + 1.15 * uniform(), y = kHalf * uniform();
+    builder.quad({x, y, kHalf * uniform()}, u, v);
+  }
+  Scene scene;
+  scene.materials = {lambertian(0.5f), lambertian(0.5f)};
+  scene.materials[0].doubleSided = true;
+  scene.meshes = {builder.take(), plate(kSoil, 2 * kHalf, 1)};
+  scene.instances = {{"leaves", 0, {}}, {"soil", 1, {}}};
+  return scene;
+}
+
+}  // namespace
+
+// A leaf every few centimetres must not make one echo of the canopy and the soil. Of a waveform of the same light, a
+// pulse of 0.6 m, the last peak lies within 0.1 m of the soil for 98 % of such beams.
+TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays there are") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const uint32_t subRays = device == "reference" ? GENERATE(7, 61, 331) : GENERATE(7, 19, 61);
+  const double separation = GENERATE(0.4, 0.6);
+  TestOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity.use = EffectUse::on;
+  options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, 0.005, 0.005};
+  options.effects.returns.use = EffectUse::on;
+  options.effects.returns.separation = separation;
+  Sensor sensor = gridSensor(720, 12, -1.6, 1.6, 120);
+  sensor.maxReturns = 5;
+  const Scan scan = scanOn(canopy(), sensor, Pose(), options);
+  size_t beams = 0, soil = 0;
+  double bias = 0;
+  for (size_t channel = 0; channel < 12; ++channel)
+    for (size_t turn = 0; turn < 7; ++turn) {
+      const size_t beam = ahead(sensor, channel) + turn - 3;
+      const double elevation = sensor.channels[channel].elevationDeg * std::numbers::pi / 180;
+      double last = 0, azimuth = 0;
+      for (size_t k = 0; k < 5; ++k)
+        if (scan.hit(5 * beam + k)) {
+          last = scan.ranges[5 * beam + k];
+          azimuth = std::atan2(scan.points[3 * (5 * beam + k) + 1], scan.points[3 * (5 * beam + k)]);
+        }
+      const double above = kSoil / (std::cos(elevation) * std::cos(azimuth)) - last;
+      ++beams;
+      soil += std::abs(above) < 0.1 ? 1 : 0;
+      bias += above;
+    }
+  CAPTURE(device, subRays, separation, bias / double(beams), soil, beams);
+  CHECK(double(soil) / double(beams) > 0.9);
+}
+
+}  // namespace gnosphere::test
