@@ -49,6 +49,11 @@ using WithoutGil = nb::call_guard<ReleasedGil>;
   throw Error(ErrorCode::invalidArgument, sentence);
 }
 
+/// Gives a UserWarning at the line of Python that calls. Where warnings are made errors, it throws.
+inline void warnUser(const std::string& sentence) {
+  if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) != 0) throw nb::python_error();
+}
+
 /// tuple[T, ...]
 template <typename T>
 using Tuple = nb::typed<nb::tuple, T, nb::ellipsis>;

@@ -14,6 +14,7 @@
 
 #include "arrays.hpp"
 #include "fields.hpp"
+#include "scan/coarse_points.hpp"
 #include "state.hpp"
 
 namespace gnosphere::python {
@@ -53,6 +54,14 @@ std::string textOf(const Scan& scan) {
   if (returned) text << " from " << nearest << " to " << farthest << " m";
   text << '>';
   return text.str();
+}
+
+/// The scan in the world frame, with a warning if its points have steps there.
+SharedScan inWorldTold(const SharedScan& self) {
+  SharedScan world = {std::make_shared<Scan>(inWorld(*self.value))};
+  if (const std::string steps = coarsePoints(*world.value); !steps.empty())
+    warnUser(steps + "; the scan's own points keep millimetres, so map them by its pose in float64");
+  return world;
 }
 
 /// Calls a function of the module gnosphere.pictures.
@@ -331,11 +340,11 @@ void bindScan(nb::module_& m) {
           "Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a "
           "field. Returns the figure of Matplotlib, which is needed; see gnosphere.pictures.show(). Raises ValueError "
           "for a scan without beams.")
-      .def(
-          "in_world", [](const SharedScan& self) { return SharedScan{std::make_shared<Scan>(inWorld(*self.value))}; },
-          "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
-          "is the identity. If the sensor moves during the scan, the scan must be deskewed "
-          "(Effects.SensorMotion.deskew). Coordinates stay float32: 1 mm apart at 8 km from the world's origin.")
+      .def("in_world", &inWorldTold,
+           "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
+           "is the identity. If the sensor moves during the scan, the scan must be deskewed "
+           "(Effects.SensorMotion.deskew). Coordinates stay float32: 1 mm apart at 8 km from the world's origin. Warns "
+           "(UserWarning) if they have steps of 2 mm or more.")
       .def(
           "has", [](const SharedScan& self, const FieldLike& given) { return scanHasField(self, given.field); },
           "field"_a, "Whether column() has the field. A scan may have more fields than were requested.")

@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "base/transform.hpp"
 #include "rows.hpp"
+#include "scene/coarse_positions.hpp"
 #include "state.hpp"
 #include "whole.hpp"
 
@@ -123,6 +124,20 @@ void bindMaterial(nb::module_& m) {
                 "alpha_image", "retro", "double_sided", "class_id"});
 }
 
+/// Reads a scene, and warns of positions that have steps.
+Scene loadSceneTold(const std::filesystem::path& file, const LoadOptions& given) {
+  const LoadOptions options = given;
+  Scene scene;
+  std::string steps;
+  {
+    const ReleasedGil released;
+    scene = loadScene(file, options);
+    steps = coarsePositions(file, scene);
+  }
+  if (!steps.empty()) warnUser(file.string() + ": " + steps);
+  return scene;
+}
+
 }  // namespace
 
 void bindScene(nb::module_& m) {
@@ -204,11 +219,12 @@ void bindScene(nb::module_& m) {
   readWriteChoice(load, "up", &LoadOptions::up, "Which axis of the file points up.");
   load.def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
   bindKeywords(load, "Takes its properties as keywords, in which a choice may be its name.", {"up", "scale"});
-  m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
+  m.def("load_scene", &loadSceneTold, "file"_a, "options"_a = LoadOptions(),
         "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "
         "cut-out (AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). "
         "Skins, morph targets and animations of glTF are in Scene.animation; the instances and the deformations of the "
-        "meshes are at rest, as the nodes of the file are. Raises Error(file) if the file cannot be read, "
+        "meshes are at rest, as the nodes of the file are. Warns (UserWarning) of positions in single precision so far "
+        "from their origin that they have steps of 2 mm or more. Raises Error(file) if the file cannot be read, "
         "Error(format) if its content is invalid.");
   m.def(
       "write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),

@@ -209,8 +209,7 @@ Sensor loadTold(const std::filesystem::path& path, std::string head, std::string
     file = readSensorFile(path, options);
   }
   const auto warn = [&](const char* what, const std::vector<std::string>& texts) {
-    for (const std::string& text : texts)
-      if (PyErr_WarnEx(PyExc_UserWarning, (path.string() + what + text).c_str(), 1) != 0) throw nb::python_error();
+    for (const std::string& text : texts) warnUser(path.string() + what + text);
   };
   warn(": assumed: ", file.assumed);
   warn(": ignored: ", file.ignored);

@@ -5,13 +5,15 @@ import gc
 import os
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
-from conftest import program
+from conftest import at, beams, program
 
 import gnosphere
 from gnosphere import Field
+from gnosphere.adapter import rows_of
 
 
 def address(array: np.ndarray) -> int:
@@ -246,6 +248,44 @@ def test_in_world_maps_points_normals_and_velocities_by_the_pose(simulator, town
     low, high = np.nanmin(world.points, 0), np.nanmax(world.points, 0)
     bounds = gnosphere.world_bounds(town)
     assert (low > np.array(bounds.min) - 1e-3).all() and (high < np.array(bounds.max) + 1e-3).all()
+
+
+def test_points_and_files_that_have_steps_of_single_precision_are_warned_of(square, reference, tmp_path):
+    far = gnosphere.Pose((500_000.25, 6_000_000.25, 100), (0, 0, 0.6, 0.8))
+    to_world = rows_of(far)
+    scene = gnosphere.Scene(
+        [gnosphere.Material()], [square], [gnosphere.Instance(0, gnosphere.Transform(to_world) * at(10))]
+    )
+    scan = gnosphere.Simulator(scene, beams(), gnosphere.SimulatorOptions(device="reference")).scan(far)
+    steps = "in single precision, which has steps of 0.5 m at 6000010 m; "
+    with pytest.warns(UserWarning) as told:
+        world = scan.in_world()
+    assert [str(one.message).startswith(f"points in the world frame are {steps}the scan's") for one in told] == [True]
+    assert told[0].filename == __file__
+    doubles = scan.points.astype(float) @ to_world[:3, :3].T + scan.pose.position
+    assert 0.1 < np.abs(world.points - doubles).max() < 0.26
+    np.testing.assert_allclose((doubles - far.position) @ [0.28, 0.96, 0], 10, atol=1e-6)  # the square
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="single precision"):
+            scan.in_world()
+        reference.scan(gnosphere.Pose()).in_world()
+
+    corners = "".join(f"vertex {x} 6000000 0\n" for x in (0, 1)) + "vertex 0 6000001 0\n"
+    stl, obj = tmp_path / "far.stl", tmp_path / "far.obj"
+    stl.write_text(f"solid\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\nendsolid\n")
+    with pytest.warns(UserWarning) as told:
+        assert len(gnosphere.load_scene(stl).meshes) == 1
+    steps = steps.replace("6000010", "6000001")
+    assert [str(one.message).startswith(f"{stl}: its positions are {steps}give them in") for one in told] == [True]
+    assert told[0].filename == __file__
+    obj.write_text("v 0 6000000 0\nv 1 6000000 0\nv 0 6000001 0\nf 1 2 3\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="single precision"):
+            gnosphere.load_scene(stl)
+        gnosphere.load_scene(stl, gnosphere.LoadOptions(scale=0.001))
+        gnosphere.load_scene(obj)
 
 
 def test_a_new_scan_has_what_every_scan_has():

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iomanip>
-#include <limits>
-#include <sstream>
 
 #include "base/limits.hpp"
+#include "base/single_precision.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
 #include "scene/used_vertices.hpp"
@@ -79,15 +77,12 @@ std::string coarsePositions(const std::filesystem::path& file, const Scene& scen
     const Reach reach = reachOf(scene.meshes[i]);
     if (stretches[i] * reach.farthest < std::max(kCoarseFrom, far) || reach.farthest < 4 * reach.halfSide) continue;
     far = stretches[i] * reach.farthest;
-    step = stretches[i] * (std::nextafter(reach.farthest, std::numeric_limits<float>::infinity()) - reach.farthest);
+    step = stretches[i] * stepAt(reach.farthest);
   }
   if (step == 0 || !isInSingle(file)) return "";
-  std::ostringstream text;
-  text << "its positions are in single precision, which has steps of " << std::setprecision(3) << step << " m at "
-       << std::setprecision(10) << std::round(far)
-       << " m; give them in an OBJ file, in a PLY file of doubles, or in glTF near the origin of a node whose "
-          "translation places them";
-  return text.str();
+  return "its positions are " + inSinglePrecision(step, far) +
+         "; give them in an OBJ file, in a PLY file of doubles, or in glTF near the origin of a node whose translation "
+         "places them";
 }
 
 }  // namespace gnosphere

@@ -9,9 +9,6 @@
 
 namespace gnosphere {
 
-/// The distance in metres from which on neighbouring floats are 2 mm apart, or more.
-inline constexpr double kCoarseFrom = 16384;
-
 /// Returns a sentence about the steps of the positions that a file states, as "its positions are in single precision,
 /// which has steps of 0.5 m ...". The text is empty if the steps are at most a millimetre, if the file states doubles,
 /// or if the meshes are so large that their steps would not be four times as fine around origins of their own.

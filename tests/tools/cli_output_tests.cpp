@@ -98,8 +98,9 @@ TEST_CASE("a cloud in the world frame far from the origin comes with a warning o
   const std::string far = "scan far.obj --pose 5429030,0,1.8 -o far.csv" + kQuick;
   const Result world = place.run(far + " --frame world");
   CHECK(world.status == 0);
-  CHECK_THAT(world.err, StartsWith("gnosphere: warning: in the world frame points lie 5,429,0") &&
-                            ContainsSubstring("have steps of 0.5 m; --frame sensor keeps millimetres"));
+  CHECK_THAT(world.err, StartsWith("gnosphere: warning: points in the world frame are in single precision, which has "
+                                   "steps of 0.5 m at 54290") &&
+                            ContainsSubstring(" m; --frame sensor keeps millimetres"));
   CHECK(place.run(far).err == "");
 }
 

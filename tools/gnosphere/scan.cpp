@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -17,10 +16,10 @@
 #include "max_error.hpp"
 #include "no_hits.hpp"
 #include "output/cloud_format.hpp"
+#include "scan/coarse_points.hpp"
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
 #include "scanning.hpp"
-#include "scene/coarse_positions.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -153,13 +152,9 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
 /// Warns if the points of a cloud in the world frame lie so far away that single precision has steps of more than a
 /// millimetre, and returns whether they do.
 bool warnOfSteps(const Scan& world) {
-  float farthest = 0;
-  for (const float coordinate : world.points) farthest = std::max(farthest, std::abs(coordinate));
-  if (!(farthest >= kCoarseFrom) || !std::isfinite(farthest)) return false;
-  const double step = std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
-  complain("warning: in the world frame points lie " + grouped(static_cast<uint64_t>(farthest)) +
-           " m from the scene's origin, where the numbers of a cloud have steps of " + formatted("%.3g", step) +
-           " m; --frame sensor keeps millimetres, and so do the LAS files of a drive");
+  const std::string steps = coarsePoints(world);
+  if (steps.empty()) return false;
+  complain("warning: " + steps + "; --frame sensor keeps millimetres, and so do the LAS files of a drive");
   return true;
 }
 
