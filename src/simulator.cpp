@@ -101,6 +101,7 @@ class Simulator::Impl {
       result.pose = shots[i].pose;
       result.skewed = isSkewed(*plans_[shots[i].sensor], shots[i]);
       computed_[shots[i].sensor].set(kept_.classes(), shots[i].frame, result);
+      warnings_.tellLostEchoes(shots[i].sensor, *plans_[shots[i].sensor], result.counters);
       receive(i);
     });
     unfinished.result = nullptr;
@@ -139,6 +140,7 @@ class Simulator::Impl {
     if (hitsAlone && backend_->scanInto(shots, arrays.places(), scan, advance)) {
       result.counters = scan.counters;
       result.timings = scan.timings;
+      warnings_.tellLostEchoes(index, *plans_[index], result.counters);
     } else {
       run(shots, scan, [&](size_t view) {
         arrays.copy(scan, view);

@@ -62,6 +62,17 @@ void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {
   }
 }
 
+void SimulatorWarnings::tellLostEchoes(size_t sensor, const SensorPlan& plan, const Counters& counters) {
+  constexpr uint64_t kFew = 100;  // beams per lost echo; in streets some beams meet glass of several cars
+  if (!options_.warn || !plan.has(gpu::kTransmission) || counters.lostEchoes * kFew < counters.beams) return;
+  if (counters.lostEchoes == 0 || !told_.emplace(sensor, "transmission").second) return;
+  options_.warn("sensor '" + plan.sensor.name + "': " + std::to_string(counters.lostEchoes) + " echoes of " +
+                std::to_string(counters.beams) + " beams are lost, because a beam sees at most " +
+                std::to_string(gpu::kMaxLayers) + " surfaces behind each other" +
+                (plan.footprint() ? " and keeps " + std::to_string(gpu::keptEchoes(plan.returns)) + " echoes" : "") +
+                "; a pane of glass with two faces is two surfaces, so model it as one");
+}
+
 void SimulatorWarnings::forget(size_t sensor) {
   std::erase_if(told_, [&](const auto& told) { return told.first == sensor; });
 }

@@ -26,6 +26,9 @@ class SimulatorWarnings {
   /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
   /// the effect off.
   void tellLeftOut(const Shot& shot, const SensorPlan& plan);
+  /// Tells once per sensor that beams which pass panes lose many echoes, at least one per hundred beams, because they
+  /// meet more surfaces than a beam sees.
+  void tellLostEchoes(size_t sensor, const SensorPlan& plan, const Counters& counters);
   /// Another sensor may get the index of a removed one.
   void forget(size_t sensor);
 
@@ -34,7 +37,7 @@ class SimulatorWarnings {
   void tellShears(const Scene& scene) const;
 
   const SimulatorOptions& options_;
-  std::set<std::pair<size_t, std::string>> told_;  // sensors, and effects that are motions
+  std::set<std::pair<size_t, std::string>> told_;  // sensors, and effects of which each is told once
 };
 
 }  // namespace gnosphere

@@ -9,7 +9,7 @@ import warnings
 import weakref
 
 import pytest
-from conftest import beams
+from conftest import at, beams
 
 import gnosphere as gno
 
@@ -239,6 +239,18 @@ def test_motion_that_an_accuracy_leaves_out_is_a_warning(town, device):
     head = gno.Sensor(range_max=100, columns=4, channels=[gno.Channel()], rotation_period=0.1)
     with pytest.warns(UserWarning, match="sensor-motion is left out"):
         gno.Simulator(town, head, gno.SimulatorOptions(device, "exact"))
+
+
+def test_light_that_ends_behind_four_panes_is_a_warning_of_the_first_scan(square):
+    materials = [gno.Material("glass", transmission=0.9)]
+    panes = [gno.Instance(0, at(5 + 0.02 * pane)) for pane in range(5)]
+    simulator = gno.Simulator(gno.Scene(materials, [square], panes), beams(), gno.SimulatorOptions(device="reference"))
+    with pytest.warns(UserWarning, match="9 echoes of 9 beams are lost, .* at most 4 surfaces") as told:
+        simulator.scan(gno.Pose())
+    assert [warning.filename for warning in told] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert simulator.scan(gno.Pose()).counters.lost_echoes == 9
 
 
 def test_a_material_table_that_names_nothing_is_a_warning(town):

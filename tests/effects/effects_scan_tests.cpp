@@ -497,6 +497,50 @@ TEST_CASE("every device counts the beams whose light goes on behind four surface
   CHECK(lost[1] > lost[0] + 20);
 }
 
+TEST_CASE("a simulator tells once per sensor that beams see nothing behind four surfaces, unless few beams do") {
+  for (const char* device : {"reference", "vulkan"}) {
+    CAPTURE(device);
+    TestOptions options = optionsOn(device);
+    std::vector<std::string> warnings;
+    options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+    const Sensor sensor = fan(400, 1, 0, 50);
+    const auto told = [&](int faces, double half, bool batch) {
+      Scene scene;
+      scene.materials = {lambertian(0.2f, "glass"), lambertian(0.5f, "wall")};
+      scene.materials[0].transmission = 0.6f;
+      for (int i = 0; i <= faces; ++i) {
+        scene.instances.push_back({"", static_cast<uint32_t>(i), Transform()});
+        scene.meshes.push_back(i < faces ? plate(5 + 0.02 * i, half) : plate(9, 30, 1));
+      }
+      warnings.clear();
+      Simulator simulator(scene, std::vector<SensorRequest>(2, {sensor, Effects()}), options);
+      for (const size_t index : {0, 0, 1}) {
+        Shot shot;
+        shot.sensor = index;
+        Scan scan;
+        Batch views;
+        if (batch)
+          simulator.scanBatchInto(std::vector<Shot>(3, shot), views, std::vector<Field>{Field::range});
+        else
+          simulator.scanInto(shot, scan);
+      }
+      return warnings.size();
+    };
+    for (const bool batch : {false, true}) {
+      CAPTURE(batch);
+      CHECK(told(4, 3, batch) == 2);
+      CHECK(told(3, 3, batch) == 0);       // the wall is the fourth surface
+      CHECK(told(4, 0.0005, batch) == 0);  // a beam or none
+    }
+    told(4, 3, false);
+    REQUIRE(warnings.size() == 2);
+    CHECK(warnings[0] == warnings[1]);
+    CHECK(warnings[0] ==
+          "sensor 'fan': 69 echoes of 400 beams are lost, because a beam sees at most 4 surfaces behind "
+          "each other; a pane of glass with two faces is two surfaces, so model it as one");
+  }
+}
+
 TEST_CASE("the light of a footprint returns from each of several panes behind each other") {
   needVulkan();
   const double distances[] = {5, 7, 9, 12};
