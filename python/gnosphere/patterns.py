@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Patterns of beams that robot learning uses."""
+"""Patterns of beams: height scans of robot learning, and panoramas of terrestrial scanners."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from . import BeamList, Sensor
+from . import BeamList, Channel, Sensor
 
 
 def grid(size: tuple[float, float], resolution: float, *, level: float = 0.0, altitude: float = 20.0) -> Sensor:
@@ -38,4 +38,45 @@ def grid(size: tuple[float, float], resolution: float, *, level: float = 0.0, al
     sensor.range_max = 2 * float(lengths.max())
     origins = np.broadcast_to([0.0, 0.0, altitude], ways.shape)
     sensor.patterns = [BeamList(ways / lengths, origins=origins, width=x.shape[1], height=x.shape[0])]
+    return sensor
+
+
+def panorama(
+    resolution: float,
+    at: float,
+    elevation: tuple[float, float] = (-60.0, 90.0),
+    *,
+    turn: tuple[float, float] = (0.0, 180.0),
+) -> Sensor:
+    """Returns a terrestrial scanner: its mirror sweeps a vertical plane while its head makes half a turn.
+
+    resolution, at: metres between two points at a distance of `at` metres, as "6 mm at 10 m".
+    elevation: the lowest and the highest elevation in degrees; 90 is the zenith.
+    turn: azimuths in degrees, counter-clockwise from the x axis, from which and up to which the head turns. A part of half
+        a turn is a scan that needs less memory.
+
+    A column is one sweep: from the lowest elevation in front of the head up to the highest, and down to the lowest one
+    behind the head, where azimuths are greater by 180 degrees. The zenith is one beam of a sweep. Elevations have steps of
+    resolution / at radians from the highest one down, azimuths the nearest steps that divide `turn`. All beams fire at
+    once. Ranges end at 100 m; set range_min, range_max and the divergence of your scanner. Raises ValueError for a
+    resolution or a distance that is not positive, elevations that do not increase within -90 to 90, and a turn that does
+    not increase by at most 180 degrees.
+    """
+    if not (0 < resolution < math.inf and 0 < at < math.inf):
+        raise ValueError(f"resolution is {resolution} at {at}; both must be above 0 m")
+    low, high = elevation
+    if not -90 <= low < high <= 90:
+        raise ValueError(f"elevation is {elevation}; it must increase, from -90 degrees or more to 90 or less")
+    if not 0 < turn[1] - turn[0] <= 180:
+        raise ValueError(f"turn is {turn}; it must increase, by at most 180 degrees")
+    step = math.degrees(resolution / at)
+    down = high - step * np.arange(math.floor((high - low) / step + 1e-9) + 1)
+    front = [Channel(one) for one in down[::-1].tolist()]
+    behind = [Channel(one, 180) for one in down[int(high == 90) :].tolist()]
+    sensor = Sensor()
+    sensor.name = "panorama"
+    sensor.columns = max(1, round((turn[1] - turn[0]) / step))
+    sensor.channels = front + behind
+    sensor.azimuth_start_deg, sensor.azimuth_span_deg = turn[0], turn[1] - turn[0]
+    sensor.range_max = 100
     return sensor

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Height scans beside closed forms: on level and sloping ground, and on a step."""
+"""Height scans on level and sloping ground, and the angles and ranges of panoramas, beside closed forms."""
 
 import math
 
@@ -16,7 +16,9 @@ def simulator(sensor: gnosphere.Sensor, corners: list, device: gnosphere.DeviceC
     """A square of two triangles."""
     mesh = gnosphere.Mesh(np.float32(corners), [[0, 1, 2], [0, 2, 3]], [gnosphere.MeshPart(0, 2, 0)])
     scene = gnosphere.Scene([gnosphere.Material()], [mesh], [gnosphere.Instance(0)])
-    return gnosphere.Simulator(scene, gnosphere.SensorRequest(sensor, Effects.none()), gnosphere.SimulatorOptions(device))
+    return gnosphere.Simulator(
+        scene, gnosphere.SensorRequest(sensor, Effects.none()), gnosphere.SimulatorOptions(device)
+    )
 
 
 def isaac() -> np.ndarray:
@@ -62,3 +64,66 @@ def test_impossible_grids_are_refused():
     with pytest.raises(ValueError, match="below altitude"):
         patterns.grid(SIZE, RESOLUTION, level=20)
     assert patterns.grid((0, 0), 0.1).beam_count() == 1
+
+
+def test_a_panorama_has_equal_steps_in_front_of_the_head_and_behind_it(device):
+    step = 0.02  # radians
+    sensor = patterns.panorama(0.2, at=10)
+    low = math.ceil((90 + 60) / math.degrees(step)) - 1  # steps from the zenith down to -60 degrees
+    assert low == 130
+    assert (sensor.columns, len(sensor.channels)) == (157, 2 * low + 1)
+    assert sensor.rotation_period == 0
+    zenith = math.pi / 2 - step * np.abs(np.arange(-low, low + 1))
+    azimuth = np.arange(157) * math.pi / 157
+    behind = np.where(np.arange(2 * low + 1) > low, math.pi, 0)
+    e, a = np.meshgrid(zenith, azimuth, indexing="ij")
+    a = a + behind[:, None]
+    ways = np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)], axis=-1)
+    np.testing.assert_allclose(gnosphere.beams_of(sensor).directions.reshape(ways.shape), ways, atol=1e-6)
+    assert math.acos(ways[0, 0] @ ways[1, 0]) == pytest.approx(step)
+    # A floor that is wider than the beams reach below 60 degrees: 2 m under the head.
+    floor = [[-99, -99, -2], [99, -99, -2], [99, 99, -2], [-99, 99, -2]]
+    scan = simulator(sensor, floor, device).scan(gnosphere.Pose((0, 0, 0)))
+    assert scan.shape == (261, 157)
+    ranges = -2 / np.minimum(ways[..., 2], -1e-9)
+    np.testing.assert_allclose(scan.ranges.reshape(261, 157), np.where(ranges > 100, np.nan, ranges), rtol=1e-5)
+
+
+def test_the_file_of_a_panorama_is_read_back(tmp_path):
+    sensor = patterns.panorama(0.2, at=10)
+    (tmp_path / "panorama.json").write_text(gnosphere.to_json(sensor))
+    read = gnosphere.load_sensor(tmp_path / "panorama.json")
+    assert np.array_equal(gnosphere.beams_of(read).directions, gnosphere.beams_of(sensor).directions)
+
+
+def test_parts_of_a_panorama_are_the_whole():
+    resolution = 10 * math.pi / 160  # 1.125 degrees
+
+    def part(*turn: float) -> gnosphere.Sensor:
+        return patterns.panorama(resolution, at=10, elevation=(-40, 30), turn=turn)
+
+    assert [(one.elevation_deg, one.azimuth_offset_deg) for one in part(0, 45).channels] == [
+        (pytest.approx(30 - 1.125 * (62 - row if row <= 62 else row - 63)), 0 if row <= 62 else 180)
+        for row in range(126)
+    ]
+    whole = gnosphere.beams_of(part(-90, 90)).directions.reshape(126, 160, 3)
+    parts = [gnosphere.beams_of(part(start, start + 45)).directions.reshape(126, 40, 3) for start in range(-90, 90, 45)]
+    np.testing.assert_allclose(np.concatenate(parts, axis=1), whole, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"resolution": 0},
+        {"at": -1},
+        {"elevation": (20, 20)},
+        {"elevation": (-91, 0)},
+        {"elevation": (0, 91)},
+        {"turn": (0, 0)},
+        {"turn": (0, 181)},
+        {"resolution": math.nan},
+    ],
+)
+def test_impossible_panoramas_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong)) if "at" not in wrong else "resolution"):
+        patterns.panorama(**({"resolution": 0.006, "at": 10} | wrong))
