@@ -161,11 +161,14 @@ void atFork(void (*before)(), void (*after)()) {
   ::pthread_atfork(before, after, after);
 }
 
-// The sanitizers end a process that asks for symbols of its own.
-void* openLibrary(const std::string& file, bool ownSymbols) {
+// The sanitizers end a process that asks for symbols of its own. Not every system can be asked: with musl, as on
+// Alpine, a library shares them in any case.
+void* openLibrary(const std::string& file, [[maybe_unused]] bool ownSymbols) {
   int flags = RTLD_NOW | RTLD_LOCAL;
+#ifdef RTLD_DEEPBIND
   if (ownSymbols && !::dlsym(RTLD_DEFAULT, "__asan_init") && !::dlsym(RTLD_DEFAULT, "__tsan_init"))
     flags |= RTLD_DEEPBIND;
+#endif
   return ::dlopen(file.c_str(), flags);
 }
 
