@@ -18,6 +18,9 @@ namespace {
 constexpr uint32_t kWorkgroupSize = 64;  // invocations per workgroup of every shader
 constexpr uint32_t kLeastSubgroup = 4;   // fit_clusters has room for the results of 16 subgroups
 
+// Vulkan's headers have this name only where extensions that may still change are asked for.
+constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+
 std::string versionText(uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
          std::to_string(VK_API_VERSION_PATCH(version));
@@ -229,6 +232,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
   result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;
   result.float64 = features.features.shaderFloat64;
+  result.portabilitySubset = offers(vk, physical, kPortabilitySubset);
   // Mesa's lavapipe pays for this with three more instructions in every min() and max(), a tenth of a scan, and keeps
   // these values in any case.
   result.keepsSpecialFloats = !result.cpu && floats.shaderSignedZeroInfNanPreserveFloat32;
@@ -257,6 +261,7 @@ double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {
 Requirements requirementsFor(const Capabilities& capabilities) {
   Requirements needed;
   needed.extensions = {VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
+  if (capabilities.portabilitySubset) needed.extensions.push_back(kPortabilitySubset);
   needed.features.shaderInt64 = capabilities.int64Atomics;
   needed.features.shaderFloat64 = capabilities.float64;
   needed.features12.shaderBufferInt64Atomics = capabilities.int64Atomics;

@@ -59,6 +59,7 @@ struct Capabilities {
   FullSubgroups subgroups;
   bool int64Atomics = false;
   bool float64 = false;
+  bool portabilitySubset = false;  ///< the device leaves out parts of Vulkan, and must be told that this is known
   /// Lanes that have parted meet again as soon as the source says so: VK_KHR_shader_subgroup_uniform_control_flow. Of a
   /// device of the caller AdoptedDevice::uniformControlFlow tells it. Without it the kernels rely on what every driver
   /// so far has done.

@@ -51,6 +51,17 @@ bool instanceOffers(const char* extension) {
                      [&](const VkExtensionProperties& one) { return std::strcmp(one.extensionName, extension) == 0; });
 }
 
+// The loader hides drivers that leave out parts of Vulkan, as MoltenVK does, from an instance that does not ask for
+// them. The parts that they leave out are none that scans need, or capabilitiesOf() tells.
+void wantEveryDriver(VkInstanceCreateInfo& create, std::vector<const char*>& extensions) {
+  if (instanceOffers(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    create.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+  }
+  create.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  create.ppEnabledExtensionNames = extensions.data();
+}
+
 // The first instance lives until the process ends, so drivers stay loaded: some (NVIDIA's) can be loaded only about ten
 // times, because they never free thread-local storage.
 VkResult keepDrivers(const VkApplicationInfo& application) {
@@ -60,6 +71,8 @@ VkResult keepDrivers(const VkApplicationInfo& application) {
   if (kept) return VK_SUCCESS;
   VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   create.pApplicationInfo = &application;
+  std::vector<const char*> extensions;
+  wantEveryDriver(create, extensions);
   return vulkanLoader().createInstance(&create, nullptr, &kept);
 }
 
@@ -157,7 +170,6 @@ ApiInstance::ApiInstance(bool validation) {
   application.apiVersion = VK_API_VERSION_1_2;
   VkResult result = keepDrivers(application);
   const char* layer = "VK_LAYER_KHRONOS_validation";
-  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
   VkDebugUtilsMessengerCreateInfoEXT messenger = messengerOf(*messages_);
   const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features = {VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
@@ -170,11 +182,11 @@ ApiInstance::ApiInstance(bool validation) {
     create.enabledLayerCount = 1;
     create.ppEnabledLayerNames = &layer;
   }
+  std::vector<const char*> extensions;
   // Without validation it serves to name objects and stages for tools such as RenderDoc.
-  if (validation || instanceOffers(extension)) {
-    create.enabledExtensionCount = 1;
-    create.ppEnabledExtensionNames = &extension;
-  }
+  if (validation || instanceOffers(VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  wantEveryDriver(create, extensions);
   VkInstance instance = VK_NULL_HANDLE;
   if (result == VK_SUCCESS) result = vulkanLoader().createInstance(&create, nullptr, &instance);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)

@@ -24,18 +24,35 @@ TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") 
   CHECK(place.run("devices").status == 0);
 }
 
-TEST_CASE("a device is listed once, however many manifests its driver has") {
+namespace {
+
+// Returns lavapipe's manifest, lvp_icd.json, or with the architecture in its name. Skips the test if there is none.
+std::filesystem::path lavapipesManifest() {
   const std::filesystem::path folder = "/usr/share/vulkan/icd.d";
-  std::filesystem::path manifest;  // lvp_icd.json, or with the architecture in its name
   if (std::filesystem::exists(folder))
     for (const auto& file : std::filesystem::directory_iterator(folder))
-      if (file.path().filename().string().starts_with("lvp_icd.")) manifest = file.path();
-  if (manifest.empty()) SKIP("lavapipe's manifest is not in " << folder);
+      if (file.path().filename().string().starts_with("lvp_icd.")) return file.path();
+  SKIP("lavapipe's manifest is not in " << folder);
+}
+
+}  // namespace
+
+TEST_CASE("a device is listed once, however many manifests its driver has") {
+  const std::filesystem::path manifest = lavapipesManifest();
   const Workplace place;
   place.put("again.json", bytesOf(manifest));
   const std::string once = "VK_DRIVER_FILES=" + manifest.string();
   CHECK(place.runJson("devices --json", once).at("devices").size() == 2);
   CHECK(place.runJson("devices --json", once + ":again.json").at("devices").size() == 2);
+}
+
+TEST_CASE("a driver that leaves out parts of Vulkan is found") {
+  auto manifest = nlohmann::json::parse(bytesOf(lavapipesManifest()));
+  manifest["file_format_version"] = "1.0.1";
+  manifest["ICD"]["is_portability_driver"] = true;
+  const Workplace place;
+  place.put("portability.json", manifest.dump());
+  CHECK(place.runJson("devices --json", "VK_DRIVER_FILES=portability.json").at("devices").size() == 2);
 }
 
 TEST_CASE("without a Vulkan driver one line says how to get one") {
