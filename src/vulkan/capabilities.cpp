@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/shared.h"
@@ -126,15 +127,27 @@ bool loadsUntaken(const VkPhysicalDeviceDriverProperties& driver) {
 // workgroups per dispatch, and 128 bytes of push constants. Dispatches of more workgroups are divided.
 static_assert(kWorkgroupSize <= 128);
 
+// Returns the operations of subgroups that the device lacks in compute shaders, as in "vote, arithmetic".
+std::string missingOperations(const VkPhysicalDeviceSubgroupProperties& subgroup) {
+  constexpr std::pair<VkSubgroupFeatureFlags, const char*> kNeeded[] = {
+      {VK_SUBGROUP_FEATURE_BASIC_BIT, "basic"},
+      {VK_SUBGROUP_FEATURE_BALLOT_BIT, "ballot"},
+      {VK_SUBGROUP_FEATURE_VOTE_BIT, "vote"},
+      {VK_SUBGROUP_FEATURE_SHUFFLE_BIT, "shuffle"},
+      {VK_SUBGROUP_FEATURE_ARITHMETIC_BIT, "arithmetic"}};
+  const bool inCompute = subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT;
+  std::string missing;
+  for (const auto& [bit, name] : kNeeded)
+    if (!inCompute || !(subgroup.supportedOperations & bit))
+      missing += (missing.empty() ? "" : ", ") + std::string(name);
+  return missing;
+}
+
 std::vector<std::string> reasonsAgainst(const Offer& offer) {
-  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
-                                               VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
-                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
   std::vector<std::string> reasons;
   if (!offer.compute) reasons.push_back("it has no compute queue");
-  if (!(offer.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
-      (offer.subgroup.supportedOperations & kSubgroup) != kSubgroup)
-    reasons.push_back("it lacks subgroup ballot, vote, shuffle or arithmetic in compute shaders");
+  if (const std::string missing = missingOperations(offer.subgroup); !missing.empty())
+    reasons.push_back("its compute shaders lack operations of subgroups: " + missing);
   if (fullSubgroupsOf(offer).size == 0)
     reasons.push_back("it cannot promise full subgroups, of at most " + std::to_string(kWorkgroupSize) +
                       " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may");
