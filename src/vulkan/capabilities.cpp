@@ -19,7 +19,7 @@ namespace {
 constexpr uint32_t kWorkgroupSize = 64;  // invocations per workgroup of every shader
 constexpr uint32_t kLeastSubgroup = 4;   // fit_clusters has room for the results of 16 subgroups
 
-// Vulkan's headers have this name only where extensions that may still change are asked for.
+// Vulkan's headers define this name only with VK_ENABLE_BETA_EXTENSIONS.
 constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
 
 std::string versionText(uint32_t version) {

@@ -51,8 +51,8 @@ bool instanceOffers(const char* extension) {
                      [&](const VkExtensionProperties& one) { return std::strcmp(one.extensionName, extension) == 0; });
 }
 
-// The loader hides drivers that leave out parts of Vulkan, as MoltenVK does, from an instance that does not ask for
-// them. The parts that they leave out are none that scans need, or capabilitiesOf() tells.
+// The loader hides drivers that leave out parts of Vulkan, as MoltenVK does, unless an instance enumerates portability
+// drivers. capabilitiesOf() finds out whether such a driver has all that scans need.
 void wantEveryDriver(VkInstanceCreateInfo& create, std::vector<const char*>& extensions) {
   if (instanceOffers(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
     extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
