@@ -129,19 +129,28 @@ void DriveReader::warnOfRadians(const json& list, const std::vector<double>& alo
            ", and the way leads elsewhere; the yaws are in degrees, and along the way these would be radians");
 }
 
-/// Returns the stamps of waypoints, and appends to `turned` whether each states an angle.
-std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path,
+/// Returns the stamps of waypoints, and appends to `turned` whether each states an angle. With a speed (m/s, else 0)
+/// the times follow from the distances between them; the first is 0.
+std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, double speed, const std::string& path,
                                                       std::vector<bool>& turned) {
   std::vector<Trajectory::Stamp> stamps;
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string at = entryPath(path, i);
-    const bool hasYaw = list[i].contains("yaw_deg"), hasOrientation = list[i].contains("orientation");
-    if (hasYaw && hasOrientation) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
-    Quaternion turn;
-    if (hasOrientation) turn = orientation(list[i]["orientation"], at + ".orientation");
-    if (hasYaw) turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
-    stamps.push_back({list[i]["time"].get<double>(), {vectorOf(list[i]["position"]), turn}});
-    turned.push_back(hasYaw || hasOrientation);
+    if (speed > 0 && list[i].contains("time"))
+      refuse(at + ".time", "follows from the 'speed' of the trajectory; keep one");
+    else if (speed == 0 && !list[i].contains("time"))
+      refuse(at, "needs a 'time', or the trajectory a 'speed'");
+    Pose placed = pose(list[i], at);
+    const bool hasYaw = list[i].contains("yaw_deg"), hasTurn = list[i].contains("yaw_pitch_roll_deg");
+    const bool hasOrientation = list[i].contains("orientation");
+    if (hasYaw && (hasOrientation || hasTurn))
+      refuse(at + ".yaw_deg", std::string("is an alternative to ") +
+                                  (hasOrientation ? "orientation" : "yaw_pitch_roll_deg") + "; keep one");
+    if (hasYaw) placed.orientation = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+    double time = list[i].value("time", 0.0);
+    if (speed > 0 && i > 0) time = stamps[i - 1].time + lengthOf(placed.position - stamps[i - 1].pose.position) / speed;
+    stamps.push_back({time, placed});
+    turned.push_back(hasYaw || hasTurn || hasOrientation);
   }
   warnOfRadians(list, yawsAlong(stamps), path);
   warnOfTurns(list, path);
@@ -156,7 +165,7 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   };
   only("times", "kitti");
   only("route", "carla-route");
-  only("speed", "carla-route");
+  if (!object.contains("waypoints")) only("speed", "carla-route");
   if (object.contains("file") == object.contains("waypoints")) {
     refuse(path, object.contains("file") ? "has a file and waypoints; keep one" : "needs a file or waypoints");
     return {};
@@ -165,7 +174,7 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   std::vector<bool> turned;  // by stamp, whether it has an orientation of its own
   if (object.contains("waypoints")) {
     if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
-    stamps = waypoints(object["waypoints"], path + ".waypoints", turned);
+    stamps = waypoints(object["waypoints"], object.value("speed", 0.0), path + ".waypoints", turned);
   } else {
     TrajectoryFileOptions options;
     if (object.contains("times")) options.times = file(object["times"]);

@@ -158,6 +158,31 @@ TEST_CASE("times of trajectories are moved, cut and turned along the way as aske
   CHECK_THAT(twice.warnings[0], ContainsSubstring("ego.trajectory: 1 poses have the time of the pose before"));
 }
 
+TEST_CASE("waypoints of a speed have times from their distances, and may pitch and roll") {
+  const DriveFolder folder;
+  const auto read = [&](const Json& trajectory) {
+    Json json = smallDrive();
+    json["ego"]["trajectory"] = trajectory;
+    return folder.read(json).ego;
+  };
+  Json flight = {{"speed", 4}, {"waypoints", {{{"position", {0, 0, 2}}}, {{"position", {8, 0, 8}}}}}};
+  flight["waypoints"].push_back({{"position", {8, 2, 8}}, {"yaw_pitch_roll_deg", {0, 0, 90}}});
+  const drive::Trajectory ego = read(flight);
+  REQUIRE(ego.stamps().size() == 3);
+  CHECK((ego.stamps()[0].time == 0 && ego.stamps()[1].time == 2.5 && ego.stamps()[2].time == 3));
+  checkPose(ego.at(3), {8, 2, 8}, {kHalf, 0, 0, kHalf});
+  flight["begin"] = 100;
+  CHECK(read(flight).stamps()[2].time == 103);
+  flight["waypoints"][1]["time"] = 1;
+  CHECK_THROWS_WITH(read(flight), ContainsSubstring("ego.trajectory.waypoints[1].time: follows from the 'speed'"));
+  CHECK_THROWS_WITH(read({{"waypoints", {{{"position", {0, 0, 0}}}}}}),
+                    ContainsSubstring("ego.trajectory.waypoints[0]: needs a 'time', or the trajectory a 'speed'"));
+  CHECK_THROWS_WITH(
+      read(
+          {{"waypoints", {{{"time", 0}, {"position", {0, 0, 0}}, {"yaw_deg", 1}, {"yaw_pitch_roll_deg", {1, 0, 0}}}}}}),
+      ContainsSubstring("waypoints[0].yaw_deg: is an alternative to yaw_pitch_roll_deg; keep one"));
+}
+
 TEST_CASE("an actor looks along its way between waypoints, turns around them, and keeps its direction while standing") {
   const DriveFolder folder;
   const auto yawOf = [&](const Json& waypoints) {
