@@ -95,7 +95,7 @@ std::vector<double> imuTimes(const Drive& drive, uint64_t frame, bool last) {
 ros2::Imu imuMessage(const Drive& drive, double time) {
   const InertialUnit& unit = *drive.imu;
   const Pose pose = drive.ego.at(time) * unit.mount;
-  const Trajectory::Rates rates = drive.ego.ratesAt(time, unit.mount);
+  const Trajectory::Rates rates = drive.ego.ratesAt(time, unit.mount, 1 / unit.rate);
   ros2::Imu imu;
   imu.stamp = unixNanoseconds(drive, time);
   imu.frame = unit.name;

@@ -2,6 +2,7 @@
 #include "drive/trajectory.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -34,6 +35,43 @@ std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::
   if (first != segments.end() && !yawBefore)
     for (auto segment = segments.begin(); segment != first; ++segment) segment->yaw = first->yaw;
   return segments;
+}
+
+/// Returns the median time between stamps; 0 if there is one stamp.
+double medianSpacing(std::span<const Trajectory::Stamp> stamps) {
+  if (stamps.size() < 2) return 0;
+  std::vector<double> spacings;
+  for (size_t i = 1; i < stamps.size(); ++i) spacings.push_back(stamps[i].time - stamps[i - 1].time);
+  const auto middle = spacings.begin() + static_cast<ptrdiff_t>(spacings.size() / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
+/// Returns the seconds between positions below which their second differences tell of digits that a file has cut off
+/// rather than of accelerations: rounding to 1 mm, 0.1 mm or 1 um must not add more than 0.3 m/s^2. The answer is 0 if
+/// positions have more digits.
+double blurOf(std::span<const Trajectory::Stamp> stamps) {
+  constexpr double kMostNoise = 0.3;  // m/s^2, root mean square
+  constexpr double kMostSteps = 1e7;  // a metre; coordinates on a map have no more digits as doubles
+  constexpr size_t kDigits = 8;  // of the ten: last digits of rounded numbers differ, those of round numbers do not
+  double steps = 1;              // a metre
+  size_t digits = 0;
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    const auto value = [&](const Trajectory::Stamp& stamp) { return stamp.pose.position.*axis; };
+    const auto isRounded = [&](double x) { return std::abs(steps * x - std::round(steps * x)) < 0.01; };
+    while (steps < kMostSteps && !std::ranges::all_of(stamps, isRounded, value)) steps *= 10;
+  }
+  if (steps == kMostSteps) return 0;
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    std::bitset<10> found;
+    for (const Trajectory::Stamp& stamp : stamps)
+      found.set(static_cast<size_t>(std::fmod(std::abs(std::round(steps * (stamp.pose.position.*axis))), 10)));
+    digits = std::max(digits, found.count());
+  }
+  if (digits < kDigits) return 0;
+  // Errors of rounding are evenly spread, with a standard deviation of 1 / sqrt(12) steps, and a second difference adds
+  // up six times their variance.
+  return std::sqrt(std::sqrt(6.0 / 12) / (steps * kMostNoise));
 }
 
 /// The turn at a stamp from the segment before it to that after it. A vehicle turns only while it moves.
@@ -72,6 +110,8 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
       throw Error(ErrorCode::format, "the time of pose " + std::to_string(i) + ", " + gnosphere::numberText(time) +
                                          ", does not come after the one before, " + gnosphere::numberText(before));
   }
+  spacing_ = medianSpacing(motion_.stamps);
+  blur_ = blurOf(motion_.stamps);
 }
 
 Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned, std::optional<double> yawBefore) {
@@ -108,15 +148,13 @@ Pose Trajectory::at(double time) const {
   return pose;
 }
 
-Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
-  constexpr double kApart = 0.05;
+Trajectory::Neighbours Trajectory::neighboursOf(double time, double apart) const {
   const std::vector<Stamp>& stamps = motion_.stamps;
-  if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands
   const auto last = static_cast<ptrdiff_t>(stamps.size()) - 1;
   // The next stamp in a direction that is far enough away; behind the end if there is none.
   const auto next = [&](ptrdiff_t from, ptrdiff_t step) {
     ptrdiff_t to = from + step;
-    while (to >= 0 && to <= last && std::abs(stamps[to].time - stamps[from].time) < kApart - 1e-9) to += step;
+    while (to >= 0 && to <= last && std::abs(stamps[to].time - stamps[from].time) < apart) to += step;
     return to;
   };
   const auto after = std::ranges::lower_bound(stamps, time, {}, &Stamp::time) - stamps.begin();
@@ -126,12 +164,22 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
   if (middle > last || next(middle, 1) > last) middle = next(last, -1);
   const ptrdiff_t low = middle < 0 ? 0 : std::max<ptrdiff_t>(next(middle, -1), 0),
                   high = middle < 0 ? last : next(middle, 1);
+  return {static_cast<size_t>(low), static_cast<size_t>(std::clamp(middle, low, high)), static_cast<size_t>(high)};
+}
+
+Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double period) const {
+  constexpr double kMost = 0.05 - 1e-9;  // seconds between stamps of a parabola, but for what stamps of a file lack
+  constexpr double kShare = 0.75;        // of the usual time between stamps, so that a stamp that is early counts, too
+  const std::vector<Stamp>& stamps = motion_.stamps;
+  if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands
+  const double apart = std::min(kMost, kShare * std::max(spacing_, period));
+  const Neighbours way = neighboursOf(time, std::min(kMost, std::max(apart, blur_))), turns = neighboursOf(time, apart);
   const auto mountedAt = [&](double when) { return Stamp{when, at(when) * mount}; };
-  const auto mounted = [&](ptrdiff_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
-  const bool isSparse = !segments_.empty() && stamps[high].time - stamps[low].time > 2 * kLongestBend + 1e-9;
-  const Stamp first = isSparse ? mountedAt(std::max(time - kLongestBend, begin())) : mounted(low),
-              between = isSparse ? mountedAt(time) : mounted(std::clamp(middle, low, high)),
-              end = isSparse ? mountedAt(std::min(time + kLongestBend, this->end())) : mounted(high);
+  const auto mounted = [&](size_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
+  const bool isSparse = !segments_.empty() && stamps[way.high].time - stamps[way.low].time > 2 * kLongestBend + 1e-9;
+  const Stamp first = isSparse ? mountedAt(std::max(time - kLongestBend, begin())) : mounted(way.low),
+              between = isSparse ? mountedAt(time) : mounted(way.middle),
+              end = isSparse ? mountedAt(std::min(time + kLongestBend, this->end())) : mounted(way.high);
   const Vec3 across = (1 / (end.time - first.time)) * (end.pose.position - first.pose.position);
   Rates rates = {across, {}, {}};
   if (first.time < between.time && between.time < end.time) {
@@ -139,9 +187,9 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
     rates.acceleration = (2 / (end.time - between.time)) * (across - early);
     rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;
   }
-  const Span span = around(time);
-  const Stamp from = segments_.empty() ? first : mountedAt(span.from),
-              to = segments_.empty() ? end : mountedAt(span.to);
+  const Span span = around(time, std::min(kAround, std::max(spacing_, period)));
+  const Stamp from = segments_.empty() ? mounted(turns.low) : mountedAt(span.from),
+              to = segments_.empty() ? mounted(turns.high) : mountedAt(span.to);
   const Quaternion turn = inverse(from.pose).orientation * to.pose.orientation;
   const Vec3 axis = (turn.w < 0 ? -1.0 : 1.0) * Vec3{turn.x, turn.y, turn.z};
   const double sine = lengthOf(axis), angle = angleBetween(from.pose.orientation, to.pose.orientation);
@@ -149,8 +197,8 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount) const {
   return rates;
 }
 
-Trajectory::Span Trajectory::around(double time) const {
-  Span span = {time - kAround, time + kAround};
+Trajectory::Span Trajectory::around(double time, double reach) const {
+  Span span = {time - reach, time + reach};
   if (!(begin() < end())) return span;
   if (time <= end()) span.to = std::min(span.to, time < begin() ? begin() : end());
   if (time >= begin()) span.from = std::max(span.from, time > end() ? end() : begin());

@@ -48,19 +48,23 @@ class Trajectory {
     Vec3 acceleration;  ///< m/s^2 in the world frame
     Vec3 turnRate;      ///< rad/s about the axes of the unit
   };
-  /// Returns the rates of the parabola through three stamps about `time`, at least 0.05 s apart where the trajectory is
-  /// that long: positions between stamps lie on straight lines, whose second derivative tells nothing. A vehicle that
-  /// looks along its way turns as at() turns it, and if these stamps are more than a second apart, poses half a second
-  /// before and after `time` are taken in their place.
-  /// The unit is mounted on the vehicle at the pose `mount`, about whose axes the turn rate is.
-  Rates ratesAt(double time, const Pose& mount = {}) const;
+  /// Returns the rates of the parabola through three stamps about `time`: positions between stamps lie on straight
+  /// lines, whose second derivative tells nothing. The stamps are as far apart as most of the trajectory, at least
+  /// about `period` seconds, so that a unit that measures as often does not see vibrations that are too fast for it,
+  /// and, for velocities and accelerations, as far as their rounding demands; but no more than 0.05 s where they are
+  /// denser. A vehicle that looks along its way turns as at() turns it, and if these stamps are more than a second
+  /// apart, poses half a second before and after `time` are taken in their place. The unit is mounted on the vehicle at
+  /// the pose `mount`, about whose axes the turn rate is.
+  Rates ratesAt(double time, const Pose& mount = {}, double period = 0.001) const;
+  /// The median time between stamps in seconds; 0 if there is one stamp.
+  double spacing() const { return spacing_; }
   static constexpr double kAround = 0.05;  ///< seconds before and after a time within which a speed is taken
   /// The times before and after a time between which a speed is taken. The pose is constant before and after the
   /// trajectory, so they lie on one side of its ends.
   struct Span {
     double from = 0, to = 0;
   };
-  Span around(double time) const;
+  Span around(double time, double reach = kAround) const;
   /// The velocity in m/s of the mean of this span.
   Vec3 velocityAt(double time) const;
   bool covers(double time) const { return time >= begin() && time <= end(); }
@@ -73,7 +77,16 @@ class Trajectory {
  private:
   /// Whether the vehicle looks along its way between stamp i and the next one.
   bool looksAlong(size_t i) const;
+  /// Stamps about a time, and their indices.
+  struct Neighbours {
+    size_t low = 0, middle = 0, high = 0;
+  };
+  /// Returns the stamp nearest to a time, or the first or last that has such neighbours, and those before and after it
+  /// that are at least `apart` seconds away; the ends of a trajectory that is shorter.
+  Neighbours neighboursOf(double time, double apart) const;
 
+  double spacing_ = 0;
+  double blur_ = 0;  // seconds between positions below which their rounding outweighs accelerations
   SensorMotion motion_;
   std::vector<Segment> segments_;  // none unless the vehicle looks along its way
   std::vector<bool> turned_;       // by stamp

@@ -254,6 +254,53 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   CHECK_THAT(sparse.ratesAt(2).turnRate.z, WithinAbs(-M_PI / 2, 1e-6));
 }
 
+TEST_CASE("an inertial unit measures vibrations that the stamps show") {
+  constexpr double kStamps = 400, kTilt = 0.01;  // Hz, rad
+  // Returns the greatest turn rate and acceleration that a unit of this rate measures, as shares of the true ones.
+  const auto measured = [&](double frequency, double unit, double digits = 0) {
+    const double way = 50 / std::pow(2 * M_PI * frequency, 2);  // m, for 50 m/s^2
+    const auto rounded = [&](double value) {
+      return digits > 0 ? std::round(value * std::pow(10, digits)) / std::pow(10, digits) : value;
+    };
+    std::vector<drive::Trajectory::Stamp> stamps;
+    for (int i = 0; i <= 800; ++i) {
+      // Stamps are late or early by up to a tenth of the time between them.
+      const double time = i / kStamps + 0.1 / kStamps * std::sin(12.3 * i),
+                   swing = std::sin(2 * M_PI * frequency * time);
+      const double roll = kTilt * swing;
+      stamps.push_back(
+          {time, {{rounded(5 * time), 0, rounded(300 + way * swing)}, {std::sin(roll / 2), 0, 0, std::cos(roll / 2)}}});
+    }
+    const drive::Trajectory trajectory(std::move(stamps));
+    std::pair<double, double> most;  // rad/s, m/s^2
+    for (double time = 0.5; time < 1.5; time += 1 / 997.0) {
+      const drive::Trajectory::Rates rates = trajectory.ratesAt(time, {}, 1 / unit);
+      most.first = std::max(most.first, std::abs(rates.turnRate.x));
+      most.second = std::max(most.second, std::abs(rates.acceleration.z));
+    }
+    return std::pair(most.first / (kTilt * 2 * M_PI * frequency), most.second / 50);
+  };
+  for (const double frequency : {5, 10, 20, 50}) {
+    INFO(frequency << " Hz");
+    const auto [turn, way] = measured(frequency, 400);
+    CHECK_THAT(turn, WithinAbs(1, 0.14));
+    CHECK_THAT(way, WithinAbs(1, 0.14));
+  }
+  CHECK_THAT(measured(100, 400).first, WithinAbs(2 / M_PI, 0.1));
+  // A unit that measures 50 times a second does not see what is faster than its rate.
+  CHECK(measured(50, 50).first < 0.25);
+  CHECK(measured(50, 50).second < 0.25);
+  // Positions that are rounded to a millimetre do not jump by one from stamp to stamp, which were 160 m/s^2; turns
+  // stay.
+  const auto [turn, way] = measured(5, 400, 3);
+  CHECK_THAT(turn, WithinAbs(1, 0.14));
+  CHECK_THAT(way, WithinAbs(0.85, 0.15));
+  // Positions that are round by themselves are not rounded.
+  std::vector<drive::Trajectory::Stamp> round;
+  for (int i = 0; i <= 800; ++i) round.push_back({i / kStamps, {{5 * i / kStamps, 0, i % 2 == 0 ? 0.0 : 0.001}, {}}});
+  CHECK_THAT(drive::Trajectory(round).ratesAt(1).acceleration.z, WithinAbs(0.002 * kStamps * kStamps, 1e-3));
+}
+
 TEST_CASE("lines of trajectories end as those of any system, and may have comments and blanks") {
   const Folder folder;
   const std::string pose = " 1 2 3 0 0 0 1", next = "2" + pose;
