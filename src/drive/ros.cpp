@@ -144,8 +144,11 @@ std::string mistakeOfTimes(const Drive& drive) {
 }
 
 uint64_t posesPerFrame(const Drive& drive) {
-  constexpr double kPerSecond = 100, kPerFrame = 10;
-  return static_cast<uint64_t>(std::max(kPerFrame, std::ceil(kPerSecond / drive.rate - 1e-6)));
+  constexpr double kPerSecond = 100, kMostPerSecond = 1000, kPerFrame = 10;
+  constexpr double kEnough = 0.99;  // of the rate of the stamps, whose times a file rounds
+  const double spacing = drive.ego.spacing();
+  const double ofStamps = spacing > 0 ? std::min(kEnough / spacing, kMostPerSecond) : 0;
+  return static_cast<uint64_t>(std::max(kPerFrame, std::ceil(std::max(kPerSecond, ofStamps) / drive.rate - 1e-6)));
 }
 
 std::vector<double> poseTimes(const Drive& drive, uint64_t frame, bool last) {

@@ -56,7 +56,8 @@ std::string mistakeOfNames(const Drive& drive, std::span<const size_t> sensors);
 /// Returns why ROS 2 cannot have the times of the drive, whose seconds are 32 bits; empty if it can.
 std::string mistakeOfTimes(const Drive& drive);
 
-/// Returns how many times a frame the pose of the vehicle is told: at least ten, and a hundred a second.
+/// Returns how many times a frame the pose of the vehicle is told: at least ten, a hundred a second, and as often as
+/// its trajectory has stamps, up to a thousand a second.
 uint64_t posesPerFrame(const Drive& drive);
 
 /// Returns the times in a frame at which this pose is told, on the clock of the trajectories. In the `last` frame they

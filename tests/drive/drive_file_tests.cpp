@@ -340,6 +340,21 @@ TEST_CASE("the pose of the vehicle is told a hundred times a second, and to the 
   CHECK(drive::poseTimes(drive, 0, true).back() < drive.start + 1.1);
 }
 
+TEST_CASE("the pose of the vehicle is told as often as its trajectory has stamps, up to a thousand times a second") {
+  const DriveFolder folder;
+  const double epoch = 1'700'000'000;  // at which doubles round times, and so their differences
+  for (const auto& [stamps, told] : {std::pair{50.0, size_t{10}}, {400.0, size_t{40}}, {5000.0, size_t{100}}}) {
+    INFO(stamps << " Hz");
+    Json json = smallDrive(), waypoints = Json::array();
+    for (int i = 0; i <= stamps; ++i) waypoints.push_back(waypoint(epoch + i / stamps, i / stamps, 0, 0));
+    json["ego"]["trajectory"] = {{"waypoints", waypoints}};
+    json["start"] = epoch;
+    json["rate"] = 10;
+    json["duration"] = 0.5;
+    CHECK(drive::poseTimes(folder.read(json), 0, false).size() == told);
+  }
+}
+
 TEST_CASE("a bag has names and times that ROS 2 knows") {
   Json json = smallDrive();
   json["outputs"] = {{{"format", "mcap"}}};
