@@ -2,7 +2,6 @@
 #include "drive/scanner.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -157,34 +156,38 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
 
 void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
   constexpr double kOff = 0.05, kFar = 0.1;  // m; rad, less than which leads even a reach of 10 m less than kOff off
-  constexpr int kParts = 8;
+  constexpr int kParts = 8;                  // of a scan, at least
   const auto& [sensor, number, begin] = recorded.planned;
   const RigSensor& rigged = drive_.sensors[sensor];
   const Actor& turning = drive_.actors[actor];
   if (!warn_ || warned_[sensor] || rigged.isIgnored(actor)) return;
-  std::array<Pose, kParts + 1> poses;
+  std::vector<double> times = world_.timesWithin(actor, begin, begin + recorded.duration);
+  for (int i = 0; i <= kParts; ++i) times.push_back(begin + recorded.duration * i / kParts);
+  std::ranges::sort(times);
   double angle = 0;
-  for (int i = 0; i <= kParts; ++i) {
-    poses[i] = turning.trajectory.at(begin + recorded.duration * i / kParts);
-    if (i > 0) angle += angleBetween(poses[i - 1].orientation, poses[i].orientation);
-  }
-  if (angle < kFar) return;
-  const Bounds bounds = world_.placementOf(actor, begin, begin, begin).bounds;
+  for (size_t i = 1; i < times.size(); ++i)
+    angle += angleBetween(turning.trajectory.at(times[i - 1]).orientation, turning.trajectory.at(times[i]).orientation);
+  const bool moves = world_.hasMovingParts(actor);
+  if (angle < kFar && !moves) return;
+  const std::vector<Vec3> first = world_.cornersAt(actor, times.front()), last = world_.cornersAt(actor, times.back());
   double off = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 point = {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
-                        corner & 4 ? bounds.max.z : bounds.min.z};
-    const Vec3 first = poses[0] * point, way = poses[kParts] * point - first;
-    for (int i = 1; i < kParts; ++i)
-      off = std::max(off, lengthOf(poses[i] * point - first - (static_cast<double>(i) / kParts) * way));
+  const auto include = [&](double time) {
+    const double share = (time - begin) / recorded.duration;
+    const std::vector<Vec3> corners = world_.cornersAt(actor, time);
+    for (size_t i = 0; i < corners.size(); ++i)
+      off = std::max(off, lengthOf(corners[i] - ((1 - share) * first[i] + share * last[i])));
+  };
+  for (size_t i = 1; i < times.size(); ++i) {
+    include(0.5 * (times[i - 1] + times[i]));  // stamps may be as far apart as half turns
+    include(times[i]);
   }
   if (off < kOff) return;
   warned_[sensor] = true;
-  warn_("within scan " + std::to_string(number) + " of '" + rigged.name + "' the actor '" + turning.name +
-        "' turns by " + gnosphere::numberText(std::round(angle / kDegree)) +
-        " degrees, and its points, which go straight from where they are at " +
-        "the start to where they are at the end of a scan, are up to " +
-        gnosphere::numberText(std::round(100 * off) / 100) + " m off their ways");
+  warn_("within scan " + std::to_string(number) + " of '" + rigged.name + "' the actor '" + turning.name + "' " +
+        (moves ? "moves its parts" : "turns by " + gnosphere::numberText(std::round(angle / kDegree)) + " degrees") +
+        ", and its points, which go straight from where they are at the start to where they are at the end of a scan, "
+        "are up to " +
+        gnosphere::numberText(std::round(100 * off) / 100) + " m off their ways; shorter scans keep nearer to them");
 }
 
 void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {

@@ -37,8 +37,8 @@ class Scanner {
   /// a sensor beside the middle of a vehicle that turns goes along an arc: often enough that chords are 0.1 mm off.
   /// A sensor that fires all beams at once has two poses, shortly before and after the scan, for its speed.
   SensorMotion motionOf(const RecordedScan& recorded) const;
-  /// Warns once per sensor of an actor that turns so far within a scan that its points, which go straight, leave their
-  /// ways.
+  /// Warns once per sensor of an actor that turns or moves its parts so far within a scan that its points, which go
+  /// straight, leave their ways.
   void warnOfTurn(const RecordedScan& recorded, size_t actor);
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);
@@ -48,7 +48,7 @@ class Scanner {
   std::vector<Transform> placed_;  // by instance, as the simulator has them
   std::optional<Simulator> simulator_;
   std::vector<Motions> motions_;  // by sensor
-  std::vector<bool> warned_;      // by sensor, of an actor that turns
+  std::vector<bool> warned_;      // by sensor, of an actor whose points leave their ways
   std::function<void(const std::string&)> warn_;
 };
 

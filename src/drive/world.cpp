@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "base/vector.hpp"
 #include "drive/pose_math.hpp"
+#include "scene/bounds.hpp"
 #include "scene/join.hpp"
 #include "scene/used_vertices.hpp"
 
@@ -96,7 +98,7 @@ World::World(const Drive& drive) : drive_(drive) {
     const uint32_t firstMesh = appendMeshes(scene_, part);
     if (drive.sceneAnimations[i])
       scenes_.push_back(
-          {&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}, nullptr});
+          {&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}, {}, nullptr});
     for (Instance instance : part.instances) {
       instance.mesh += firstMesh;
       objects_.push_back(static_cast<uint32_t>(objects_.size()));
@@ -117,6 +119,7 @@ World::World(const Drive& drive) : drive_(drive) {
                  actor.animation,
                  fitting(actor, model),
                  {},
+                 {},
                  &used_[actor.model]};
     // Meshes that deform in a time of their own, that of the actor's animation, are copied.
     for (uint32_t& mesh : body.meshes) {
@@ -130,6 +133,11 @@ World::World(const Drive& drive) : drive_(drive) {
       scene_.instances.push_back({actor.name, body.meshes[instance.mesh], kAway, drive.classes[actor.category].id});
     }
     body.bounds = boundsAround(verticesAt(model, *body.used, body.size, nullptr));
+    if (body.animation && body.animation->speed != 0)
+      for (const AnimatedInstance& part : model.animation.instances) {
+        const Mesh& mesh = model.meshes[model.instances[part.instance].mesh];
+        if (!mesh.deformable() && !mesh.indices.empty()) body.parts.emplace_back(part.instance, meshBounds(mesh));
+      }
     bodies_.push_back(std::move(body));
   }
 }
@@ -228,6 +236,48 @@ void World::place(const Body& body, const Transform& place, double time, const S
     set.transform(body.first + i, place * (body.size * state.transforms[i]));
   for (size_t i = 0; i < body.meshes.size(); ++i)
     if (body.model->meshes[i].deformable()) set.deformation(body.meshes[i], state.deformations[i]);
+}
+
+std::vector<double> World::timesWithin(size_t actor, double from, double to) const {
+  constexpr size_t kMost = 1000;
+  std::vector<double> times = drive_.actors[actor].trajectory.timesWithin(from, to);
+  const Body& body = bodies_[actor];
+  if (body.parts.empty()) return times;
+  const Animation& animation = *body.animation;
+  const Clip& clip = body.model->animation.clips[animation.clip];
+  const auto clipTime = [&](double time) { return animation.offset + animation.speed * (time - drive_.start); };
+  const double low = std::min(clipTime(from), clipTime(to)), high = std::max(clipTime(from), clipTime(to));
+  const bool repeats = animation.end == ClipEnd::loop && clip.duration > 0;
+  std::set<double> keys;
+  for (const Track& track : clip.tracks) keys.insert(track.times.begin(), track.times.end());
+  for (double lap = repeats ? std::floor(low / clip.duration) : 0; times.size() < kMost; ++lap) {
+    const double begin = lap * clip.duration;
+    if (begin > high) break;
+    for (const double key : keys)
+      if (begin + key > low && begin + key < high)
+        times.push_back(drive_.start + (begin + key - animation.offset) / animation.speed);
+    if (!repeats) break;
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+std::vector<Vec3> World::cornersAt(size_t actor, double time) const {
+  const Body& body = bodies_[actor];
+  const Transform place = transformOf(drive_.actors[actor].trajectory.at(time));
+  std::vector<Vec3> corners;
+  const auto add = [&](const Transform& transform, const Bounds& box) {
+    for (int i = 0; i < 8; ++i)
+      corners.push_back(transform * Vec3{i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                                         i & 4 ? box.max.z : box.min.z});
+  };
+  if (body.parts.empty()) {
+    add(place, body.bounds);
+    return corners;
+  }
+  const SceneState state = stateOf(body, time);
+  for (const auto& [instance, box] : body.parts) add(place * (body.size * state.transforms[instance]), box);
+  return corners;
 }
 
 bool World::movesWithin(size_t actor, double from, double to) const {

@@ -56,6 +56,14 @@ class World {
   void place(size_t actor, const std::optional<Pose>& pose, double time, const Setter& set) const;
   /// Whether an actor that is there at `from` moves until `to`.
   bool movesWithin(size_t actor, double from, double to) const;
+  /// Whether a clip moves parts of an actor without deforming them, as rotors and wheels.
+  bool hasMovingParts(size_t actor) const { return !bodies_[actor].parts.empty(); }
+  /// Returns the times between two times, both excluded, at which an actor may move otherwise than before: those of
+  /// Trajectory::timesWithin(), and those of the keys of its moving parts, no more than about a thousand.
+  std::vector<double> timesWithin(size_t actor, double from, double to) const;
+  /// Returns, in the world, the corners of the boxes that enclose the moving parts of an actor, each along its own
+  /// axes; those of one box around the actor if it has none.
+  std::vector<Vec3> cornersAt(size_t actor, double time) const;
   /// Sets what is animated in the drive's scenes.
   void placeScenes(double time, const Setter& set) const;
 
@@ -68,6 +76,7 @@ class World {
     std::optional<Animation> animation;
     Transform size;
     Bounds bounds;                                         // at rest; unused for scenes
+    std::vector<std::pair<size_t, Bounds>> parts;          // of actors: instances that move undeformed, their meshes
     const std::vector<std::vector<bool>>* used = nullptr;  // by mesh of the model: the vertices of its triangles
   };
   SceneState stateOf(const Body& body, double time) const;

@@ -23,4 +23,18 @@ std::string panels() {
   return file.text();
 }
 
+std::string rotor() {
+  GltfFileMaker file;
+  file.json["materials"] = {{{"doubleSided", true}}};
+  const int positions = file.accessor(Floats{-0.2f, 0, 0, 0.2f, 0, 0, 0, 0, 0.02f}, "VEC3");
+  const int indices = file.accessor(std::vector<uint16_t>{0, 1, 2}, "SCALAR");
+  file.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", 0}});
+  file.node({{"name", "rotor"}, {"mesh", 0}});
+  file.json["animations"] = {{{"name", "spin"}, {"channels", Json::array()}, {"samplers", Json::array()}}};
+  const float half = std::sqrt(0.5f);
+  addChannel(file, 0, "rotation", "LINEAR", {0, 0.0025f, 0.005f, 0.0075f, 0.01f},  // a hundred turns a second
+             Floats{0, 0, 0, 1, 0, half, 0, half, 0, 1, 0, 0, 0, half, 0, -half, 0, 0, 0, -1});
+  return file.text();
+}
+
 }  // namespace gnosphere::test

@@ -9,4 +9,8 @@ namespace gnosphere::test {
 /// its animation `push` they go to x = 1, the first by a morph target, the second as a whole.
 std::string panels();
 
+/// A glTF file with a blade, whose tips are 0.2 m from the axis about which the clip "spin" turns it a hundred times a
+/// second.
+std::string rotor();
+
 }  // namespace gnosphere::test

@@ -14,6 +14,8 @@
 using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs;
 
 namespace {
@@ -77,6 +79,36 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
   }
   CHECK(soft > 100);
   CHECK(rigid > 100);
+}
+
+TEST_CASE("a run warns of an animation that turns parts of an actor within a scan") {
+  const DriveFolder folder;
+  put(folder / "rotor.gltf", rotor());
+  Json json = panelDrive();
+  json["models"]["panels"]["file"] = "rotor.gltf";
+  json["actors"] = {json["actors"][0]};
+  const auto warnings = [&](double speed) {
+    json["actors"][0]["animation"] = {{"clip", "spin"}, {"speed", speed}};
+    std::vector<std::string> texts;
+    drive::RunOptions options;
+    options.out = folder / ("out" + std::to_string(speed));
+    options.simulator.device = DeviceChoice::Kind::reference;
+    options.simulator.warn = [&](const std::string& text) { texts.push_back(text); };
+    drive::run(folder.read(json), options);
+    std::erase_if(texts, [](const std::string& text) { return text.find("within scan ") == text.npos; });
+    return texts;
+  };
+  for (const double speed : {1.0, 0.97, -0.8}) {
+    INFO(speed);
+    const std::vector<std::string> texts = warnings(speed);
+    REQUIRE(texts.size() == 1);
+    CHECK_THAT(texts[0],
+               StartsWith("within scan 0 of 'top' the actor 'front' moves its parts, and its points, which go straight "
+                          "from where they are at the start to where they are at the end of a scan, are up to 0.") &&
+                   ContainsSubstring(speed == 0.97 ? " 0.39 m off" : " 0.4 m off") &&
+                   EndsWith("; shorter scans keep nearer to them"));
+  }
+  CHECK(warnings(0.01).empty());  // a tenth of a turn in a scan leads the tips 1 cm off
 }
 
 TEST_CASE("a scene of a drive shows an animation, with the same frames in any order") {

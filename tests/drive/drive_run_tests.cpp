@@ -434,9 +434,18 @@ TEST_CASE("a run warns once per sensor of an actor that turns far within a scan,
       warnings() ==
       std::vector<std::string>{
           "within scan 0 of 'top' the actor 'car-1' turns by 60 degrees, and its points, which go straight from where "
-          "they are at the start to where they are at the end of a scan, are up to 0.3 m off their ways"});
+          "they are at the start to where they are at the end of a scan, are up to 0.3 m off their ways; "
+          "shorter scans keep nearer to them"});
   for (int i = 1; i <= 20; ++i) waypoints[i]["yaw_deg"] = 170 * i;  // almost a turn in a scan
   CHECK(warnings().size() == 1);
+  // Ninety turns a second are a whole number of turns in a scan, and nearly one in an eighth of it.
+  for (int i = 0; i <= 1000; ++i) {
+    waypoints[i] = waypoint(0.001 * i, 3, 3, 0.75);
+    waypoints[i]["yaw_deg"] = std::fmod(0.36 * 90 * i, 360);
+  }
+  const std::vector<std::string> turns = warnings();
+  REQUIRE(turns.size() == 1);
+  CHECK_THAT(turns[0], ContainsSubstring("turns by 3240 degrees"));
   json["sensors"][0]["ignores"] = {"car-1"};
   CHECK(warnings().empty());  // the sensor 'side' leaves motion out
 }
