@@ -82,6 +82,7 @@ class DriveReader {
   void warnOfMount(const Pose& mount, const std::string& path);
   void warnOfWeather(const RigSensor& sensor, const std::string& path);
   void warnOfMotion(size_t sensor, const std::string& path);
+  void warnOfPaths(size_t sensor, const std::string& path);
   void warnOfSpeeds(size_t sensor, const std::string& path);
   void warnOfEnd();
   void warnOfLines(const RigSensor& sensor, const std::string& path);

@@ -7,7 +7,9 @@
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"
+#include "effects/trajectory.hpp"
 #include "ros2/driver_cloud.hpp"
 #include "sensor/beams.hpp"
 
@@ -198,6 +200,38 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
            "a rotation_period of 0.001 s lets them move");
 }
 
+/// Warns of long scans of a list of beams whose vehicle shakes: between the poses that a scan knows it goes straight.
+void DriveReader::warnOfPaths(size_t index, const std::string& path) {
+  constexpr double kFar = 100, kOff = 0.02, kFine = 0.01;  // m
+  const RigSensor& sensor = drive_.sensors[index];
+  const Trajectory& ego = drive_.ego;
+  if (sensor.sensor.isGrid() || sensor.effects.sensorMotion.use == EffectUse::off) return;
+  const ScanTimes scan = scanTimesOf(sensor.sensor, true);
+  const std::vector<double> stamps = ego.timesWithin(drive_.start, drive_.start + drive_.duration);
+  // How far a beam is off `kFar` from the sensor at a stamp in the middle of a line between poses.
+  const auto mostOff = [&](double step) {
+    double most = 0;
+    for (const double time : stamps) {
+      const double from = time - step / 2, to = time + step / 2;
+      const Pose pose = ego.at(time), between = poseAt({{{from, ego.at(from)}, {to, ego.at(to)}}}, {}, time);
+      most = std::max(most, lengthOf(between.position - pose.position) +
+                                kFar * angleBetween(between.orientation, pose.orientation));
+    }
+    return most;
+  };
+  const double off = scan.step > 0 ? mostOff(scan.step) : 0;
+  if (!(off > kOff)) return;
+  // The distance grows with the step until that is as long as the time between stamps.
+  const double step = std::min(scan.step, ego.spacing()), longest = kListIntervals * step * kFine / mostOff(step);
+  const double unit = std::pow(10, std::floor(std::log10(longest)));
+  warn(path + ".sensor",
+       "a scan of " + inQuotes(sensor.name) + " lasts " + secondsText(scan.last - scan.earliest) + " and knows " +
+           std::to_string(kListIntervals) + " poses, between which beams " + gnosphere::numberText(kFar) +
+           " m long are up to " + gnosphere::numberText(std::round(100 * off) / 100) +
+           " m off where the trajectory leads them; in scans of at most " +
+           gnosphere::numberText(unit * std::floor(longest / unit)) + " s they are within a centimetre");
+}
+
 /// Warns of a sensor that makes more scans than the drive has, whose file does not state how many are wanted.
 void DriveReader::warnOfRate(size_t index, const std::string& path) {
   const RigSensor& sensor = drive_.sensors[index];
@@ -221,6 +255,7 @@ void DriveReader::warnOfSensors() {
     warnOfWeather(sensor, path);
     warnOfMotion(s, path);
     warnOfSpeeds(s, path);
+    warnOfPaths(s, path);
     warnOfLines(sensor, path);
   }
   if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");

@@ -186,6 +186,40 @@ TEST_CASE("a drive that leaves out scans of a faster sensor is warned of") {
   CHECK(warningsOf(json).empty());
 }
 
+TEST_CASE("long scans of a vehicle that shakes are warned of") {
+  const auto shaken = [](double seconds, double hertz) {
+    Json json = quietDrive(), waypoints = Json::array(), times = Json::array(), directions = Json::array();
+    for (int i = 0; i <= 400 * seconds; ++i) {  // by half a degree
+      const double half = 0.0087 / 2 * std::sin(2 * M_PI * hertz * i / 400 + 0.6);
+      Json point = waypoint(i / 400.0, i / 400.0, 0, 50);
+      point["orientation"] = {std::sin(half), 0, 0, std::cos(half)};
+      waypoints.push_back(std::move(point));
+    }
+    for (int i = 0; i < 100; ++i) {
+      directions.push_back({0, 0, -1});
+      times.push_back(seconds * i / 100);
+    }
+    json["ego"]["trajectory"] = {{"waypoints", waypoints}};
+    json["actors"] = Json::array();
+    json["weather"] = Json::array();
+    json["sensors"] = {{{"name", "line"},
+                        {"sensor",
+                         {{"name", "line"},
+                          {"range", {{"min", 1}, {"max", 300}}},
+                          {"patterns", {{{"directions", directions}, {"times", times}}}}}}}};
+    json["rate"] = 1 / seconds;
+    json["duration"] = seconds;
+    return json;
+  };
+  CHECK(
+      warningsOf(shaken(8, 100)) ==
+      Warnings{"sensors[0].sensor: a scan of 'line' lasts 7.92 s and knows 2048 poses, between which beams 100 m long "
+               "are up to 0.56 m off where the trajectory leads them; in scans of at most 0.1 s they are within a "
+               "centimetre"});
+  CHECK(warningsOf(shaken(0.1, 100)).empty());
+  CHECK(warningsOf(shaken(8, 0.1)).empty());  // a vehicle that rolls slowly
+}
+
 TEST_CASE("weather of the drive that the effects of a sensor turn off is warned of") {
   Json json = quietDrive();
   json["sensors"][1]["effects"] = {{"fog", {{"use", "off"}}}, {"snow", {{"use", "off"}}}};
