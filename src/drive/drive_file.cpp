@@ -194,6 +194,7 @@ Drive DriveReader::read(const fs::path& file) {
   ignores();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();
+  warnOfStamps();
   warnOfEnd();
   warnOfSensors();
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));

@@ -77,6 +77,7 @@ class DriveReader {
   void ignores();
   void warnOfBodies();
   void warnOfClocks();
+  void warnOfStamps();
   void warnOfSensors();
   void warnOfRate(size_t sensor, const std::string& path);
   void warnOfMount(const Pose& mount, const std::string& path);

@@ -105,6 +105,45 @@ void DriveReader::warnOfClocks() {
                                 secondsText(drive_.duration));
 }
 
+/// Warns of a pose file of the vehicle whose times are in another unit, or that lacks poses during the drive.
+void DriveReader::warnOfStamps() {
+  constexpr size_t kFew = 10;       // poses, which a person may have placed
+  constexpr double kGap = 20;       // times the usual spacing
+  constexpr double kSlow = 60;      // s between the poses of a recording
+  constexpr double kStands = 0.01;  // m
+  const Trajectory& ego = drive_.ego;
+  const std::vector<Trajectory::Stamp>& stamps = ego.stamps();
+  const auto& stated = root_["ego"]["trajectory"];
+  const bool recorded = stated.contains("file") && !stated.value("format", "tum").starts_with("carla");
+  if (!recorded || stamps.size() < kFew) return;
+  const double usual = ego.spacing(), first = drive_.start, last = drive_.start + drive_.duration;
+  const auto rounded = [](double value, double digits) {
+    const double unit = std::pow(10, std::floor(std::log10(value)) - digits + 1);
+    return gnosphere::numberText(std::round(value / unit) * unit);
+  };
+  if (usual > kSlow) {
+    warn("ego.trajectory.file", "has a pose every " + rounded(usual, 3) +
+                                    " s; times are in seconds, and these look like " +
+                                    (usual < 1e3   ? "milliseconds"
+                                     : usual < 1e6 ? "microseconds"
+                                                   : "nanoseconds"));
+    return;
+  }
+  size_t longest = 0, count = 0;  // the longest gap ends at this stamp
+  const auto lengthAt = [&](size_t i) { return stamps[i].time - stamps[i - 1].time; };
+  for (size_t i = 1; i < stamps.size(); ++i) {
+    if (lengthAt(i) <= kGap * usual || stamps[i].time <= first || stamps[i - 1].time >= last) continue;
+    if (lengthOf(stamps[i].pose.position - stamps[i - 1].pose.position) < kStands) continue;
+    ++count;
+    if (longest == 0 || lengthAt(i) > lengthAt(longest)) longest = i;
+  }
+  if (count > 0)
+    warn("ego.trajectory.file", "has no pose from " + secondsText(stamps[longest - 1].time) + " to " +
+                                    secondsText(stamps[longest].time) + ", " + rounded(lengthAt(longest) / usual, 2) +
+                                    " times as long as between most poses, so the vehicle goes straight" +
+                                    (count > 1 ? " (of " + std::to_string(count) + " gaps this is the longest)" : ""));
+}
+
 /// Warns of scans that go on when the trajectory of a vehicle that moves has ended: it stops at once, which no inertial
 /// unit measures.
 void DriveReader::warnOfEnd() {

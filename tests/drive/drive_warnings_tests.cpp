@@ -46,6 +46,34 @@ TEST_CASE("trajectories beside the time of the drive are warned of") {
                  "the time; \"begin\" moves its first time (of 2 trajectories beside the drive this is the first)"});
 }
 
+TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is warned of") {
+  const DriveFolder folder;
+  const auto recorded = [&](double unit, double gap, double moved) {  // at 100 Hz, with a gap after half a second
+    std::string lines;
+    for (int i = 0; i <= 100; ++i) {
+      const double lost = i > 50 ? gap : 0, time = 0.01 * i + lost,
+                   x = 2 * 0.01 * std::min(i, 50) + (i > 50 ? moved : 0);
+      lines += std::to_string(unit * time) + " " + std::to_string(x) + " 0 0 0 0 0 1\n";
+    }
+    put(folder / "ego.tum", lines);
+    Json json = quietDrive();
+    json["actors"] = Json::array();
+    json["ego"]["trajectory"] = {{"file", "ego.tum"}};
+    return folder.read(json).warnings;
+  };
+  CHECK(recorded(1, 0, 0.02).empty());
+  CHECK(recorded(1, 0.1, 0.3).empty());
+  CHECK(recorded(1, 0.39, 0.8) ==
+        Warnings{"ego.trajectory.file: has no pose from 0.5 s to 0.9 s, 40 times as long as between most poses, so the "
+                 "vehicle goes straight"});
+  CHECK(recorded(1, 0.39, 0).empty());  // it stood
+  const auto has = [](const Warnings& warnings, const std::string& text) {
+    return std::ranges::find(warnings, "ego.trajectory.file: has a pose every " + text) != warnings.end();
+  };
+  CHECK(has(recorded(1e4, 0, 0.02), "100 s; times are in seconds, and these look like milliseconds"));
+  CHECK(has(recorded(1e6, 0, 0.02), "10000 s; times are in seconds, and these look like microseconds"));
+}
+
 TEST_CASE("yaws in radians are warned of") {
   const auto driven = [](double yaw, double x, double y) {
     Json json = quietDrive(), from = waypoint(0, 0, 0, 0), to = waypoint(1, x, y, 0);
