@@ -151,6 +151,15 @@ def test_sizes_of_sdf_that_no_shape_has_are_left_out(tmp_path):
         assert robotics.load(tmp_path / "m.sdf").frames == []
 
 
+def test_noise_of_a_lidar_of_sdf_names_the_lidar_and_the_effect_that_gives_it(tmp_path):
+    noise = "<noise><type>gaussian</type><mean>0</mean><stddev>0.02</stddev></noise>"
+    noisy = sensor().replace("</scan>", "</scan>" + noise)
+    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape="<box><size>1 1 1</size></box>", sensor=noisy))
+    told = "noise of the lidar 'm::top', which the effect `range-noise` with sigma 0.02 gives"
+    with pytest.warns(UserWarning, match=told):
+        assert list(robotics.load(tmp_path / "m.sdf").left_out) == [told]
+
+
 def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
     """Both ends of a whole turn are beams in SDF, and look to the same side."""
     whole = sensor().replace("-1.57", "-3.14159265").replace("1.57", "3.14159265").replace(">90<", ">720<")

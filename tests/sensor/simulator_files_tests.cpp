@@ -189,6 +189,34 @@ TEST_CASE("SDF: a missing number of samples is that of SDF, and masks of visibil
   CHECK(lists(readSensorFile(masked, "model.sdf").ignored, "the visibility mask"));
 }
 
+TEST_CASE("SDF: what is left out of a lidar is named with the effect that gives it") {
+  using Notes = std::vector<std::string>;
+  const auto notes = [](const std::string& ofSensor, const std::string& ofLidar) {
+    const std::string text = replaced(sdfWith(anglesOf(9, -1, 1)), "<lidar>", ofSensor + "<lidar>" + ofLidar);
+    return readSensorFile(text, "model.sdf").ignored;
+  };
+  for (const char* pose : {"<pose/>", "<pose>0 0 0 0 0 0</pose>", "<pose> 0.0 0 -0  0 0 0\n</pose>",
+                           "<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 1</pose>"}) {
+    INFO(pose);
+    CHECK(notes(pose, "") == Notes{});
+  }
+  for (const char* pose : {"<pose>0 0 0.1 0 0 0</pose>", "<pose>0 0 0 0 0 1</pose>", "<pose>0 0 0 0 0 x</pose>",
+                           "<pose relative_to='mast'>0 0 0 0 0 0</pose>"}) {
+    INFO(pose);
+    CHECK(notes(pose, "") == Notes{"pose of the sensor"});
+  }
+  CHECK(notes("", "<noise><type>gaussian</type><mean>0.0</mean><stddev>0.01</stddev></noise>") ==
+        Notes{"noise of the lidar, which the effect `range-noise` with sigma 0.01 gives"});
+  CHECK(notes("", "<noise type='gaussian'><mean>-0.5</mean><stddev>0.01</stddev></noise>") ==
+        Notes{"noise of the lidar, which the effect `range-noise` with sigma 0.01 and bias -0.5 gives"});
+  CHECK(notes("", "<noise><type>custom</type></noise>") == Notes{"noise of the lidar"});
+  const std::string fine = replaced(sdfWith(anglesOf(9, -1, 1)), "<max>10", "<resolution>0.01</resolution><max>10");
+  CHECK(readSensorFile(fine, "model.sdf").ignored ==
+        Notes{"resolution of the ranges, which the effect `range-noise` with step 0.01 gives"});
+  const std::string exact = replaced(sdfWith(anglesOf(9, -1, 1)), "<max>10", "<resolution>0</resolution><max>10");
+  CHECK(readSensorFile(exact, "model.sdf").ignored == Notes{});
+}
+
 TEST_CASE("SDF: lidars of one name are chosen by the names of their models") {
   std::string fleet = "<sdf version='1.9'><world name='w'>";
   for (const char* robot : {"r0", "r1"})

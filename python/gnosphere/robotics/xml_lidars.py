@@ -69,8 +69,11 @@ def mount(sensor: ET.Element, parts: Parts, name: str, frame: Any, frame_to_sens
         parts.leave_out(f"the lidar {error}")
         return
     for what in file.ignored:
-        if not what.startswith("pose"):
-            parts.leave_out(f"{what} '{name}'" if not what.startswith("the last column") else f"of '{name}' {what}")
+        head, which, effect = what.partition(", which the effect")
+        if what.startswith("the last column"):
+            parts.leave_out(f"of '{name}' {what}")
+        elif not what.startswith("pose"):
+            parts.leave_out(f"{head} '{name}'{which}{effect}")
     parts.assume(file, name)
     local = pose_of(sensor.find("pose")) if frame_to_sensor is None else frame_to_sensor
     parts.mount(file.sensor, name, frame, local, number(sensor, "update_rate", 0.0))

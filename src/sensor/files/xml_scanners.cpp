@@ -4,6 +4,9 @@
 // ends are nearer to each other than other neighbours, are a list.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <locale>
+#include <sstream>
 #include <vector>
 
 #include "base/text.hpp"
@@ -60,6 +63,26 @@ BeamList listOf(const Angles& across, const Angles& up) {
   return list;
 }
 
+/// Whether a <pose> leaves the sensor where its link is.
+bool isIdentity(const pugi::xml_node& pose) {
+  if (*pose.attribute("relative_to").value() != 0) return false;
+  std::istringstream text(pose.text().get());
+  text.imbue(std::locale::classic());
+  std::vector<double> numbers{std::istream_iterator<double>(text), {}};
+  const bool isQuaternion = std::string_view(pose.attribute("rotation_format").value()) == "quat_xyzw";
+  if (isQuaternion && numbers.size() == 7 && numbers.back() == 1) numbers.pop_back();
+  return text.eof() && std::ranges::all_of(numbers, [](double number) { return number == 0; });
+}
+
+/// Returns the parameters of the effect range-noise that is the noise of a <lidar>; empty if it is of another kind.
+std::string parametersOf(const SensorSource& source, const pugi::xml_node& noise) {
+  std::string type(trimmed(noise.child("type").text().get()));
+  if (type.empty()) type = std::string(trimmed(noise.attribute("type").value()));
+  if (type != "gaussian") return "";
+  const double mean = number(source, noise, "mean", 0), sigma = number(source, noise, "stddev", 0);
+  return "sigma " + shownNumber(sigma) + (mean != 0 ? " and bias " + shownNumber(mean) : "");
+}
+
 }  // namespace
 
 void readSdf(SensorSource& source) {
@@ -102,12 +125,19 @@ void readSdf(SensorSource& source) {
   if (!range.child("max")) source.refuse("<max> of <range> is missing");
   // At a rate of 0 SDF scans as often as it can.
   if (const double rate = number(source, node, "update_rate", 0); rate > 0) sensor.scanPeriod = 1 / rate;
-  if (node.child("pose")) source.ignore("pose of the sensor");
+  if (node.child("pose") && !isIdentity(node.child("pose"))) source.ignore("pose of the sensor");
   for (const pugi::xml_node& parent : {node, lidar})
     if (parent.child("visibility_mask"))
       source.ignore("the visibility mask of the lidar, which hides a visual with other visibility flags");
-  if (lidar.child("noise")) source.ignore("noise of the lidar");
-  if (range.child("resolution")) source.ignore("resolution of the ranges");
+  const auto with = [](const std::string& parameters) {
+    return ", which the effect `range-noise` with " + parameters + " gives";
+  };
+  if (const pugi::xml_node noise = lidar.child("noise")) {
+    const std::string parameters = parametersOf(source, noise);
+    source.ignore("noise of the lidar" + (parameters.empty() ? "" : with(parameters)));
+  }
+  if (const double raster = number(source, range, "resolution", 0); raster > 0)
+    source.ignore("resolution of the ranges" + with("step " + shownNumber(raster)));
 }
 
 void refuseXml(SensorSource& source) {
