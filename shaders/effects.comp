@@ -113,16 +113,17 @@ vec3 laserVelocity() {
   return velocity;
 }
 
-// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0.
-void storeMotion(uint at, uvec2 owner, float range) {
+// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0, and fog,
+// drops, flakes and dust are at rest.
+void storeMotion(uint at, uvec2 owner, Return value) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    if (owner.x != kNone && motion.instances != 0) velocity = surfaceVelocityAt(owner, lightDirection * range);
+    if (owner.x != kNone && motion.instances != 0) velocity = surfaceVelocityAt(owner, lightDirection * value.trueRange);
     radial = radialSpeed(lightDirection, velocity, laserVelocity());
     velocity = reportedDirection(beamMotion, velocity);
   }
-  motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
+  motions.at[at] = vec4(velocity, value.label != kLabelNone ? radial : notANumber());
 }
 
 // Stores the return in a word of its beam. Point and owner are then computed from the word as for a nearest hit.
@@ -167,7 +168,7 @@ void storeReturn(uint j, Return value) {
                                   value.label | value.cause << 8 | value.number << 16 | value.count << 24);
   if ((FIELDS & kFieldSurface) != 0) surfaces.at[at] = surface;
   if ((FIELDS & kFieldBarycentrics) != 0) barycentrics.at[at] = weights;
-  if (SPEEDS) storeMotion(at, owner, value.trueRange);
+  if (SPEEDS) storeMotion(at, owner, value);
 }
 
 // Whether the beam has a hit in range.

@@ -98,12 +98,12 @@ void Judge::store(const Reported& reported, const Return& value, size_t at, Scan
     columns.data<float>(Field::width)[at] = static_cast<float>(value.width);
     columns.data<uint8_t>(Field::label)[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);
   }
+  if (columns.data<float>(Field::radialSpeed)) storeMotion(reported, value.hit, at, scan);
   if (!solid) return;
   const Triangle& triangle = view_.tree.triangles()[value.hit.triangle];
   scan.triangles[at] = triangle.index;
   scan.instances[at] = triangle.instance;
   storeSurface(reported, value.hit, at, scan);
-  if (columns.data<float>(Field::radialSpeed)) storeMotion(reported, value.hit, at, scan);
 }
 
 void Judge::storeSurface(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
@@ -133,8 +133,8 @@ void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Sca
     const auto& axes = reported.column.axes;
     return Vec3{dot(axes[0], world), dot(axes[1], world), dot(axes[2], world)};
   };
-  Vec3 velocity;
-  const uint32_t sweep = view_.tree.triangles()[hit.triangle].sweep;
+  Vec3 velocity;  // 0 of fog, drops, flakes and dust
+  const uint32_t sweep = hit.triangle != kNobody ? view_.tree.triangles()[hit.triangle].sweep : Triangle::kStill;
   if (sweep != Triangle::kStill)
     for (size_t k = 0; k < 3; ++k) velocity = velocity + hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
   // The sensor's velocity counts even without sensor-motion: a sensor that fires all beams at once measures its own
