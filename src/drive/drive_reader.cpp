@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/file.hpp"
 #include "base/units.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schema_check.hpp"
@@ -242,14 +243,21 @@ Sensor DriveReader::sensor(const json& value, const std::string& path) {
 
 Effects DriveReader::effects(const json& value, const std::string& path) {
   Effects effects;
+  bool hasSeed = value.is_object() && value.contains("seed");
+  // A preset has no seed of its own, and CARLA's attributes have one for every kind of sensor, stated or not.
+  const auto load = [&](const fs::path& file) {
+    Effects loaded = loadEffects(file);
+    const json content = parseStrict(readWholeFile(file), file.string());
+    hasSeed = content.is_object() && content.contains("seed");
+    return loaded;
+  };
   attempt(path, [&] {
     if (value.is_string())
-      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset,
-                            [](const fs::path& file) { return loadEffects(file); });
+      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, load);
     else if (value.is_object())
       effects = effectsFromJson(jsonText(value), "the effects");
   });
-  if (!value.is_object() || !value.contains("seed")) effects.seed = root_.value("seed", uint64_t{1});
+  if (!hasSeed) effects.seed = root_.value("seed", uint64_t{1});
   return effects;
 }
 

@@ -434,6 +434,24 @@ TEST_CASE("an inertial unit has a name of its own, which topics may have") {
   checkRefused(json, {"the imu '1st' begins with a digit"});
 }
 
+TEST_CASE("the effects of a sensor keep the seed that they or their file state, and else have that of the drive") {
+  const DriveFolder folder;
+  const auto seedWith = [&](const Json& effects) {
+    Json json = smallDrive();
+    json["seed"] = 5;
+    json["sensors"][0]["effects"] = effects;
+    return folder.read(json).sensors[0].effects.seed;
+  };
+  put(folder / "own.json", R"({"range-noise": {"sigma": 0.02}, "seed": 77})");
+  put(folder / "one.json", R"({"range-noise": {"sigma": 0.02}, "seed": 1})");
+  put(folder / "none.json", R"({"range-noise": {"sigma": 0.02}})");
+  put(folder / "carla.json", R"({"type": "sensor.lidar.ray_cast", "noise_stddev": 0.02, "noise_seed": 3})");
+  CHECK(seedWith("own.json") == 77);
+  CHECK(seedWith("one.json") == 1);  // also where that is the usual seed
+  CHECK(seedWith({{"seed", 78}}) == 78);
+  for (const char* name : {"none.json", "carla.json", "os1-rain"}) CHECK(seedWith(name) == 5);
+}
+
 TEST_CASE("a sensor has the driver of ROS 2 that the drive file names") {
   const DriveFolder folder;
   Json json = smallDrive();
