@@ -73,6 +73,9 @@ def test_dataset(folder, tmp_path):
     ):
         with pytest.raises(Error, match=sentence):
             drives.run(drives.read_drive(drive), options)
+    assert drives.read_drive(drive).seed == 1
+    seeded = drives.read_drive(drive, seed=7)
+    assert seeded.seed == 7 and seeded.fingerprint != drives.read_drive(drive).fingerprint
     (tmp_path / "bad.json").write_text('{"scnes": []}')
     with pytest.raises(Error, match="scenes"):
         drives.read_drive(tmp_path / "bad.json")

@@ -87,6 +87,7 @@ struct Output {
 
 struct Drive {
   std::string name;
+  uint64_t seed = 1;  ///< of the random numbers of all sensors whose effects state none
   double rate = 10, start = 0, duration = 0, epoch = 0;
   std::vector<std::string> simulator;  ///< options of the simulator, as assign() takes them
   std::vector<Class> classes;
@@ -115,8 +116,8 @@ struct Drive {
   static Pose poseOn(const Pose& ego, const Pose& mount);
 };
 
-/// Reads a drive file and the files that it names. Throws Error(format) that lists the mistakes with their JSON paths,
-/// or Error(file).
-Drive readDrive(const std::filesystem::path& file);
+/// Reads a drive file and the files that it names. A `seed` replaces that of the file, as if the file stated it. Throws
+/// Error(format) that lists the mistakes with their JSON paths, or Error(file).
+Drive readDrive(const std::filesystem::path& file, std::optional<uint64_t> seed = {});
 
 }  // namespace gnosphere::drive

@@ -178,6 +178,7 @@ void DriveReader::weather() {
 }
 
 Drive DriveReader::read(const fs::path& file) {
+  drive_.seed = root_.value("seed", drive_.seed);
   simulator();
   classes();
   times();
@@ -201,11 +202,12 @@ Drive DriveReader::read(const fs::path& file) {
   return std::move(drive_);
 }
 
-Drive readDrive(const fs::path& file) {
+Drive readDrive(const fs::path& file, std::optional<uint64_t> seed) {
   static const json kSchema = parseJson(kDriveSchema);
-  const json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
+  json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
   const std::vector<std::string> mistakes = mistakesOf(root, kSchema);
   if (!mistakes.empty()) refuseAll(file, mistakes);
+  if (seed) root["seed"] = *seed;
   return DriveReader(file, root).read(file);
 }
 

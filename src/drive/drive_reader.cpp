@@ -257,7 +257,7 @@ Effects DriveReader::effects(const json& value, const std::string& path) {
     else if (value.is_object())
       effects = effectsFromJson(jsonText(value), "the effects");
   });
-  if (!hasSeed) effects.seed = root_.value("seed", uint64_t{1});
+  if (!hasSeed) effects.seed = drive_.seed;
   return effects;
 }
 

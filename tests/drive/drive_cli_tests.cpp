@@ -56,6 +56,24 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
   CHECK_THAT(rest.out, ContainsSubstring("10: 7 made, 3 complete before") && ContainsSubstring("drive      complete"));
 }
 
+TEST_CASE("a seed on the command line is that of a drive file that states it") {
+  const DrivePlace place;
+  Json json = Json::parse(place.get("drive.json"));
+  json["sensors"][0]["effects"] = {{"range-noise", {{"sigma", 0.1}}}};
+  json["sensors"][1]["effects"] = {{"seed", 9}};
+  place.put("drive.json", json.dump());
+  CHECK_THAT(place.make("").out, ContainsSubstring("\nseed       1; that of sensor side is 9\n"));
+  CHECK_THAT(place.make("-o seven --seed 7").out, ContainsSubstring("\nseed       7; that of sensor side is 9\n"));
+  json["seed"] = 7;
+  place.put("drive.json", json.dump());
+  CHECK(place.make("-o stated").status == 0);
+  CHECK(place.difference("seven", "stated") == "");
+  CHECK(place.make("-o other --seed 18446744073709551615").status == 0);
+  const std::string points = "/semantickitti/sequences/00/velodyne/000000.bin";
+  CHECK(place.get("other" + points) != place.get("seven" + points));
+  CHECK_THAT(place.make("-o seven --seed 8").err, ContainsSubstring("holds frames of another drive"));
+}
+
 TEST_CASE("a drive without any point is told, and so is a file that has been changed") {
   const DrivePlace place;
   Json json = Json::parse(place.get("drive.json"));
@@ -123,6 +141,7 @@ TEST_CASE("wrong calls of gnosphere drive are refused before anything is written
   refused("-o out_b --frames 5:5", 2, "--frames: '5:5' is not A:B");
   refused("-o out_b --frames 7", 2, "--frames: '7' is not A:B");
   refused("-o out_b --frames 10:", 2, "--frames: the drive has the frames 0 to 9");
+  refused("-o out_b --seed -1", 2, "--seed");
   refused("-o out_b --shard 4/4", 2, "--shard: '4/4' is not I/N");
   refused("-o out_b --shard a/4", 2, "--shard: 'a/4' is not I/N");
   place.put("drive.json", "{\"scenes\": [}");

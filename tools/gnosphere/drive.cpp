@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "base/path.hpp"
 #include "base/vector.hpp"
@@ -11,6 +12,7 @@
 #include "drive/live.hpp"
 #include "drive/run.hpp"
 #include "drive/schedule.hpp"
+#include "effect_options.hpp"
 #include "no_hits.hpp"
 #include "option_table.hpp"
 #include "scanning.hpp"
@@ -19,7 +21,7 @@ namespace gnosphere::cli {
 namespace {
 
 struct DriveCall {
-  std::string file, out, frames, shard, device = "auto";
+  std::string file, out, frames, shard, seed, device = "auto";
   Settings settings;
   bool verify = false, live = false;
   double speed = 1;
@@ -42,6 +44,14 @@ drive::RunOptions optionsOf(const DriveCall& call) {
   apply(call.settings, options.simulator);
   options.simulator.warn = [](const std::string& message) { complain("warning: " + message); };
   return options;
+}
+
+/// Returns the seed of the command line, which is read as other commands read theirs; none if there is none.
+std::optional<uint64_t> seedOf(const DriveCall& call) {
+  if (call.seed.empty()) return {};
+  EffectOptions options;
+  options.seed = call.seed;
+  return effectsOf(options).seed;
 }
 
 /// Returns text such as "kitti in kitti/, sensor top".
@@ -102,11 +112,21 @@ void warnOfNoPoints(const drive::Drive& drive, const Counters& counters) {
   complain("warning: no scan has a point; " + (losses.empty() ? places : lossText(losses, unmet, counters.beams)));
 }
 
+/// Returns text such as "7; that of sensor top is 1".
+std::string seedText(const drive::Drive& drive) {
+  std::string others;
+  for (const drive::RigSensor& sensor : drive.sensors)
+    if (sensor.effects.seed != drive.seed)
+      others += "; that of sensor " + sensor.name + " is " + std::to_string(sensor.effects.seed);
+  return std::to_string(drive.seed) + others;
+}
+
 void describe(const drive::Drive& drive) {
   size_t triangles = 0;
   for (const Scene& scene : drive.scenes) triangles += scene.placedTriangleCount();
   say("drive", drive.name + ", " + counted(drive.frameCount(), "frame", "frames") + " at " +
                    formatted("%g", drive.rate) + " Hz, " + formatted("%g", drive.duration) + " s");
+  say("seed", seedText(drive));
   say("scene", counted(triangles, "triangle", "triangles") + ", " + counted(drive.actors.size(), "actor", "actors"));
   for (const drive::RigSensor& sensor : drive.sensors)
     say("sensor", sensor.name + ", " + sensor.sensor.name + ", " + grouped(sensor.sensor.beamCount()) + " beams at " +
@@ -152,7 +172,7 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
 
 int runDrive(const DriveCall& call) {
   drive::RunOptions options = optionsOf(call);
-  const drive::Drive drive = drive::readDrive(pathOf(call.file));
+  const drive::Drive drive = drive::readDrive(pathOf(call.file), seedOf(call));
   for (const std::string& warning : drive.warnings) complain("warning: " + warning);
   if (const std::string why = drive::mistakeOfFrames(drive, options.firstFrame, options.endFrame); !why.empty())
     throw Error(ErrorCode::invalidArgument, "--frames: " + why);
@@ -189,6 +209,8 @@ Action addDrive(CLI::App& app) {
   app.add_option("--frames", call->frames, "Make the frames from A on and before B only, A:B");
   CLI::Option* const shard =
       app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
+  app.add_option("--seed", call->seed,
+                 "The seed of all random numbers, in place of that of the drive file; it belongs to the data set");
   app.add_option("--device", call->device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
