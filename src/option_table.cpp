@@ -225,6 +225,16 @@ const Option<SensorRequest>& requestOption(const std::string& name) {
   return named(requestOptionTable(), name);
 }
 
+std::string changedOptions(const SimulatorOptions& options) {
+  std::string text;
+  for (const auto& [parameter, changes] : simulatorOptionTable()) {
+    const std::string value = valueText(parameter, options);
+    if (changes == Changes::machine || value == valueText(parameter, SimulatorOptions())) continue;
+    text += (text.empty() ? "" : ", ") + quoted(parameter.name) + ": " + value;
+  }
+  return "{" + text + "}";
+}
+
 const std::vector<ChoiceWord>& wordsOf(const std::string& option) {
   return std::get<ChoiceParameter<SimulatorOptions>>(simulatorOption(option).parameter.kind).words;
 }

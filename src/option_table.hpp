@@ -28,6 +28,9 @@ const std::vector<Option<SensorRequest>>& requestOptionTable();
 const Option<SimulatorOptions>& simulatorOption(const std::string& name);
 const Option<SensorRequest>& requestOption(const std::string& name);
 
+/// Returns the options that change clouds or times and do not have their defaults, as an object of JSON.
+std::string changedOptions(const SimulatorOptions& options);
+
 /// Returns the words of a choice, such as those of "accuracy".
 const std::vector<ChoiceWord>& wordsOf(const std::string& simulatorOption);
 

@@ -104,7 +104,8 @@ struct Drive {
   WeatherKinds weatherKinds;
   std::vector<Output> outputs;
   std::vector<std::string> warnings;  ///< what a user may want to know and is no mistake
-  std::string fingerprint;            ///< hash of the drive file and of everything that was read for it
+  std::string file;         ///< what the drive file says, as JSON with its own seed or the one that replaces it
+  std::string fingerprint;  ///< hash of the drive file and of everything that was read for it
 
   uint64_t frameCount() const;
   /// The pose of a sensor at a time of the trajectories' clock.

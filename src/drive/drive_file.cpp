@@ -198,6 +198,7 @@ Drive DriveReader::read(const fs::path& file) {
   warnOfStamps();
   warnOfEnd();
   warnOfSensors();
+  drive_.file = jsonText(root_, 2) + "\n";
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);
 }

@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using namespace std::string_literals;
 
 /// Whether a file has the size, and if `verify` the hash, of its entry.
 bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
@@ -77,6 +78,16 @@ bool Manifest::isComplete(uint64_t frame, bool verify) const {
     if (!isWhole(file, entry, verify)) return false;
   }
   return true;
+}
+
+void Manifest::noteMaker(const std::string& madeBy) const {
+  // The name is that of the content, so that processes which make frames alike share a file, however many they are.
+  for (const auto& [path, text] : {std::pair("manifest/drive_file.json"s, drive_.file),
+                                   std::pair("manifest/made_by/" + hashOf(madeBy) + ".json", madeBy)}) {
+    const fs::path file = placeIn(out_, pathOf(path));
+    std::error_code absent;
+    if (!fs::exists(file, absent)) put(file, text);
+  }
 }
 
 void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& files) const {

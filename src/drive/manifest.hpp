@@ -27,6 +27,8 @@ class Manifest {
 
   /// Whether all files of the frame are there in their size, and if `verify`, with their hash.
   bool isComplete(uint64_t frame, bool verify) const;
+  /// Keeps the drive file, and notes what makes frames, unless another run has noted the same.
+  void noteMaker(const std::string& madeBy) const;
   /// Writes the files of a frame, then its manifest.
   void write(const FrameRecord& frame, const std::vector<OutputFile>& files) const;
 

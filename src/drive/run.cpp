@@ -8,6 +8,7 @@
 #include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/frame_queue.hpp"
+#include "drive/made_by.hpp"
 #include "drive/manifest.hpp"
 #include "drive/scanner.hpp"
 
@@ -85,6 +86,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
              missed = std::ranges::any_of(formats, [](const auto&f) { return f->needsMissed(); });
   Scanner scanner(drive, world, fieldsOf(drive, formats), options.simulator);
   report.device = scanner.device().name;
+  manifest.noteMaker(madeByText(drive, options.simulator, scanner.device()));
   BoxFinder finder(drive, world);
   uint64_t done = 0;
   FrameQueue queue([&](FrameRecord& record) {

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "base/hash.hpp"
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
 #include "no_more_threads.hpp"
@@ -109,6 +110,45 @@ TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and co
   const drive::RunReport again = drive::run(drive, optionsFor(folder / "parts"));
   CHECK(again.kept == 10);
   CHECK(again.device.empty());  // nothing was scanned
+}
+
+TEST_CASE("a data set says what has made it, once for all runs that are alike, and keeps the drive file") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["simulator"] = {{"faces", "both"}};
+  json["seed"] = 12;
+  const drive::Drive drive = folder.read(json);
+  const auto makers = [&](const std::string& out) {
+    std::vector<Json> all;
+    for (const auto& entry : fs::directory_iterator(folder / out / "manifest/made_by"))
+      all.push_back(Json::parse(bytesOf(entry.path())));
+    return all;
+  };
+  drive::RunOptions options = optionsFor(folder / "out");
+  options.simulator.cache = "off";  // concerns the machine alone
+  for (options.shard = 0, options.shardCount = 3; options.shard < 3; ++options.shard) drive::run(drive, options);
+  const auto made = makers("out");
+  REQUIRE(made.size() == 1);
+  CHECK(made[0]["version"].get<std::string>().find('.') != std::string::npos);
+  CHECK(made[0]["device"] == drive::run(drive, optionsFor(folder / "whole")).device);
+  CHECK(made[0]["type"] == "reference");
+  CHECK(made[0]["accuracy"] == "standard");
+  CHECK(made[0]["options"] == Json{{"faces", "both"}});
+  CHECK(made[0]["seed"] == 12);
+  CHECK(made[0]["fingerprint"] == drive.fingerprint);
+  CHECK(made[0]["drive_file"] == hashOf(folder.get("out/manifest/drive_file.json")));
+  checkSameFiles(folder / "whole", folder / "out");
+
+  put(folder / "copy.json", folder.get("out/manifest/drive_file.json"));
+  CHECK(drive::readDrive(folder / "copy.json").fingerprint == drive.fingerprint);
+
+  fs::remove(folder / "out/manifest/frames/000004.json");
+  options.shardCount = 1;
+  options.shard = 0;
+  options.simulator.tuning.float64 = false;
+  CHECK(drive::run(drive, options).kept == 9);
+  CHECK(makers("out").size() == 2);
+  CHECK(drive::run(drive, options).kept == 10);  // makes nothing, so it is no maker
 }
 
 TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") {
