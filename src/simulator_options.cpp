@@ -75,8 +75,8 @@ DeviceChoice deviceByName(const std::string& text) {
     if (text.starts_with(prefix)) return {kind, text.substr(std::string_view(prefix).size())};
   if (text.empty() || text.starts_with("cuda"))
     throw Error(ErrorCode::invalidArgument, "device '" + text +
-                                                "' is not auto, the number or a part of the name of a Vulkan device, "
-                                                "reference, cuda:N or cuda-fast:N");
+                                                "' is not auto, gpu, the number or a part of the name of a Vulkan "
+                                                "device, reference, cuda:N or cuda-fast:N");
   // A number is that of listDevices(), where devices of CUDA and the reference follow those of Vulkan.
   size_t index = 0;
   const char* const end = text.data() + text.size();

@@ -166,7 +166,7 @@ struct DeviceChoice {
   };
   Kind kind = Kind::vulkan;
   /// The number of a Vulkan device in listDevices() or a part of its name, or the number of a CUDA device. If empty,
-  /// the best device is used.
+  /// the best device is used, and with "gpu" the best Vulkan device that is no CPU.
   std::string name;
   /// DeviceInfo::uuid of the device, in which case `name` is ignored; all zeros for any device.
   std::array<uint8_t, 16> uuid = {};
@@ -179,8 +179,8 @@ struct DeviceChoice {
   GNOSPHERE_API DeviceChoice(const DeviceInfo& device);
 };
 
-/// Parses the choice of a device on a command line: "auto", a number in listDevices(), a part of the name of a Vulkan
-/// device or a number in it, "reference", "cuda:N" or "cuda-fast:N".
+/// Parses the choice of a device on a command line: "auto", "gpu" for a Vulkan device that is no CPU, a number in
+/// listDevices(), a part of the name of a Vulkan device or a number in it, "reference", "cuda:N" or "cuda-fast:N".
 GNOSPHERE_API DeviceChoice deviceByName(const std::string& text);
 /// The text that deviceByName() makes this choice of.
 GNOSPHERE_API std::string nameOf(const DeviceChoice& choice);

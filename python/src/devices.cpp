@@ -136,7 +136,7 @@ void bindDevices(nb::module_& m) {
           "kind"_a = DeviceChoice::Kind::vulkan, "name"_a = "", "uuid"_a = bytesOf({}),
           "kind: an enumerator, or the name of one.\n"
           "name: the number of a Vulkan device in list_devices() or a part of its name, or the number of a CUDA "
-          "device; if empty, the best device.\n"
+          "device; if empty, the best device, and with 'gpu' the best Vulkan device that is no CPU.\n"
           "uuid: DeviceInfo.uuid of the device, 16 bytes, in which case `name` is ignored; zeros for any device.")
       .def(nb::init_implicit<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
       .def_ro("kind", &DeviceChoice::kind, "Which kind of device.")
@@ -144,9 +144,11 @@ void bindDevices(nb::module_& m) {
       .def_prop_ro(
           "uuid", [](const DeviceChoice& self) { return bytesOf(self.uuid); },
           "DeviceInfo.uuid of the device, in which case `name` is ignored; 16 zeros for any device.");
-  m.def("device_by_name", &deviceByName, "text"_a,
-        "Parses the choice of a device on a command line: 'auto', a number in list_devices(), a part of the name of a "
-        "Vulkan device or a number in it, 'reference', 'cuda:N' or 'cuda-fast:N'.");
+  m.def(
+      "device_by_name", &deviceByName, "text"_a,
+      "Parses the choice of a device on a command line: 'auto', 'gpu' for a Vulkan device that is no CPU, a number in "
+      "list_devices(), a part of the name of a Vulkan device or a number in it, 'reference', 'cuda:N' or "
+      "'cuda-fast:N'.");
   m.def(
       "name_of", [](const DeviceChoice& of) { return nameOf(of); }, "choice"_a,
       "The text that device_by_name() makes this choice of.");

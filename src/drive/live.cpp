@@ -178,6 +178,7 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
   for (Field given : {Field::x, Field::y, Field::z, Field::instance, Field::ring}) fields.erase(given);
   Scanner scanner(drive, world, std::vector<std::set<Field>>(drive.sensors.size(), fields), options.simulator);
   report.device = scanner.device().name;
+  if (options.started) options.started(scanner.device());
   FrameQueue queue([&](FrameRecord& record) {
     live.publish(record);
     if (options.progress) options.progress(report.frames, end - options.firstFrame);

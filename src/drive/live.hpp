@@ -13,7 +13,9 @@ struct LiveOptions {
   uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
   double speed = 1;                                ///< seconds of the drive per second
   SimulatorOptions simulator;                      ///< the drive's accuracy and other options replace its own
-  ros2::Qos qos;                                   ///< of clouds and laser scans
+  /// Called on the caller's thread with the device before the first frame is scanned.
+  std::function<void(const DeviceInfo&)> started;
+  ros2::Qos qos;  ///< of clouds and laser scans
   /// Called when a frame has been published, with the number of published frames and that of frames to publish. The
   /// calls come one after another from a thread of the run, and not from that of the caller.
   std::function<void(uint64_t done, uint64_t total)> progress;

@@ -86,6 +86,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
              missed = std::ranges::any_of(formats, [](const auto&f) { return f->needsMissed(); });
   Scanner scanner(drive, world, fieldsOf(drive, formats), options.simulator);
   report.device = scanner.device().name;
+  if (options.started) options.started(scanner.device());
   manifest.noteMaker(madeByText(drive, options.simulator, scanner.device()));
   BoxFinder finder(drive, world);
   uint64_t done = 0;

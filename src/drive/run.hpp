@@ -19,6 +19,8 @@ struct RunOptions {
   /// Called when a frame is complete, with the number of frames made and that of frames to make. The calls come one
   /// after another from a thread of the run, and not from that of the caller.
   std::function<void(uint64_t done, uint64_t total)> progress;
+  /// Called on the caller's thread with the device before the first frame is made, unless there is nothing to make.
+  std::function<void(const DeviceInfo&)> started;
   std::function<void()> beforeFrame;  ///< called on the caller's thread before each frame; an exception ends the run
 };
 

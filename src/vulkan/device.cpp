@@ -30,6 +30,7 @@ bool containsNumber(const std::string& text, const std::string& digits) {
 size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice) {
   const std::string& name = choice.name;
   const bool any = name.empty(), byUuid = choice.uuid != DeviceChoice().uuid;
+  const bool anyCard = !byUuid && sameWord(name, "gpu");
   size_t index = devices.size();
   const char* end = name.data() + name.size();
   const bool isNumber = !name.empty() && std::from_chars(name.data(), end, index).ptr == end;
@@ -43,12 +44,17 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& 
   for (size_t i = 0; i < devices.size(); ++i) {
     const DeviceInfo& info = devices[i];
     seen += "; " + std::to_string(i) + ": " + info.name + (info.usable ? "" : " (" + info.reason + ")");
-    if (byUuid ? info.uuid == choice.uuid : any ? info.usable : named(i)) matches.push_back(i);
+    if (byUuid ? info.uuid == choice.uuid : any ? info.usable : anyCard ? info.type != "cpu" : named(i))
+      matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device, "no Vulkan device was found; " + driverRemedy() + "; or use the device 'reference'");
   if (matches.empty() && byUuid)
     throw Error(ErrorCode::device, "the device with the chosen UUID is no longer there" + seen);
+  if (matches.empty() && anyCard)
+    throw Error(ErrorCode::device, "no graphics card was found" + seen +
+                                       "; does this process see the card, and is a Vulkan driver for it installed? The "
+                                       "device 'auto' takes a CPU, too");
   if (matches.empty() && any) throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
   if (matches.empty())
     throw Error(ErrorCode::invalidArgument,

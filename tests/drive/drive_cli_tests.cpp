@@ -124,7 +124,8 @@ TEST_CASE("a log of a drive has its first lines while the drive runs") {
   kill(child, SIGKILL);
   waitpid(child, &status, 0);
   CHECK(WIFSIGNALED(status));
-  CHECK_THAT(place.get("log"), ContainsSubstring("small, 1,000 frames") && ContainsSubstring("output     mcap in"));
+  CHECK_THAT(place.get("log"), ContainsSubstring("small, 1,000 frames") && ContainsSubstring("output     mcap in") &&
+                                   ContainsSubstring("\ndevice     reference\n"));
 }
 
 TEST_CASE("wrong calls of gnosphere drive are refused before anything is written") {

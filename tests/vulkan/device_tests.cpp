@@ -560,11 +560,32 @@ TEST_CASE("a number selects a device by index, any other text by part of its nam
                     ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
   // Behind the devices of Vulkan are those of CUDA and the reference, which is the last.
   CHECK(deviceByName(std::to_string(listDevices().size() - 1)).kind == DeviceChoice::Kind::reference);
-  CHECK_THROWS_WITH(deviceByName(""), ContainsSubstring("device '' is not auto, the number or a part of the name"));
+  CHECK_THROWS_WITH(deviceByName(""),
+                    ContainsSubstring("device '' is not auto, gpu, the number or a part of the name"));
   CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
-  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"})
+  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx", "gpu"})
     CHECK(nameOf(deviceByName(name)) == name);
   CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
+}
+
+TEST_CASE("the device gpu is the best that is no CPU, and an error if there is none") {
+  const DeviceInfo cpu = deviceOf("llvmpipe (LLVM 15)", "cpu"), card = deviceOf("NVIDIA H100", "discrete"),
+                   chip = deviceOf("Intel Arc", "integrated"), broken = deviceOf("Old 3090", "discrete", false);
+  for (const char* word : {"gpu", "GPU"}) {
+    CHECK(chooseDevice({cpu, chip, card}, deviceByName(word)) == 2);
+    CHECK(chooseDevice({chip, cpu}, deviceByName(word)) == 0);
+    CHECK(chooseDevice({cpu, broken, chip}, deviceByName(word)) == 2);
+  }
+  CHECK_THROWS_WITH(chooseDevice({cpu}, deviceByName("gpu")),
+                    "no graphics card was found; 0: llvmpipe (LLVM 15); does this process see the card, and is a "
+                    "Vulkan driver for it installed? The device 'auto' takes a CPU, too");
+  CHECK_THROWS_WITH(chooseDevice({cpu, broken}, deviceByName("gpu")),
+                    "the device 'Old 3090' cannot be used: it is made of brass");
+  CHECK_THROWS_WITH(chooseDevice({}, deviceByName("gpu")), ContainsSubstring("no Vulkan device was found"));
+  // A UUID counts before the name, as that of a DeviceInfo does whose device is called so.
+  DeviceInfo named = deviceOf("gpu", "cpu");
+  named.uuid[0] = 1;
+  CHECK(chooseDevice({card, named}, DeviceChoice(named)) == 1);
 }
 
 TEST_CASE("timestamps of fewer than 64 bits give the same times, also after a wrap-around") {

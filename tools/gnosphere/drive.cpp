@@ -133,13 +133,16 @@ void describe(const drive::Drive& drive) {
                       formatted("%g", sensor.rate) + " Hz");
 }
 
+void sayDevice(const DeviceInfo& device) {
+  say("device", device.name);
+}
+
 void summarise(const drive::RunReport& report, double seconds) {
   const uint64_t made = report.chosen - report.kept;
   for (const std::string& path : report.broken)
     say("broken", path + " was not as it had been written, and is made again");
   say("frames", grouped(report.chosen) + ": " + grouped(made) + " made, " + grouped(report.kept) + " complete before");
   if (made > 0) {
-    say("device", report.device);
     say("made", counted(report.scans, "scan", "scans") + " with " + counted(report.points, "point", "points") + ", " +
                     counted(report.files, "file", "files") + " of " + grouped((report.bytes + 500'000) / 1'000'000) +
                     " MB");
@@ -158,10 +161,10 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
   drive::LiveReport report;
   {
     Progress progress("frame", 1, true);
+    live.started = sayDevice;
     live.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
     report = drive::publishLive(drive, live);
   }
-  say("device", report.device);
   say("published", counted(report.scans, "scan", "scans") + " with " + counted(report.points, "point", "points") +
                        ", " + counted(report.messages, "message", "messages") + " in " +
                        formatted("%.1f s", report.seconds));
@@ -189,6 +192,7 @@ int runDrive(const DriveCall& call) {
   drive::RunReport report;
   {
     Progress progress("frame", 1, true);
+    options.started = sayDevice;
     options.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
     report = drive::run(drive, options);
   }
@@ -211,8 +215,10 @@ Action addDrive(CLI::App& app) {
       app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
   app.add_option("--seed", call->seed,
                  "The seed of all random numbers, in place of that of the drive file; it belongs to the data set");
-  app.add_option("--device", call->device,
-                 "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
+  app.add_option(
+         "--device", call->device,
+         "auto, gpu for any that is no CPU, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, "
+         "or reference")
       ->capture_default_str();
   addSetOption(app, call->settings);
   app.add_flag("--verify", call->verify,

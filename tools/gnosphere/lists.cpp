@@ -141,7 +141,7 @@ Action addDevices(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "Print JSON");
   app.footer(
-      "`gnosphere scan --device` takes the number, a part of the name, or `reference`.\n"
+      "`gnosphere scan --device` takes the number, a part of the name, `gpu`, or `reference`.\n"
       "Example: gnosphere devices --json");
   return [json] { return runDevices(*json); };
 }
