@@ -32,7 +32,7 @@ Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out
   if (!out.empty()) makeFolder(out);
   makeFolder(fileIn(out, "manifest/frames"));
   fileIn(out, "manifest/lock");  // refuses a link, before anything is removed
-  UnfinishedFiles::removeAbandoned(folder_);
+  UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::thisMachine);
   const std::string text =
       jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
       "\n";
@@ -184,6 +184,7 @@ bool Manifest::finish(const Finish& finish) const {
   std::error_code absent;
   if (fs::exists(finishedFile(), absent)) {
     removeLate();
+    UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::allMachines);
     return true;
   }
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame)
@@ -197,6 +198,7 @@ bool Manifest::finish(const Finish& finish) const {
   finish(frames, files);
   putFinished(files.noted());
   removeUsed();
+  UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::allMachines);
   return true;
 }
 

@@ -39,7 +39,8 @@ class Manifest {
   /// read or removed.
   std::vector<std::string> removeBroken(bool verify) const;
   /// If all frames are complete, runs `finish` unless another process has done so, notes the files that it has written,
-  /// and removes those that others were made of. Returns whether the drive is finished.
+  /// and removes those that others were made of and what killed processes have left. Returns whether the drive is
+  /// finished.
   bool finish(const Finish& finish) const;
   /// Says that frames will be made, so the drive has to be finished again.
   void reopen() const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/unfinished_files.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <random>
 #include <string>
 #include <vector>
@@ -13,9 +15,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders of unfinished files, and their locks, begin with the name of the machine.
+/// The beginning of the names of all folders of unfinished files, and of their locks.
+constexpr const char* kParts = "parts-";
+
+/// The beginning of those of this machine.
 std::string partsOfHost() {
-  return "parts-" + os::machineName() + "-";
+  return kParts + os::machineName() + "-";
+}
+
+/// Whether a lock was made, and its folder last changed, more than a day ago.
+bool isOld(const fs::path& lock) {
+  std::error_code absent;
+  const auto latest =
+      std::max(fs::last_write_time(lock, absent), fs::last_write_time(fs::path(lock).replace_extension(), absent));
+  return latest < fs::file_time_type::clock::now() - std::chrono::hours(24);
 }
 
 }  // namespace
@@ -42,13 +55,15 @@ UnfinishedFiles::~UnfinishedFiles() {
   fs::remove(lockFile(), ignored);
 }
 
-void UnfinishedFiles::removeAbandoned(const fs::path& in) {
+void UnfinishedFiles::removeAbandoned(const fs::path& in, Of of) {
   const std::string mine = partsOfHost();
   std::error_code ignored;
   std::vector<fs::path> locks;
   for (const auto& entry : fs::directory_iterator(in, ignored)) {
     const fs::path& file = entry.path();
-    if (file.filename().string().starts_with(mine) && file.extension() == ".lock") locks.push_back(file);
+    const std::string name = file.filename().string();
+    if (file.extension() != ".lock" || !name.starts_with(kParts)) continue;
+    if (name.starts_with(mine) || (of == Of::allMachines && isOld(file))) locks.push_back(file);
   }
   for (fs::path file : locks) {
     const FileLock lock(file, FileLock::If::free);

@@ -22,8 +22,10 @@ class UnfinishedFiles {
   UnfinishedFiles& operator=(const UnfinishedFiles&) = delete;
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// Removes from a folder what processes of this machine have left there when they were killed: their locks are free.
-  static void removeAbandoned(const std::filesystem::path& in);
+  enum class Of { thisMachine, allMachines };
+  /// Removes from a folder what killed processes have left there: their locks are free. What processes of other
+  /// machines have left must be older than a day as well, because a file system may keep locks from other machines.
+  static void removeAbandoned(const std::filesystem::path& in, Of of);
 
  private:
   std::filesystem::path lockFile() const { return std::filesystem::path(folder_).concat(".lock"); }

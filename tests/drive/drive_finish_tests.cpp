@@ -3,10 +3,12 @@
 #include <signal.h>
 
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <set>
 
+#include "drive/file_lock.hpp"
 #include "drive_support.hpp"
 
 using namespace gnosphere;
@@ -213,6 +215,41 @@ TEST_CASE("a run that ends after another one has finished the same drive leaves 
   checkSameFiles(folder / "whole", folder / "out");
   CHECK_FALSE(fs::exists(folder / "out/mcap/chunks"));
   CHECK_FALSE(fs::exists(folder / "out/osi/parts"));
+}
+
+TEST_CASE("a finished drive has no files of processes that were killed on other machines a day ago") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "pcd"}}}));
+  const fs::path manifest = folder / "out/manifest";
+  const auto left = [&](const std::string& name, int hours) {
+    const fs::path parts = manifest / ("parts-" + name), lock = manifest / ("parts-" + name + ".lock");
+    fs::create_directories(parts);
+    put(parts / "file", "half a file");
+    put(lock, "");
+    for (const fs::path& made : {parts, lock})
+      fs::last_write_time(made, fs::file_time_type::clock::now() - std::chrono::hours(hours));
+    return lock;
+  };
+  left("elsewhere-1-2", 25);
+  left("elsewhere-3-4", 23);
+  const drive::FileLock atWork(left("elsewhere-5-6", 50), drive::FileLock::If::free);
+  const auto parts = [&] {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(manifest))
+      if (const std::string name = entry.path().filename().string(); name.starts_with("parts-")) names.insert(name);
+    return names;
+  };
+  drive::RunOptions options = optionsFor(folder / "out");
+  options.endFrame = 5;
+  drive::run(drive, options);
+  CHECK(parts().size() == 6);  // the drive is not finished
+  CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
+  const std::set<std::string> kept = {"parts-elsewhere-3-4", "parts-elsewhere-3-4.lock", "parts-elsewhere-5-6",
+                                      "parts-elsewhere-5-6.lock"};
+  CHECK(parts() == kept);
+  left("elsewhere-3-4", 25);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
+  CHECK(parts().size() == 2);
 }
 
 TEST_CASE("the thread that calls progress takes the signals of the program, which may raise them or start processes") {
