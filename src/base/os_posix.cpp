@@ -79,7 +79,10 @@ Descriptor descriptorOf(std::FILE* stream) {
 
 // Other machines respect the lock, too, if the file system can.
 Lock lockFile(Descriptor file, bool wait) {
-  if (::flock(file, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0) return Lock::taken;
+  int failed = 0;
+  do failed = ::flock(file, wait ? LOCK_EX : LOCK_EX | LOCK_NB);
+  while (failed && errno == EINTR);  // a signal that a handler has taken
+  if (!failed) return Lock::taken;
   return errno == EWOULDBLOCK ? Lock::busy : Lock::absent;
 }
 

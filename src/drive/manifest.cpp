@@ -52,10 +52,18 @@ fs::path Manifest::frameFile(uint64_t frame) const {
   return folder_ / "frames" / numberText("%06llu.json", frame);
 }
 
+const UnfinishedFiles& Manifest::unfinished() const {
+  if (!unfinished_) unfinished_ = std::make_unique<UnfinishedFiles>(folder_);
+  return *unfinished_;
+}
+
+bool Manifest::hasLocks() const {
+  return unfinished().isLocked();
+}
+
 void Manifest::put(const fs::path& file, const std::string& bytes) const {
   makeFolder(file.parent_path());
-  if (!unfinished_) unfinished_ = std::make_unique<UnfinishedFiles>(folder_);
-  AtomicFile out(file, unfinished_->folder() / "file");
+  AtomicFile out(file, unfinished().folder() / "file");
   out.write(bytes);
   out.commit();
 }

@@ -27,6 +27,8 @@ class Manifest {
 
   /// Whether all files of the frame are there in their size, and if `verify`, with their hash.
   bool isComplete(uint64_t frame, bool verify) const;
+  /// Whether processes that work in this folder know of each other. If not, its file system has no locks.
+  bool hasLocks() const;
   /// Keeps the drive file, and notes what makes frames, unless another run has noted the same.
   void noteMaker(const std::string& madeBy) const;
   /// Writes the files of a frame, then its manifest.
@@ -48,6 +50,7 @@ class Manifest {
  private:
   std::filesystem::path frameFile(uint64_t frame) const;
   std::filesystem::path finishedFile() const { return folder_ / "finished"; }
+  const UnfinishedFiles& unfinished() const;
   void put(const std::filesystem::path& file, const std::string& bytes) const;
   FrameSummary summaryOf(uint64_t frame) const;
   /// Notes that the drive is finished, and with which files.

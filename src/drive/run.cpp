@@ -130,6 +130,11 @@ RunReport run(const Drive& drive, const RunOptions& options) {
   report.broken = manifest.removeBroken(options.verify);
   const std::vector<uint64_t> frames = framesToMake(drive, options, manifest, report);
   if (!frames.empty()) {
+    if (!manifest.hasLocks() && options.simulator.warn)
+      options.simulator.warn(options.out.string() +
+                             ": its file system has no locks (flock), so two processes that complete the drive at the "
+                             "same time may spoil its last files, and what killed processes leave stays; let one "
+                             "process at a time make the drive there");
     manifest.reopen();
     makeFrames(drive, world, formats, frames, options, manifest, report);
   }

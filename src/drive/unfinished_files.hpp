@@ -21,6 +21,8 @@ class UnfinishedFiles {
   UnfinishedFiles(const UnfinishedFiles&) = delete;
   UnfinishedFiles& operator=(const UnfinishedFiles&) = delete;
   const std::filesystem::path& folder() const { return folder_; }
+  /// Whether other processes see that the folder is in use. If not, its file system has no locks.
+  bool isLocked() const { return lock_->holds(); }
 
   enum class Of { thisMachine, allMachines };
   /// Removes from a folder what killed processes have left there: their locks are free. What processes of other

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <functional>
@@ -10,6 +11,7 @@
 
 #include "drive/file_lock.hpp"
 #include "drive_support.hpp"
+#include "hooked_files.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -250,6 +252,28 @@ TEST_CASE("a finished drive has no files of processes that were killed on other 
   left("elsewhere-3-4", 25);
   CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
   CHECK(parts().size() == 2);
+}
+
+TEST_CASE("a file system without locks is told once, and a signal that comes while a lock is taken is none") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}}));
+  const auto warningsOf = [&](const std::string& out, const std::function<int()>& lock) {
+    std::vector<std::string> warnings;
+    drive::RunOptions options = optionsFor(folder / out);
+    options.simulator.warn = [&](const std::string& text) { warnings.push_back(text); };
+    beforeLock = lock;
+    CHECK(drive::run(drive, options).finished);
+    beforeLock = nullptr;
+    std::erase_if(warnings, [](const std::string& text) { return text.find("flock") == text.npos; });
+    return warnings;
+  };
+  const std::vector<std::string> told = warningsOf("without", [] { return ENOSYS; });
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told[0], Catch::Matchers::StartsWith((folder / "without").string() + ": its file system has no locks"));
+  int calls = 0;
+  CHECK(warningsOf("out", [&] { return ++calls % 2 ? EINTR : 0; }).empty());
+  CHECK(calls >= 4);
+  checkSameFiles(folder / "without", folder / "out");
 }
 
 TEST_CASE("the thread that calls progress takes the signals of the program, which may raise them or start processes") {

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Calls of the system in this program that a test makes fail, or lets something happen before.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace gnosphere::test {
+
+/// Called before each call of flock(); a reason that it returns is that for which the call fails, 0 for none.
+extern std::function<int()> beforeLock;
+
+}  // namespace gnosphere::test
