@@ -9,9 +9,8 @@
 namespace gnosphere::drive {
 
 void FinalFiles::write(const std::string& path, const std::string& bytes) {
-  std::error_code failed;
   const std::filesystem::path place = placeIn(out_, pathOf(path));
-  std::filesystem::create_directories(place.parent_path(), failed);
+  makeFolder(place.parent_path());
   AtomicFile file(place, partOf(place));
   file.write(bytes);
   file.commit();

@@ -9,6 +9,7 @@
 
 #include "base/path.hpp"
 #include "drive/place_in.hpp"
+#include "drive/unfinished_files.hpp"
 
 namespace gnosphere::drive {
 
@@ -32,9 +33,9 @@ class FinalFiles {
   /// Calls make(), which writes a file, unless the file is there, and notes it.
   template <class Make>
   void addMade(const std::string& path, const Make& make) {
-    std::error_code failed;
-    if (!std::filesystem::exists(*this / path, failed)) {
-      std::filesystem::create_directories((*this / path).parent_path(), failed);  // without any part there is no folder
+    std::error_code absent;
+    if (!std::filesystem::exists(*this / path, absent)) {
+      makeFolder((*this / path).parent_path());  // without any part there is no folder
       make();
     }
     add(path);

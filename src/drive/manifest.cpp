@@ -62,10 +62,22 @@ bool Manifest::hasLocks() const {
 }
 
 void Manifest::put(const fs::path& file, const std::string& bytes) const {
-  makeFolder(file.parent_path());
-  AtomicFile out(file, unfinished().folder() / "file");
-  out.write(bytes);
-  out.commit();
+  const fs::path folder = file.parent_path(), parts = unfinished().folder();
+  const auto write = [&] {
+    makeFolder(folder);
+    makeFolder(parts);
+    AtomicFile out(file, parts / "file");
+    out.write(bytes);
+    out.commit();
+  };
+  try {
+    write();
+  } catch (const Error&) {
+    // A process that has finished the drive meanwhile removes the folder of files that are no longer needed.
+    std::error_code absent;
+    if (fs::exists(folder, absent) && fs::exists(parts, absent)) throw;
+    write();
+  }
 }
 
 bool Manifest::isComplete(uint64_t frame, bool verify) const {

@@ -276,6 +276,41 @@ TEST_CASE("a file system without locks is told once, and a signal that comes whi
   checkSameFiles(folder / "without", folder / "out");
 }
 
+TEST_CASE("a folder that a run which has finished removes while another one writes there is made again") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}}));
+  drive::run(drive, optionsFor(folder / "whole"));
+  const fs::path chunks = folder / "out/mcap/chunks";
+  int removed = 0;
+  beforeRename = [&](const std::string& to) {
+    if (fs::path(to).parent_path() == chunks && removed++ == 0) fs::remove_all(chunks);
+    return 0;
+  };
+  drive::RunReport report;
+  CHECK_NOTHROW(report = drive::run(drive, optionsFor(folder / "out")));
+  beforeRename = nullptr;
+  CHECK(report.finished);
+  CHECK(removed > 1);
+  checkSameFiles(folder / "whole", folder / "out");
+  // A rename that fails although both folders are there is tried once.
+  int tries = 0;
+  beforeRename = [&](const std::string& to) { return fs::path(to).extension() == ".pcd" && ++tries ? EIO : 0; };
+  CHECK_THROWS_WITH(drive::run(folder.read(driveWith({{{"format", "pcd"}}})), optionsFor(folder / "failed")),
+                    Catch::Matchers::ContainsSubstring("cannot be written: Input/output error"));
+  beforeRename = nullptr;
+  CHECK(tries == 1);
+}
+
+TEST_CASE("a folder that cannot be made for a table is told with the reason of the system") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "nuscenes"}}}));
+  beforeMkdir = [](const std::string& name) { return fs::path(name).filename() == "v1.0-drive" ? EROFS : 0; };
+  CHECK_THROWS_WITH(drive::run(drive, optionsFor(folder / "out")),
+                    (folder / "out/nuscenes/v1.0-drive").string() + ": cannot be made: Read-only file system");
+  beforeMkdir = nullptr;
+  CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
+}
+
 TEST_CASE("the thread that calls progress takes the signals of the program, which may raise them or start processes") {
   const DriveFolder folder;
   drive::RunOptions options = optionsFor(folder / "out");
