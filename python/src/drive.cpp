@@ -103,6 +103,8 @@ void bindDrive(nb::module_& parent) {
       .def_ro("bytes", &RunReport::bytes, "Bytes of the files of this run.")
       .def_ro("finished", &RunReport::finished,
               "Whether all frames of the drive are complete, and the files that need all are written.")
+      .def_ro("missing", &RunReport::missing, "Frames of the drive that are not complete, of other shards, too.")
+      .def_ro("first_missing", &RunReport::firstMissing, "Number of the first missing frame; 0 if none is missing.")
       .def_ro("device", &RunReport::device, "Name of the device; empty if nothing had to be made.");
   readTuple(report, "broken", &RunReport::broken,
             "Files that need every frame and were not as they had been written; they are removed, and made again with "

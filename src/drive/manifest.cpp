@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/manifest.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
@@ -199,27 +200,40 @@ void Manifest::putFinished(const std::vector<FinalFile>& files) const {
   put(finishedFile(), jsonText(Json{{"files", entries}, {"parts", folders}}, 1) + "\n");
 }
 
-bool Manifest::finish(const Finish& finish) const {
+MissingFrames Manifest::withoutManifest(uint64_t first) const {
+  std::error_code failed;
+  uint64_t there = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "frames", failed))
+    there += entry.path().extension() == ".json";
+  // At least the first was missing, even if other processes have completed frames since.
+  return {drive_.frameCount() - std::min(there, drive_.frameCount() - 1), first};
+}
+
+MissingFrames Manifest::finish(const Finish& finish) const {
   const FileLock lock(folder_ / "lock", FileLock::If::waited);
   std::error_code absent;
   if (fs::exists(finishedFile(), absent)) {
     removeLate();
     UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::allMachines);
-    return true;
+    return {};
   }
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame)
-    if (!fs::exists(frameFile(frame), absent)) return false;
+    if (!fs::exists(frameFile(frame), absent)) return withoutManifest(frame);
+  MissingFrames broken;
   std::vector<FrameSummary> frames;
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame) {
-    if (!isComplete(frame, false)) return false;
-    frames.push_back(summaryOf(frame));
+    if (isComplete(frame, false))
+      frames.push_back(summaryOf(frame));
+    else if (broken.count++ == 0)
+      broken.first = frame;
   }
+  if (broken.count > 0) return broken;
   FinalFiles files(out_);
   finish(frames, files);
   putFinished(files.noted());
   removeUsed();
   UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::allMachines);
-  return true;
+  return {};
 }
 
 }  // namespace gnosphere::drive

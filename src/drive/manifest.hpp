@@ -16,6 +16,12 @@ namespace gnosphere::drive {
 
 class UnfinishedFiles;
 
+/// Frames of a drive that are not complete.
+struct MissingFrames {
+  uint64_t count = 0;
+  uint64_t first = 0;  ///< the number of the first of them; 0 if there is none
+};
+
 class Manifest {
  public:
   /// Opens or makes the folder. Throws Error(invalidArgument) if it holds another drive, and Error(file).
@@ -41,9 +47,9 @@ class Manifest {
   /// read or removed.
   std::vector<std::string> removeBroken(bool verify) const;
   /// If all frames are complete, runs `finish` unless another process has done so, notes the files that it has written,
-  /// and removes those that others were made of and what killed processes have left. Returns whether the drive is
-  /// finished.
-  bool finish(const Finish& finish) const;
+  /// and removes those that others were made of and what killed processes have left. Returns the frames that are
+  /// missing: none if the drive is finished.
+  MissingFrames finish(const Finish& finish) const;
   /// Says that frames will be made, so the drive has to be finished again.
   void reopen() const;
 
@@ -53,6 +59,8 @@ class Manifest {
   const UnfinishedFiles& unfinished() const;
   void put(const std::filesystem::path& file, const std::string& bytes) const;
   FrameSummary summaryOf(uint64_t frame) const;
+  /// Counts the frames without a manifest; `first` is one of them.
+  MissingFrames withoutManifest(uint64_t first) const;
   /// Notes that the drive is finished, and with which files.
   void putFinished(const std::vector<FinalFile>& files) const;
   /// Returns the files of which final files are made, by their folders, as the manifests of all frames name them.

@@ -138,10 +138,13 @@ RunReport run(const Drive& drive, const RunOptions& options) {
     manifest.reopen();
     makeFrames(drive, world, formats, frames, options, manifest, report);
   }
-  report.finished = manifest.finish([&](const std::vector<FrameSummary>& summaries, FinalFiles& files) {
+  const MissingFrames missing = manifest.finish([&](const std::vector<FrameSummary>& summaries, FinalFiles& files) {
     for (const auto& format : formats) format->finish(summaries, files);
     writeObjects(drive, world, files);
   });
+  report.finished = missing.count == 0;
+  report.missing = missing.count;
+  report.firstMissing = missing.first;
   return report;
 }
 

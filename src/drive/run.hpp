@@ -31,7 +31,8 @@ struct RunReport {
   Counters counters;                                     ///< summed over these scans
   std::vector<std::string> broken;  ///< files that needed every frame, had been written and are removed, see run()
   bool finished = false;  ///< whether all frames of the drive are complete, and the files that need all are written
-  std::string device;     ///< its name; empty if nothing had to be made
+  uint64_t missing = 0, firstMissing = 0;  ///< the frames of the drive that are not complete, and the first of them
+  std::string device;                      ///< its name; empty if nothing had to be made
 };
 
 /// Returns why a range of frames has none of a drive, such as "the drive has the frames 0 to 9, so 10:20 is none"; an

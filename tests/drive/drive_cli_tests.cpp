@@ -44,7 +44,12 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
                             ContainsSubstring("\noutput     semantickitti in semantickitti/, sensor top\n") &&
                             ContainsSubstring("\noutput     mcap in mcap/, sensors top, side\n"));
   const Result some = place.make("-o out_a --frames 2:5");
-  CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") && ContainsSubstring("not complete"));
+  CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") &&
+                           ContainsSubstring("\ndrive      not complete; 7 of 10 frames are missing, the first is 0; "
+                                             "its tables are written with its last frame\n"));
+  CHECK_THAT(place.make("-o out_a --frames 0:1").out,
+             ContainsSubstring("; 6 of 10 frames are missing, the first is 1;"));
+  CHECK_THAT(place.make("-o out_e --frames :9").out, ContainsSubstring("; 1 of 10 frames is missing, frame 9; "));
   uint64_t bytes = 0;
   for (const char* frame : {"2", "3", "4"}) {
     const Json entries = Json::parse(place.get(std::string("out_a/manifest/frames/00000") + frame + ".json"));
@@ -53,7 +58,7 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
   CHECK_THAT(some.out, ContainsSubstring(" files of " + std::to_string((bytes + 500'000) / 1'000'000) + " MB\n"));
   const Result rest = place.make("-o out_a");
   CHECK(rest.err.empty());  // no progress in a pipe
-  CHECK_THAT(rest.out, ContainsSubstring("10: 7 made, 3 complete before") && ContainsSubstring("drive      complete"));
+  CHECK_THAT(rest.out, ContainsSubstring("10: 6 made, 4 complete before") && ContainsSubstring("drive      complete"));
 }
 
 TEST_CASE("a seed on the command line is that of a drive file that states it") {

@@ -137,7 +137,14 @@ void sayDevice(const DeviceInfo& device) {
   say("device", device.name);
 }
 
-void summarise(const drive::RunReport& report, double seconds) {
+/// Returns text such as "21 of 40 frames are missing, the first is 2".
+std::string missingText(const drive::RunReport& report, uint64_t frames) {
+  const bool isOne = report.missing == 1;
+  return grouped(report.missing) + " of " + counted(frames, "frame", "frames") + (isOne ? " is" : " are") +
+         " missing, " + (isOne ? "frame " : "the first is ") + std::to_string(report.firstMissing);
+}
+
+void summarise(const drive::RunReport& report, uint64_t frames, double seconds) {
   const uint64_t made = report.chosen - report.kept;
   for (const std::string& path : report.broken)
     say("broken", path + " was not as it had been written, and is made again");
@@ -148,7 +155,9 @@ void summarise(const drive::RunReport& report, double seconds) {
                     " MB");
     say("time", formatted("%.1f s, %.2f frames a second", seconds, static_cast<double>(made) / seconds));
   }
-  say("drive", report.finished ? "complete" : "not complete; its tables are written with its last frame");
+  say("drive", report.finished
+                   ? "complete"
+                   : "not complete; " + missingText(report, frames) + "; its tables are written with its last frame");
 }
 
 /// Publishes the frames that `options` has.
@@ -197,7 +206,7 @@ int runDrive(const DriveCall& call) {
     report = drive::run(drive, options);
   }
   if (report.scans > 0 && report.points == 0) warnOfNoPoints(drive, report.counters);
-  summarise(report, (nowMs() - begin) / 1000);
+  summarise(report, drive.frameCount(), (nowMs() - begin) / 1000);
   return 0;
 }
 
