@@ -229,32 +229,42 @@ std::array<double, 2> cellOf(const SensorPlan& plan) {
 }
 
 /// Sub-rays that represent equal areas of the unit disc, each from the middle of its area: rings of 6, 12, 18 ...
-/// around a centre, each rotated by half a step; for other numbers Vogel's spiral (1979). The weights follow the beam's
-/// profile, exp(-2 radius^2) for a Gaussian one.
+/// around a centre, ring k turned by 3 + 38 k degrees; for other numbers Vogel's spiral (1979), whose middle is moved
+/// to the axis. The weights follow the beam's profile, exp(-2 radius^2) for a Gaussian one.
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;
   const auto [left, up] = halfAxesOf(plan);
   const uint32_t count = asked.subRays;
   std::vector<FootprintRay> rays;
-  double sum = 0;
+  double sum = 0, leftOfMiddle = 0, upOfMiddle = 0;
   const auto add = [&](double radius, double angle) {
     const bool gaussian = asked.profile == Effects::Divergence::Profile::gaussian;
     rays.push_back({left * radius * std::cos(angle), up * radius * std::sin(angle),
                     gaussian ? std::exp(-2 * radius * radius) : 1.0});
     sum += rays.back().weight;
+    leftOfMiddle += rays.back().weight * rays.back().left;
+    upOfMiddle += rays.back().weight * rays.back().up;
   };
   uint32_t rings = 0;
   while (1 + 3 * (rings + 1) * (rings + 2) <= count) ++rings;
-  if (1 + 3 * rings * (rings + 1) == count) {
+  const bool fillsRings = 1 + 3 * rings * (rings + 1) == count;
+  if (fillsRings) {
     add(0, 0);
     for (uint32_t ring = 1; ring <= rings; ++ring)
       for (uint32_t i = 0; i < 6 * ring; ++i)
-        add(std::sqrt((1.0 + 3.0 * ring * ring) / count), std::numbers::pi * (i + 0.5 * (ring % 2)) / (3.0 * ring));
+        add(std::sqrt((1.0 + 3.0 * ring * ring) / count),
+            std::numbers::pi * ((3 + 38.0 * ring) / 180 + i / (3.0 * ring)));
   } else {
     for (uint32_t i = 0; i < count; ++i) add(std::sqrt((i + 0.5) / count), std::numbers::pi * (3 - std::sqrt(5.0)) * i);
   }
-  for (FootprintRay& ray : rays) ray.weight /= sum;
+  for (FootprintRay& ray : rays) {
+    if (!fillsRings) {
+      ray.left -= leftOfMiddle / sum;
+      ray.up -= upOfMiddle / sum;
+    }
+    ray.weight /= sum;
+  }
   return rays;
 }
 

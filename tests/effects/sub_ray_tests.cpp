@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The places of sub-rays in a footprint.
+#include <algorithm>
+#include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+TestOptions footprintsOf(const std::string& device, uint32_t subRays, double angle) {
+  TestOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity = {EffectUse::on, Effects::Intensity::Model::physical, Effects::Intensity::Scale::raw};
+  options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, angle, angle};
+  options.fields = {Field::intensity};
+  return options;
+}
+
+/// The share of a Gaussian footprint, cut off at 1/e^2, that lies left of a line at `offset`, in units of its radius.
+double shareBeside(double offset) {
+  constexpr int kSteps = 2000;
+  double left = 0, all = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = -1 + 2 * (i + 0.5) / kSteps;
+    // The integral over y of exp(-2 (x^2 + y^2)) up to the edge of the disc.
+    const double strip = std::exp(-2 * x * x) * std::erf(std::sqrt(2 * (1 - x * x)));
+    all += strip;
+    if (x < offset) left += strip;
+  }
+  return left / all;
+}
+
+}  // namespace
+
+TEST_CASE("a beam on a slope has the range of its axis, however many sub-rays it has") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const bool upright = GENERATE(false, true);
+  MeshBuilder builder;
+  // A wall through (50, 0, 0), tilted by 60 degrees about the level or the upright axis.
+  const double slope = std::sqrt(3.0);
+  if (upright)
+    builder.quad({50 + 20 * slope, 20, -20}, {-40 * slope, -40, 0}, {0, 0, 40});
+  else
+    builder.quad({50 - 20 * slope, 20, -20}, {0, -40, 0}, {40 * slope, 0, 40});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.5f);
+  scene.materials[0].doubleSided = true;
+  for (const uint32_t subRays : {2u, 3u, 4u, 7u, 10u, 18u, 19u, 60u, 61u}) {
+    CAPTURE(device, upright, subRays);
+    const Sensor sensor = fan(3600, 1, 0, 120);
+    const Scan scan = scanOn(scene, sensor, Pose{}, footprintsOf(device, subRays, 0.00534));
+    CHECK(std::abs(scan.ranges[ahead(sensor)] - 50) < 2e-3);
+  }
+}
+
+// Boards whose level or upright edges lie anywhere in the footprint: the share of the light that they return.
+TEST_CASE("level and upright edges divide the light of a footprint as the whole beam would") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const bool upright = GENERATE(false, true);
+  const auto [subRays, most] = GENERATE(table<uint32_t, double>({{7, 0.09}, {19, 0.032}, {37, 0.02}, {61, 0.016}}));
+  constexpr double kDistance = 20, kHalfAngle = 0.01;
+  const double radius = kDistance * std::tan(kHalfAngle);
+  double square = 0;
+  constexpr int kPlaces = 41;
+  for (int place = 0; place < kPlaces; ++place) {
+    const double offset = -1 + 2.0 * place / (kPlaces - 1), edge = offset * radius;
+    MeshBuilder builder;
+    if (upright)
+      builder.quad({kDistance, edge, -1}, {0, -1, 0}, {0, 0, 2});
+    else
+      builder.quad({kDistance, 1, -1}, {0, -2, 0}, {0, 0, 1 + edge});
+    Scene scene = sceneOf(builder.take());
+    scene.materials[0] = lambertian(0.5f);
+    const Sensor sensor = fan(3600, 1, 0, 60);
+    const Scan scan = scanOn(scene, sensor, Pose{}, footprintsOf(device, subRays, 2 * kHalfAngle));
+    const float power = scan.column<float>(Field::intensity)[ahead(sensor)];
+    const double all = (0.5 + 0.01) / (kDistance * kDistance);
+    const double error = (scan.hit(ahead(sensor)) ? power / all : 0) - shareBeside(offset);
+    square += error * error;
+  }
+  CAPTURE(device, upright, subRays);
+  CHECK(std::sqrt(square / kPlaces) < most);
+}
+
+}  // namespace gnosphere::test
