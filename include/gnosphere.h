@@ -241,7 +241,8 @@ GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table tabl
  * gno_mesh::origin. All devices see these. */
 GNO_API gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const gno_deformation* deformation,
                                                     float* positions, size_t vertex_count);
-/* What the scene leaves out of its file, a line per kind of motion and per material library that cannot be read. */
+/* What the scene leaves out of its file, a line per kind of content, such as lines or vertex colours, with how often,
+ * and per material library that cannot be read. */
 GNO_API gno_status gno_scene_get_left_out(gno_scene scene, const char** lines);
 
 /* --------------------------------------------------------------------------------------------- animation */

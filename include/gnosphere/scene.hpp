@@ -198,8 +198,8 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   SceneAnimation animation;  ///< empty in a scene that has neither clips nor deformable meshes
-  /// Lines about what the scene leaves out of its file: one for each kind of motion, with how often, and one for each
-  /// library of materials that cannot be read.
+  /// Lines about what the scene leaves out of its file: one for each kind of content, such as lines or vertex colours,
+  /// with how often, and one for each library of materials that cannot be read.
   std::vector<std::string> leftOut;
 
   GNOSPHERE_API size_t uniqueTriangleCount() const;  ///< summed over meshes

@@ -183,8 +183,8 @@ void bindScene(nb::module_& m) {
   readWriteCopy(scene, "animation", &Scene::animation,
                 "Empty in a scene that has neither clips nor deformable meshes. A copy, assigned whole.");
   readWriteTuple(scene, "left_out", &Scene::leftOut,
-                 "What the file says about motion and the scene leaves out: a line each, with how often. A tuple, "
-                 "assigned whole.");
+                 "What the scene leaves out of its file: a line for each kind of content, such as lines or vertex "
+                 "colours, with how often. A tuple, assigned whole.");
 
   nb::class_<Bounds> bounds(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.");
   bindState<&Bounds::min, &Bounds::max>(bounds);

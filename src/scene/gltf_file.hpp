@@ -9,7 +9,6 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,16 +30,6 @@ struct GltfBuffer {
 struct GltfImage {
   std::string uri;
   int bufferView = -1;
-};
-
-/// Content of a file that the scene leaves out, with how often.
-class LeftOut {
- public:
-  void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
-  std::vector<std::string> lines() const;
-
- private:
-  std::map<std::string, uint64_t> counts_;
 };
 
 /// tinygltf's model, without the properties that only renderers need and without buffers, images, skins and animations.

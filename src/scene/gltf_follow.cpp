@@ -122,10 +122,4 @@ void GltfFollowReader::normalizeWeights(Mesh& mesh, size_t first) {
   }
 }
 
-std::vector<std::string> LeftOut::lines() const {
-  std::vector<std::string> lines;
-  for (const auto& [what, count] : counts_) lines.push_back(std::to_string(count) + " " + what);
-  return lines;
-}
-
 }  // namespace gnosphere

@@ -38,6 +38,7 @@ class MeshReader {
         source_(source),
         textures_(textures),
         materials_(materials),
+        leftOut_(leftOut),
         follow_(arrays, source, leftOut) {}
 
   std::vector<Mesh> read(const std::vector<GltfMeshUse>& uses);
@@ -59,6 +60,7 @@ class MeshReader {
   const Source& source_;
   const std::vector<std::optional<GltfTexture>>& textures_;  ///< by material
   std::vector<Material>& materials_;
+  LeftOut& leftOut_;
   GltfFollowReader follow_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
   std::unordered_map<int, int> meshesOfAccessor_;  ///< key: accessor of POSITION; value: how many meshes use it
@@ -127,8 +129,8 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, bool skinne
   if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
     source_.fail(who + ": mode " + std::to_string(primitive.mode) + " does not exist");
   const auto position = primitive.attributes.find("POSITION");
-  // Points and lines have no area, and a primitive without positions has no surface.
-  if (primitive.mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) return;
+  if (position == primitive.attributes.end()) return;  // it has no surface
+  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return leftOut_.add(kLinesAndPoints);
 
   Run run;
   run.firstIndex = mesh.indices.size();

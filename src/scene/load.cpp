@@ -79,6 +79,12 @@ std::string inQuotes(std::string_view text) {
   return shown + (text.empty() ? "'" : "…'");
 }
 
+std::vector<std::string> LeftOut::lines() const {
+  std::vector<std::string> lines;
+  for (const auto& [what, count] : counts_) lines.push_back(std::to_string(count) + " " + what);
+  return lines;
+}
+
 Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {
   if (bytes.empty()) source.fail("the file is empty");
   try {

@@ -63,17 +63,24 @@ std::vector<double> readVertices(std::string_view text, const Source& source) {
   return coordinates;
 }
 
-/// Returns what the `mtllib` lines of an OBJ file name, in order, each once.
-std::vector<std::string> librariesOf(std::string_view text) {
-  std::vector<std::string> all;
+/// The lines of an OBJ file that are neither vertices nor faces.
+struct OtherLines {
+  std::vector<std::string> libraries;  ///< what the `mtllib` lines name, in order, each once
+  uint64_t linesAndPoints = 0;         ///< lines `l` and `p`
+};
+
+OtherLines readOtherLines(std::string_view text) {
+  OtherLines read;
   std::set<std::string> seen;
   while (!text.empty()) {
     std::string_view line = takeLine(text);
-    if (nextWord(line) != "mtllib") continue;
+    const std::string_view key = nextWord(line);
+    if (key == "l" || key == "p") ++read.linesAndPoints;
+    if (key != "mtllib") continue;
     std::string names = toUtf8(trimmed(line));
-    if (!names.empty() && seen.insert(names).second) all.push_back(std::move(names));
+    if (!names.empty() && seen.insert(names).second) read.libraries.push_back(std::move(names));
   }
-  return all;
+  return read;
 }
 
 Material toMaterial(const tinyobj::material_t& from) {
@@ -308,7 +315,8 @@ Scene readObj(Bytes bytes, const Source& source) {
 
   Faces gathered{source};
   Libraries libraries(source);
-  for (const std::string& names : librariesOf(text)) libraries.add(names);
+  const OtherLines others = readOtherLines(text);
+  for (const std::string& names : others.libraries) libraries.add(names);
   tinyobj::callback_t callbacks;
   callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
   callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
@@ -333,7 +341,10 @@ Scene readObj(Bytes bytes, const Source& source) {
   for (const std::string& name : gathered.names.all) materialOfName.push_back(libraries.find(name));
   Scene scene;
   scene.materials = libraries.take();
+  LeftOut leftOut;
+  if (others.linesAndPoints > 0) leftOut.add(kLinesAndPoints, others.linesAndPoints);
   scene.leftOut = libraries.missing();
+  for (std::string& line : leftOut.lines()) scene.leftOut.push_back(std::move(line));
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());
 
   std::vector<Object> objects;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,6 +38,19 @@ struct Source {
 
   [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::format, name + ": " + toUtf8(what)); }
 };
+
+/// Content of a file that the scene leaves out, with how often.
+class LeftOut {
+ public:
+  void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
+  std::vector<std::string> lines() const;
+
+ private:
+  std::map<std::string, uint64_t> counts_;
+};
+
+/// Names of content that readers of several formats leave out.
+inline constexpr const char* kLinesAndPoints = "sets of lines or points, which have no area";
 
 enum class SceneFormat { gltf, obj, ply, stl };
 

@@ -127,7 +127,7 @@ TEST_CASE("strips and fans become triangles with glTF's winding") {
   CHECK(file.load().meshes.at(0).indices.empty());
 }
 
-TEST_CASE("triangles without indices use their vertices in order, and points and lines are skipped") {
+TEST_CASE("triangles without indices use their vertices in order, and points and lines are told as left out") {
   GltfFileMaker file;
   const int positions = file.accessor(kSquare, "VEC3");
   file.mesh({{"attributes", {{"POSITION", positions}}}});
@@ -135,7 +135,9 @@ TEST_CASE("triangles without indices use their vertices in order, and points and
   CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2});  // the fourth vertex begins an incomplete triangle
   for (int mode : {0, 1, 2, 3}) {
     file.json["meshes"][0]["primitives"][0]["mode"] = mode;
-    CHECK(file.load().uniqueTriangleCount() == 0);
+    const Scene scene = file.load();
+    CHECK(scene.uniqueTriangleCount() == 0);
+    CHECK(scene.leftOut == std::vector<std::string>{"1 sets of lines or points, which have no area"});
   }
 }
 

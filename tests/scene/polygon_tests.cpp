@@ -187,6 +187,12 @@ TEST_CASE("glass of MTL without a filter lets through what its dissolve leaves")
   CHECK(loadScene(put(folder / "a.obj", kSquareObj + uses)).materials.at(0).transmission == 0.75f);
 }
 
+TEST_CASE("lines and points of OBJ are told as left out") {
+  const Scene scene = loadText("a.obj", std::string(kSquareObj) + "l 1 2 3\n l 1 2\np 4\nf 1 2 3\n#l 1 2\n");
+  CHECK(scene.uniqueTriangleCount() == 1);
+  CHECK(scene.leftOut == std::vector<std::string>{"3 sets of lines or points, which have no area"});
+}
+
 TEST_CASE("without its material library an OBJ keeps the material names") {
   const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
   REQUIRE(scene.materials.size() == 1);
