@@ -278,7 +278,7 @@ class Tidying {
         },
         where + ".");
     Json& attributes = o["attributes"];
-    if (attributes.is_object() && attributes.contains("COLOR_0")) leftOut_.add("sets of vertex colours");
+    if (attributes.is_object() && attributes.contains("COLOR_0")) leftOut_.add(kVertexColours);
     keep(attributes, where + ".attributes", vertexKeys(attributes));
     if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
     o.erase("indices");
@@ -384,8 +384,13 @@ class Tidying {
           {"metallicFactor", Kind::number},
           {"roughnessFactor", Kind::number},
           {"baseColorTexture", Kind::object}});
-    if (alphaMode != "MASK") o.erase("baseColorTexture");
     if (!o.contains("baseColorTexture")) return;
+    if (alphaMode != "MASK") {
+      leftOut_.add(kTextureColours);
+      if (alphaMode == "BLEND") leftOut_.add(kTextureAlphas);
+      o.erase("baseColorTexture");
+      return;
+    }
     hasHoles_ = true;
     Json& texture = o["baseColorTexture"];
     const std::string at = where + ".baseColorTexture";

@@ -43,8 +43,8 @@ std::string_view takeLine(std::string_view& text) {
 }
 
 /// Reads every `v` line, by the rules by which tinyobjloader finds them. tinyobjloader's own numbers are not used: they
-/// miss the nearest double by a few units in the last place, and nan and inf become 0.
-std::vector<double> readVertices(std::string_view text, const Source& source) {
+/// miss the nearest double by a few units in the last place, and nan and inf become 0. Three more numbers are a colour.
+std::vector<double> readVertices(std::string_view text, const Source& source, bool& areColoured) {
   std::vector<double> coordinates;
   while (!text.empty()) {
     std::string_view line = takeLine(text);
@@ -59,6 +59,9 @@ std::vector<double> readVertices(std::string_view text, const Source& source) {
                     " where a coordinate should be");
       coordinates.push_back(value);
     }
+    nextWord(line);
+    nextWord(line);
+    areColoured |= !nextWord(line).empty();
   }
   return coordinates;
 }
@@ -125,7 +128,7 @@ std::string withPlainWords(std::string_view text) {
 /// library is missing, has only a name, and Scene::leftOut has a line about it.
 class Libraries {
  public:
-  explicit Libraries(const Source& source) : source_(source) {}
+  Libraries(const Source& source, LeftOut& leftOut) : source_(source), leftOut_(leftOut) {}
 
   /// Reads what a `mtllib` line names: one library, whose name may have spaces, or else several.
   void add(const std::string& names) {
@@ -179,14 +182,17 @@ class Libraries {
     for (const tinyobj::material_t& each : materials) {
       Material material = toMaterial(each);
       if (material.name.empty()) continue;  // the default material that tinyobjloader adds
-      if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
-        materials_.push_back(std::move(material));
+      if (!index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second) continue;
+      materials_.push_back(std::move(material));
+      if (!each.diffuse_texname.empty()) leftOut_.add(kTextureColours);
+      if (!each.alpha_texname.empty()) leftOut_.add(kTextureAlphas);
     }
     read_.insert(key);
     return true;
   }
 
   const Source& source_;
+  LeftOut& leftOut_;
   std::vector<Material> materials_;
   std::vector<std::string> missing_;
   std::map<std::string, uint32_t> index_;
@@ -311,10 +317,12 @@ Scene readObj(Bytes bytes, const Source& source) {
     joinLines(joined);
     text = joined;
   }
-  const std::vector<double> coordinates = readVertices(text, source);
+  bool areColoured = false;
+  const std::vector<double> coordinates = readVertices(text, source, areColoured);
 
   Faces gathered{source};
-  Libraries libraries(source);
+  LeftOut leftOut;
+  Libraries libraries(source, leftOut);
   const OtherLines others = readOtherLines(text);
   for (const std::string& names : others.libraries) libraries.add(names);
   tinyobj::callback_t callbacks;
@@ -341,8 +349,8 @@ Scene readObj(Bytes bytes, const Source& source) {
   for (const std::string& name : gathered.names.all) materialOfName.push_back(libraries.find(name));
   Scene scene;
   scene.materials = libraries.take();
-  LeftOut leftOut;
   if (others.linesAndPoints > 0) leftOut.add(kLinesAndPoints, others.linesAndPoints);
+  if (areColoured) leftOut.add(kVertexColours);
   scene.leftOut = libraries.missing();
   for (std::string& line : leftOut.lines()) scene.leftOut.push_back(std::move(line));
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());

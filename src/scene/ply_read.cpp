@@ -77,6 +77,11 @@ class PlyReader {
     source_.fail("the PLY header names an unknown type " + inQuotes(word));
   }
 
+  static bool areColoured(const PlyElement& element) {
+    return std::any_of(element.properties.begin(), element.properties.end(),
+                       [](const PlyProperty& p) { return p.name == "red" || p.name == "diffuse_red"; });
+  }
+
   void readHeader() {
     std::string_view line = nextLine();
     if (nextWord(line) != "ply") source_.fail("it is not PLY: its first line is not 'ply'");
@@ -187,6 +192,7 @@ class PlyReader {
         if (std::none_of(element.properties.begin(), element.properties.end(),
                          [&](const PlyProperty& p) { return p.name == name && !p.isList; }))
           source_.fail(std::string("the vertices of the PLY file have no ") + name);
+    if (areColoured(element)) leftOut_.add(kVertexColours);
     coordinates_.reserve(3 * element.count);
     for (size_t i = 0; i < element.count; ++i) {
       std::array<double, 3> point = {};
@@ -209,6 +215,7 @@ class PlyReader {
     };
     if (element.count > 0 && std::none_of(element.properties.begin(), element.properties.end(), isCorners))
       source_.fail("the faces of the PLY file have no list vertex_indices");
+    if (areColoured(element)) leftOut_.add("sets of colours of faces");
     for (size_t i = 0; i < element.count; ++i) {
       for (const PlyProperty& property : element.properties) {
         if (isCorners(property))
@@ -247,11 +254,14 @@ class PlyReader {
       appendPolygon(mesh.indices, corners, coordinates_);
     }
     storePositions(mesh, coordinates_);
-    return sceneOf(std::move(mesh));
+    Scene scene = sceneOf(std::move(mesh));
+    scene.leftOut = leftOut_.lines();
+    return scene;
   }
 
   std::string_view rest_;
   const Source& source_;
+  LeftOut leftOut_;
   std::vector<PlyElement> elements_;
   char lineEnd_ = '\n';  ///< a carriage return in files whose first line ends with one alone
   bool isText_ = true, swapped_ = false;

@@ -51,6 +51,9 @@ class LeftOut {
 
 /// Names of content that readers of several formats leave out.
 inline constexpr const char* kLinesAndPoints = "sets of lines or points, which have no area";
+inline constexpr const char* kVertexColours = "sets of vertex colours";
+inline constexpr const char* kTextureColours = "materials' colours of textures; the base colours alone count";
+inline constexpr const char* kTextureAlphas = "materials' alpha of textures; only glTF's alpha mode MASK makes holes";
 
 enum class SceneFormat { gltf, obj, ply, stl };
 

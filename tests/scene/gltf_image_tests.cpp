@@ -72,6 +72,7 @@ TEST_CASE("the alpha of a cut-out texture is read with its sampler and coordinat
   CHECK(scene.materials[0].alphaImage == 0);
   CHECK(scene.meshes[0].uvs == Floats{0, 0, 1, 0, 0.25f, 2});
   CHECK(scene.unreadImages == 0);
+  CHECK(scene.leftOut.empty());
 }
 
 TEST_CASE("an image may be in a bufferView, and samplers may be omitted") {

@@ -256,6 +256,12 @@ TEST_CASE("materials are read with their transmission, alpha and sides") {
   CHECK(plain.metallic == 1);
   CHECK(plain.roughness == 1);
   CHECK_FALSE(plain.doubleSided);
+  CHECK(scene.leftOut ==
+        std::vector<std::string>{"1 materials' alpha of textures; only glTF's alpha mode MASK makes holes",
+                                 "1 materials' colours of textures; the base colours alone count"});
+  file.json["materials"][1]["alphaMode"] = "OPAQUE";  // then the alpha of the texture has no meaning
+  CHECK(file.load().leftOut ==
+        std::vector<std::string>{"1 materials' colours of textures; the base colours alone count"});
 }
 
 TEST_CASE("extras of nodes, meshes and materials state classes") {

@@ -193,6 +193,18 @@ TEST_CASE("lines and points of OBJ are told as left out") {
   CHECK(scene.leftOut == std::vector<std::string>{"3 sets of lines or points, which have no area"});
 }
 
+TEST_CASE("textures of MTL and colours of the vertices of OBJ are told as left out") {
+  const Folder folder;
+  put(folder / "m.mtl", "newmtl brick\nmap_Kd -clamp on brick.png\nnewmtl fence\nmap_Kd fence.png\nmap_d fence.png\n");
+  const std::string square(kSquareObj), faces = "usemtl brick\nf 1 2 3\nusemtl fence\nf 1 3 4\n";
+  const std::vector<std::string> told = {"1 materials' alpha of textures; only glTF's alpha mode MASK makes holes",
+                                         "2 materials' colours of textures; the base colours alone count"};
+  CHECK(loadScene(put(folder / "a.obj", "mtllib m.mtl\n" + square + faces)).leftOut == told);
+  CHECK(loadText("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").leftOut ==
+        std::vector<std::string>{"1 sets of vertex colours"});
+  CHECK(loadText("a.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n").leftOut.empty());  // weights
+}
+
 TEST_CASE("without its material library an OBJ keeps the material names") {
   const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
   REQUIRE(scene.materials.size() == 1);
@@ -328,6 +340,20 @@ TEST_CASE("PLY skips unknown properties and elements, in any order") {
   CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
   CHECK(scene.meshes.at(0).positions[3] == 1);
   CHECK(std::isnan(scene.meshes.at(0).positions[7]));
+}
+
+TEST_CASE("colours of PLY are told as left out") {
+  const std::string plain = plyHeader("ascii", "float", "int", 3), body = "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
+  CHECK(loadText("a.ply", plain + body).leftOut.empty());
+  std::string coloured = plain;
+  coloured.insert(coloured.find("element face"), "property uchar red\n");
+  const Scene scene = loadText("a.ply", coloured + "0 0 0 9\n1 0 0 9\n1 1 0 9\n3 0 1 2\n");
+  CHECK(scene.uniqueTriangleCount() == 1);
+  CHECK(scene.leftOut == std::vector<std::string>{"1 sets of vertex colours"});
+  std::string faces = plain;
+  faces.insert(faces.find("end_header"), "property uchar diffuse_red\n");
+  CHECK(loadText("a.ply", faces + "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 9\n").leftOut ==
+        std::vector<std::string>{"1 sets of colours of faces"});
 }
 
 TEST_CASE("PLY of points is a scene without triangles") {
