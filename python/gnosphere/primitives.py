@@ -4,8 +4,10 @@ height field.
 
 Each function returns (vertices, faces): float32 of shape (n, 3) in metres, and uint32 of shape (m, 3), whose corners
 turn counter-clockwise seen from outside. Shapes stand in the middle of their frame, round ones along its z axis. The
-vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres. Sizes that are
-negative or not finite are a ValueError, and so is a tolerance that is not above 0, or finer than single precision.
+vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres. So it is too small
+by up to that much, half to two thirds of it in the mean: for targets of a calibration, whose radius is fitted, give
+1e-5. Sizes that are negative or not finite are a ValueError, and so is a tolerance that is not above 0, or finer than
+single precision.
 """
 
 from __future__ import annotations
@@ -114,7 +116,7 @@ def _closed(rings: npt.NDArray[np.float64], low: Sequence[float], high: Sequence
 
 
 def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
-    """A closed cylinder that reaches from z = -half to z = half."""
+    """A closed cylinder that reaches from z = -half to z = half; its sides are up to `tolerance` metres inside."""
     _check("a cylinder", (radius, half), 2)
     circle = _around(_sides(radius, tolerance)) * radius
     rings = np.stack([np.column_stack([circle, np.full(len(circle), z)]) for z in (-half, half)])
@@ -122,7 +124,8 @@ def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
 
 
 def cone(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
-    """A closed cone from z = -half, where it is widest, to its tip at z = half."""
+    """A closed cone from z = -half, where it is widest, to its tip at z = half; its sides are up to `tolerance` metres
+    inside."""
     _check("a cone", (radius, half), 2)
     circle = _around(_sides(radius, tolerance)) * radius
     rings = np.column_stack([circle, np.full(len(circle), -half)])[None]
@@ -145,20 +148,21 @@ def _unit_rings(radius: float, tolerance: float) -> npt.NDArray[np.float64]:
 
 
 def ellipsoid(radii: Sequence[float], tolerance: float = 1e-3) -> Triangles:
-    """An ellipsoid with these three half axes."""
+    """An ellipsoid with these three half axes; its triangles are up to `tolerance` metres inside."""
     _check("an ellipsoid", radii, 3)
     scale = np.asarray(radii, np.float64)
     return _closed(_unit_rings(float(scale.max()), tolerance) * scale, [0, 0, -scale[2]], [0, 0, scale[2]])
 
 
 def sphere(radius: float, tolerance: float = 1e-3) -> Triangles:
-    """A sphere around the origin."""
+    """A sphere around the origin; its triangles are up to `tolerance` metres inside."""
     _check("a sphere", (radius,), 1)
     return ellipsoid((radius, radius, radius), tolerance)
 
 
 def capsule(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
-    """A cylinder from z = -half to z = half with a half sphere at each end."""
+    """A cylinder from z = -half to z = half with a half sphere at each end; its triangles are up to `tolerance` metres
+    inside."""
     _check("a capsule", (radius, half), 2)
     rings = _unit_rings(radius, tolerance) * radius
     middle = len(rings) // 2
