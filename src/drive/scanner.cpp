@@ -144,7 +144,9 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
       motion.stamps.push_back({time - begin, drive_.sensorPose(recorded.planned.sensor, time)});
   };
   for (size_t i = 0; i < times.size(); ++i) {
-    if (i > 0) {  // a chord of the angle a is off its arc by length * a^2 / 8
+    // A chord of the angle a is off its arc by length * a^2 / 8. One chord about all beams that fire at once has the
+    // velocity of its middle; of two, which meet there, the later one would count alone.
+    if (i > 0 && !atOnce) {
       const double angle = angleBetween(drive_.ego.at(times[i - 1]).orientation, drive_.ego.at(times[i]).orientation);
       const double pieces = std::clamp(std::ceil(angle * std::sqrt(length / (8 * kSagitta))), 1.0, kMostPieces);
       for (double k = 1; k < pieces; ++k) add(times[i - 1] + (times[i] - times[i - 1]) * k / pieces);

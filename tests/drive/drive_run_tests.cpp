@@ -447,6 +447,38 @@ TEST_CASE("a sensor that fires all beams at once measures the speed of its vehic
   }
 }
 
+TEST_CASE("a sensor that fires all beams at once measures the speed of a vehicle on a circle, wherever it is mounted") {
+  constexpr double kRadius = 40, kTurn = 0.3;  // m, rad/s
+  const DriveFolder folder;
+  Json json = smallDrive(), waypoints = Json::array();
+  for (int i = 0; i <= 25; ++i) {
+    const double time = 0.02 * i, angle = kTurn * time;
+    waypoints.push_back(waypoint(time, kRadius * std::sin(angle), kRadius * (1 - std::cos(angle)), 0));
+    waypoints.back()["yaw_deg"] = angle / M_PI * 180;
+  }
+  json["ego"]["trajectory"] = {{"waypoints", waypoints}};
+  json["duration"] = 0.4;
+  json["weather"] = json["actors"] = Json::array();
+  json["scenes"][0]["pose"] = {{"position", {0, 0, -1.8}}};
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"].erase("rotation_period");
+  json["sensors"][0]["effects"] = "auto";
+  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z,range,radial_speed,class,instance"}}};
+  for (const double arm : {0.0, 0.5, 1.0, 1.5, 3.0, 6.0}) {
+    CAPTURE(arm);
+    const std::string out = "out" + std::to_string(static_cast<int>(10 * arm));
+    json["sensors"][0]["mount"]["position"] = {arm, 0, 0};
+    folder.run(json, out);
+    const std::vector<Row> rows = rowsOf(folder.get(out + "/npy/top/000002.npy"));
+    CHECK(rows.size() > 300);
+    const double ahead = kTurn * kRadius, left = kTurn * arm;  // m/s along the axes of the vehicle
+    double worst = 0;
+    for (const Row& row : rows)
+      worst = std::max(worst, std::abs(row.time + (ahead * row.x + left * row.y) / row.range));
+    CHECK(worst < 2e-3);
+  }
+}
+
 TEST_CASE("a run warns once per sensor of an actor that turns far within a scan, unless the sensor ignores it") {
   const DriveFolder folder;
   Json json = smallDrive();
