@@ -6,6 +6,15 @@
 #include "effects/material_table.hpp"
 
 namespace gnosphere {
+namespace {
+
+/// Returns what the speeds lack that a sensor measures, if one of its effects is left out.
+std::string lackOfSpeeds(const SensorPlan& plan, const std::string& effect) {
+  if (effect != "object-motion" || !plan.speeds()) return "";
+  return ", so radial_speed and velocity have no speeds of what moves in the scene";
+}
+
+}  // namespace
 
 void SimulatorWarnings::tellScene(const Scene& scene) const {
   if (!options_.warn) return;
@@ -44,7 +53,8 @@ void SimulatorWarnings::tellLeftOut(const SensorPlan& plan) const {
   if (!options_.warn) return;
   for (const Plan::Decision& decision : plan.decisions)
     if (decision.leftOut)
-      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason);
+      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason +
+                    lackOfSpeeds(plan, decision.effect));
 }
 
 void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {
@@ -58,7 +68,7 @@ void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {
     if (!brought || decision.leftOut || decision.request == EffectUse::off) continue;
     if (!told_.emplace(shot.sensor, decision.effect).second) continue;
     options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect +
-                  " is left out, although a shot brings it: " + decision.reason);
+                  " is left out, although a shot brings it: " + decision.reason + lackOfSpeeds(plan, decision.effect));
   }
 }
 

@@ -36,6 +36,15 @@ bool hasPointTimes(const Output& output) {
   return formatNamed(output.format).pointTimes || std::ranges::find(output.fields, Field::time) != output.fields.end();
 }
 
+/// Whether an output writes speeds that a sensor measures.
+bool writesSpeeds(const Drive& drive, size_t sensor) {
+  return std::ranges::any_of(drive.outputs, [&](const Output& output) {
+    const bool speeds = std::ranges::find(output.fields, Field::radialSpeed) != output.fields.end() ||
+                        std::ranges::find(output.fields, Field::velocity) != output.fields.end();
+    return speeds && std::ranges::find(output.sensors, sensor) != output.sensors.end();
+  });
+}
+
 /// Whether an actor that the sensor does not ignore moves during the drive.
 bool actorsMove(const Drive& drive, const RigSensor& sensor) {
   for (size_t a = 0; a < drive.actors.size(); ++a) {
@@ -204,35 +213,38 @@ void DriveReader::warnOfWeather(const RigSensor& sensor, const std::string& path
                                 inQuotes(sensor.name) + "; \"use\": \"auto\" lets it");
 }
 
-/// Warns of motion within the scans of a sensor that its effects turn off, if an output has times of its points.
+/// Warns of motion within the scans of a sensor that its effects turn off, if an output has times of its points, or
+/// their speeds.
 void DriveReader::warnOfMotion(size_t index, const std::string& path) {
   const RigSensor& sensor = drive_.sensors[index];
   const double scan = durationOf(sensor.sensor, 0);
-  const auto writes = [&](const Output& output) {
+  if (!(scan > 0)) return;
+  const auto hasTimes = [&](const Output& output) {
     return hasPointTimes(output) && std::ranges::find(output.sensors, index) != output.sensors.end();
   };
-  const auto output = std::ranges::find_if(drive_.outputs, writes);
-  if (!(scan > 0) || output == drive_.outputs.end()) return;
+  const auto output = std::ranges::find_if(drive_.outputs, hasTimes);
+  const bool timed = output != drive_.outputs.end(),
+             objects = sensor.effects.objectMotion.use == EffectUse::off && actorsMove(drive_, sensor);
   std::vector<std::string> off;
-  if (sensor.effects.sensorMotion.use == EffectUse::off && egoMovesWithinScans(drive_, sensor, scan))
+  std::string consequences;
+  if (timed && sensor.effects.sensorMotion.use == EffectUse::off && egoMovesWithinScans(drive_, sensor, scan))
     off.push_back("sensor-motion");
-  if (sensor.effects.objectMotion.use == EffectUse::off && actorsMove(drive_, sensor)) off.push_back("object-motion");
-  if (!off.empty())
-    warn(path + ".effects", "turn " + listed(off) + " off, so a scan of " + inQuotes(sensor.name) +
-                                " shows its start alone, although the times of its points in " + output->format +
-                                " go on to " + secondsText(scan) + "; \"use\": \"auto\" lets them move");
+  if (objects) off.push_back("object-motion");
+  if (timed && !off.empty())
+    consequences = "a scan of " + inQuotes(sensor.name) +
+                   " shows its start alone, although the times of its points in " + output->format + " go on to " +
+                   secondsText(scan);
+  if (objects && writesSpeeds(drive_, index))
+    consequences += (consequences.empty() ? "" : ", and ") + std::string("radial_speed and velocity of ") +
+                    inQuotes(sensor.name) + " have no speeds of actors";
+  if (!consequences.empty())
+    warn(path + ".effects", "turn " + listed(off) + " off, so " + consequences + "; \"use\": \"auto\" lets them move");
 }
 
 /// Warns of speeds of actors that a sensor whose beams fire at once does not measure.
 void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
   const RigSensor& sensor = drive_.sensors[index];
-  const auto asksFor = [&](const Output& output) {
-    const bool speeds = std::ranges::find(output.fields, Field::radialSpeed) != output.fields.end() ||
-                        std::ranges::find(output.fields, Field::velocity) != output.fields.end();
-    return speeds && std::ranges::find(output.sensors, index) != output.sensors.end();
-  };
-  if (firesInTurn(sensor.sensor) || std::ranges::none_of(drive_.outputs, asksFor) || !actorsMove(drive_, sensor))
-    return;
+  if (firesInTurn(sensor.sensor) || !writesSpeeds(drive_, index) || !actorsMove(drive_, sensor)) return;
   warn(path + ".sensor",
        "all beams of " + inQuotes(sensor.name) +
            " fire at once, so nothing moves within its scans, and radial_speed and velocity have no speeds of actors; "

@@ -20,7 +20,8 @@
 
 using namespace gnosphere;
 using namespace gnosphere::test;
-using Catch::Matchers::ContainsSubstring, Catch::Matchers::MessageMatches, Catch::Matchers::StartsWith;
+using Catch::Matchers::ContainsSubstring, Catch::Matchers::EndsWith, Catch::Matchers::MessageMatches,
+    Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
 TEST_CASE("a vertex that no triangle of a model uses does not change the size of its actor") {
@@ -168,7 +169,13 @@ TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") 
   REQUIRE(warnings.size() == 2);
   CHECK(warnings[0] == "sensor '" + json["sensors"][0]["name"].get<std::string>() +
                            "': sensor-motion is left out: motion within a scan needs accuracy standard");
-  CHECK_THAT(warnings[1], ContainsSubstring("object-motion is left out"));
+  CHECK_THAT(warnings[1], ContainsSubstring("object-motion is left out: motion within a scan needs accuracy standard"));
+  warnings.clear();
+  options.out = folder / "speeds";
+  json["outputs"] = {{{"format", "npy"}, {"fields", "radial_speed"}}};
+  run(folder.read(json), options);
+  REQUIRE(warnings.size() == 2);
+  CHECK_THAT(warnings[1], EndsWith(", so radial_speed and velocity have no speeds of what moves in the scene"));
   warnings.clear();
   options.out = folder / "unwarned";
   json["accuracy"] = "standard";

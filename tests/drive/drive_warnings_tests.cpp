@@ -294,6 +294,30 @@ TEST_CASE("motion within scans that effects turn off is warned of where points h
   CHECK(warningsOf(json).empty());  // KITTI's points have no times
 }
 
+TEST_CASE("speeds of actors that effects turn off are warned of where they are written") {
+  Json json = quietDrive();
+  json["weather"] = Json::array();
+  json["sensors"][1]["effects"] = {{"object-motion", {{"use", "off"}}}};
+  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z,radial_speed"}}};
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[1].effects: turn object-motion off, so radial_speed and velocity of 'side' have no speeds of "
+                 "actors; \"use\": \"auto\" lets them move"});
+  json["outputs"][0]["fields"] = "velocity,time";
+  CHECK(warningsOf(json) ==
+        Warnings{"sensors[1].effects: turn object-motion off, so a scan of 'side' shows its start alone, although the "
+                 "times of its points in npy go on to 0.1 s, and radial_speed and velocity of 'side' have no speeds of "
+                 "actors; \"use\": \"auto\" lets them move"});
+  json["outputs"][0]["fields"] = "x,y,z";
+  CHECK(warningsOf(json).empty());
+  json["outputs"] = {{{"format", "npy"}, {"fields", "velocity"}, {"sensors", {"top"}}}};
+  CHECK(warningsOf(json).empty());
+  json["outputs"][0].erase("sensors");
+  json["actors"] = Json::array();
+  CHECK(warningsOf(json).empty());
+  json["sensors"][1]["effects"] = {{"sensor-motion", {{"use", "off"}}}};  // a sensor measures its own speed even so
+  CHECK(warningsOf(json).empty());
+}
+
 TEST_CASE("an actor that stands with any angle does not move") {
   Json json = quietDrive();
   json["start"] = 0.3;  // between two waypoints, where orientations are interpolated

@@ -133,9 +133,10 @@ TEST_CASE("a simulator tells once of each motion that a sensor leaves out") {
   options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
   Sensor atOnce = spinning();
   atOnce.rotationPeriod = 0;
+  std::vector<Field> fields;
   const auto scan = [&](const Effects& effects) {
     warnings.clear();
-    Simulator simulator(room(), {atOnce, effects}, options);
+    Simulator simulator(room(), {atOnce, effects, fields}, options);
     Shot passing;
     passing.instanceMotions = {{0, translation(1, 0, 0)}};
     for (const Shot& shot : {driving(), driving(), passing, passing}) {
@@ -150,6 +151,12 @@ TEST_CASE("a simulator tells once of each motion that a sensor leaves out") {
   };
   CHECK(scan(Effects()) == std::vector<std::string>{leftOut("sensor-motion"), leftOut("object-motion")});
   CHECK(scan(Effects::none()).empty());
+  for (const Field field : {Field::radialSpeed, Field::velocity}) {
+    fields = {field};
+    CHECK(scan(Effects()) ==
+          std::vector<std::string>{leftOut("object-motion") +
+                                   ", so radial_speed and velocity have no speeds of what moves in the scene"});
+  }
 }
 
 TEST_CASE("a shot with two motions of one instance or mesh is refused") {
