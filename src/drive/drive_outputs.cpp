@@ -61,7 +61,7 @@ std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, c
 /// Checks that an output with rings, whose numbers have 16 bits, can have those of its sensors.
 void DriveReader::checkRings(const Output& output, const std::string& path) {
   const bool chosen = std::ranges::find(output.fields, Field::ring) != output.fields.end();
-  if (!chosen && output.format != "mcap" && output.format != "nuscenes") return;
+  if (!chosen && output.format != "nuscenes") return;
   for (const size_t index : output.sensors)
     if (const RigSensor& sensor = drive_.sensors[index]; ros2::lastRingOf(sensor.sensor) > 65535)
       refuse(path + (chosen ? ".fields" : ".sensors"), "the field 'ring' is 16 bits wide, and " +
@@ -69,8 +69,20 @@ void DriveReader::checkRings(const Output& output, const std::string& path) {
                                                            std::to_string(sensor.sensor.height()) + " channels");
 }
 
-/// Checks that ROS 2 can play the bag of an output.
-void DriveReader::checkBag(const Output& output, const std::string& path) {
+/// Checks that ROS 2 can play the bag of an output, and that its clouds can have the fields that it `chooses`.
+void DriveReader::checkBag(const Output& output, bool chooses, const std::string& path) {
+  const auto lacks = [&](Field field) { return std::ranges::find(output.fields, field) == output.fields.end(); };
+  if (lacks(Field::x) || lacks(Field::y) || lacks(Field::z))
+    refuse(path + ".fields",
+           std::string("must have x, y and z, without which nothing shows a cloud; by default they are ") +
+               formatNamed(output.format).fields);
+  for (const size_t index : output.sensors) {
+    const RigSensor& sensor = drive_.sensors[index];
+    if (chooses && (sensor.driver || sensor.livoxCustom))
+      refuse(path + ".fields", "are not for " + inQuotes(sensor.name) +
+                                   ", whose clouds have the fields of its driver; leave out its 'driver', or name the "
+                                   "other sensors in 'sensors'");
+  }
   if (const std::string why = mistakeOfNames(drive_, output.sensors); !why.empty()) refuse(path + ".sensors", why);
   if (const std::string why = mistakeOfTimes(drive_); !why.empty()) refuse(path + ".format", why);
   if (drive_.epoch + drive_.start < 0)
@@ -172,7 +184,7 @@ void DriveReader::outputs() {
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
     if (mistakes_.empty()) checkRings(output, path);
     if (format.survey) survey(object, output, path);
-    if (output.format == "mcap" && mistakes_.empty()) checkBag(output, path);
+    if (output.format == "mcap" && mistakes_.empty()) checkBag(output, object.contains("fields"), path);
     if (output.format == "osi") checkTrace(output, path);
     drive_.outputs.push_back(std::move(output));
   }

@@ -98,7 +98,7 @@ class DriveReader {
   std::vector<size_t> sensorsOf(const nlohmann::json& output, bool oneSensor, const std::string& path);
   void checkTrace(const Output& output, const std::string& path);
   void checkRings(const Output& output, const std::string& path);
-  void checkBag(const Output& output, const std::string& path);
+  void checkBag(const Output& output, bool chooses, const std::string& path);
   void warnOfSamples(const Output& output, const std::string& path);
   void survey(const nlohmann::json& object, Output& output, const std::string& path);
 

@@ -135,7 +135,7 @@ class Live {
   void add(const RecordedScan& recorded) {
     const size_t index = recorded.planned.sensor;
     const double end = recorded.planned.time + recorded.duration;
-    schedule_.add(end, clouds_[index], cloudMessage(drive_, recorded));
+    schedule_.add(end, clouds_[index], cloudMessage(drive_, recorded, liveFieldsOf(drive_, index)));
     if (const auto laser = lasers_.find(index); laser != lasers_.end())
       schedule_.add(end, laser->second, laserMessage(drive_, recorded));
     ++report_.scans;
@@ -174,9 +174,12 @@ LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
   LiveReport report;
   const World world(drive);
   Live live(drive, options, end, report);
-  std::set<Field> fields(cloudFields().begin(), cloudFields().end());
-  for (Field given : {Field::x, Field::y, Field::z, Field::instance, Field::ring}) fields.erase(given);
-  Scanner scanner(drive, world, std::vector<std::set<Field>>(drive.sensors.size(), fields), options.simulator);
+  std::vector<std::set<Field>> fields;
+  for (const size_t sensor : sensors) {
+    const std::vector<Field> published = liveFieldsOf(drive, sensor);
+    fields.emplace_back(published.begin(), published.end());
+  }
+  Scanner scanner(drive, world, fields, options.simulator);
   report.device = scanner.device().name;
   if (options.started) options.started(scanner.device());
   FrameQueue queue([&](FrameRecord& record) {

@@ -28,22 +28,22 @@ std::vector<double> timesOf(const Drive& drive, uint64_t frame, bool last, uint6
 
 }  // namespace
 
-std::span<const Field> cloudFields() {
-  static constexpr Field kFields[] = {Field::x,    Field::y,    Field::z,       Field::intensity,
-                                      Field::time, Field::ring, Field::classId, Field::instance};
-  return kFields;
+std::vector<Field> liveFieldsOf(const Drive& drive, size_t sensor) {
+  const auto found = std::ranges::find_if(drive.outputs, [&](const Output& output) {
+    return output.format == "mcap" && std::ranges::find(output.sensors, sensor) != output.sensors.end();
+  });
+  return found != drive.outputs.end() ? found->fields : parseFields(formatNamed("mcap").fields);
 }
 
 ros2::MessageType cloudTypeOf(const RigSensor& sensor) {
   return sensor.livoxCustom ? ros2::MessageType::livoxCustom : ros2::MessageType::pointCloud2;
 }
 
-ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded) {
+ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded, std::vector<Field> fields) {
   const RigSensor& sensor = drive.sensors[recorded.planned.sensor];
   const int64_t stamp = unixNanoseconds(drive, recorded.planned.time);
   if (sensor.livoxCustom) return ros2::livoxCustomOf(recorded.scan, sensor.name, stamp, sensor.effects);
   if (sensor.driver) return ros2::driverCloudOf(recorded.scan, *sensor.driver, sensor.name, stamp, sensor.effects);
-  std::vector<Field> fields(cloudFields().begin(), cloudFields().end());
   if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);
   ros2::PointCloud2 cloud = ros2::cloudOf(recorded.scan, fields, sensor.name, stamp);
   for (const ros2::PointField& field : cloud.fields)

@@ -10,15 +10,17 @@
 
 namespace gnosphere::drive {
 
-/// The fields of the clouds that cloudMessage() makes.
-std::span<const Field> cloudFields();
+/// Returns the fields of the clouds of a sensor in live messages, which are those of the drive's first bag that has the
+/// sensor; those that a bag has by default, if none has it.
+std::vector<Field> liveFieldsOf(const Drive& drive, size_t sensor);
 
 /// Returns the type of the messages that a sensor's clouds are.
 ros2::MessageType cloudTypeOf(const RigSensor& sensor);
 
 /// Returns the cloud of a scan, in a message of cloudTypeOf(), as its sensor's driver publishes it, or with
-/// cloudFields(), and intensities in which a diffuse white surface is 1.
-ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded);
+/// these fields, of which an intensity that the scan lacks is left out, and intensities in which a diffuse white
+/// surface is 1.
+ros2::Message cloudMessage(const Drive& drive, const RecordedScan& recorded, std::vector<Field> fields);
 
 /// Whether a sensor has one channel of evenly spaced beams, so that its scans are laser scans, too.
 bool isFlat(const Sensor& sensor);

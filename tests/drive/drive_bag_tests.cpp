@@ -141,6 +141,77 @@ TEST_CASE("MCAP: the odometry of the vehicle beside its transforms") {
   CHECK_THAT(at<double>(cdr, numbers + 8 * (7 + 36)), WithinAbs(4, 1e-9));  // m/s forward
 }
 
+TEST_CASE("MCAP: clouds have the fields that their output names, with the values of other formats") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["weather"] = Json::array();
+  json["sensors"] = {json["sensors"][0]};
+  const char* names = "x,y,z,radial_speed,velocity,ring";
+  json["outputs"] = {{{"format", "mcap"}, {"fields", names}}, {{"format", "pcd"}, {"fields", names}}};
+  folder.run(json);
+  const std::vector<std::string> clouds = messagesOf(folder.get("out/mcap/drive.mcap"), 3);
+  REQUIRE(clouds.size() == 10);
+  const std::string& cdr = clouds[3];
+  CHECK(cdr.substr(16, 4) == std::string("top\0", 4));
+  const auto points = at<uint32_t>(cdr, 24);
+  REQUIRE(points > 300);
+  REQUIRE(at<uint32_t>(cdr, 28) == 8);  // fields
+  struct Field {
+    const char* name;
+    uint32_t offset;
+    uint8_t type;
+  };
+  constexpr uint8_t kU16 = 4, kF32 = 7;  // of sensor_msgs/PointField
+  constexpr uint32_t kStep = 30;
+  size_t place = 32;
+  for (const Field& field : {Field{"x", 0, kF32},
+                             {"y", 4, kF32},
+                             {"z", 8, kF32},
+                             {"radial_speed", 12, kF32},
+                             {"velocity_x", 16, kF32},
+                             {"velocity_y", 20, kF32},
+                             {"velocity_z", 24, kF32},
+                             {"ring", 28, kU16}}) {
+    CAPTURE(field.name);
+    const auto length = at<uint32_t>(cdr, place);
+    CHECK(cdr.substr(place + 4, length) == std::string(field.name) + '\0');
+    place += (4 + length + 3) / 4 * 4;
+    CHECK(at<uint32_t>(cdr, place) == field.offset);
+    CHECK(at<uint8_t>(cdr, place + 4) == field.type);
+    CHECK(at<uint32_t>(cdr, place + 8) == 1);
+    place += 12;
+  }
+  CHECK(at<uint32_t>(cdr, place + 4) == kStep);
+  const std::string data = cdr.substr(place + 16, kStep * points), pcd = folder.get("out/pcd/top/000003.pcd");
+  CHECK(pcd.substr(pcd.size() - data.size()) == data);
+  double fastest = 0;
+  for (size_t point = 0; point < data.size(); point += kStep)
+    fastest = std::max(fastest, std::abs(double{at<float>(data, point + 12)}));
+  CHECK(fastest > 1);
+}
+
+TEST_CASE("MCAP: fields without a position, or of a sensor with a driver, are refused") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["outputs"] = {{{"format", "mcap"}, {"fields", "radial_speed"}}};
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].fields: must have x, y and z, without which "
+                                                         "nothing shows a cloud; by default they are "
+                                                         "x,y,z,intensity,time,ring,class,instance"));
+  json["outputs"][0]["fields"] = "x,y,z,radial_speed";
+  for (const char* driver : {"ouster", "livox-custom"}) {
+    json["sensors"][1]["driver"] = driver;
+    CHECK_THROWS_WITH(folder.read(json),
+                      ContainsSubstring("outputs[0].fields: are not for 'side', whose clouds have the fields of its "
+                                        "driver; leave out its 'driver', or name the other sensors in 'sensors'"));
+  }
+  json["outputs"][0]["sensors"] = {"top"};
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive::liveFieldsOf(drive, 0) == std::vector<Field>{Field::x, Field::y, Field::z, Field::radialSpeed});
+  CHECK(drive::liveFieldsOf(drive, 1).size() == 8);
+}
+
 TEST_CASE("MCAP: a flat sensor has laser scans beside its clouds") {
   const DriveFolder folder;
   Json json = smallDrive();

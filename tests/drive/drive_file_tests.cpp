@@ -506,10 +506,13 @@ TEST_CASE("a sensor whose scans the types of its driver do not hold is refused b
   json["sensors"][0]["sensor"] = tall(65537);
   json["outputs"] = {{{"format", "npy"}}};
   checkRefused(json, {"outputs[0].fields: the field 'ring' is 16 bits wide, and 'top' has 65537 channels"});
-  for (const char* format : {"mcap", "nuscenes"}) {
+  for (const auto& [format, member] : {std::pair("mcap", "fields"), std::pair("nuscenes", "sensors")}) {
     json["outputs"] = {{{"format", format}}};
-    checkRefused(json, {"outputs[0].sensors: the field 'ring' is 16 bits wide, and 'top' has 65537 channels"});
+    checkRefused(json, {"outputs[0]." + std::string(member) +
+                        ": the field 'ring' is 16 bits wide, and 'top' has 65537 channels"});
   }
-  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z"}}, {{"format", "mcap"}, {"sensors", {"side"}}}};
+  json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z"}},
+                     {{"format", "mcap"}, {"sensors", {"side"}}},
+                     {{"format", "mcap"}, {"fields", "x,y,z,radial_speed"}, {"folder", "speeds"}}};
   CHECK_NOTHROW(folder.read(json));
 }

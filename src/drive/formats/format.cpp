@@ -19,6 +19,7 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr const char* kCloudFields = "x,y,z,intensity,ring,time,class,instance,true_range";
+constexpr const char* kBagFields = "x,y,z,intensity,time,ring,class,instance";
 
 constexpr FormatInfo kFormats[] = {
     {.name = "kitti", .make = makeKitti, .shown = true, .oneSensor = true},
@@ -29,7 +30,7 @@ constexpr FormatInfo kFormats[] = {
     {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
     {.name = "las", .make = makeLas, .shown = false, .fields = "", .pointTimes = true, .survey = true},
-    {.name = "mcap", .make = makeMcap, .shown = false, .pointTimes = true},
+    {.name = "mcap", .make = makeMcap, .shown = false, .fields = kBagFields},
     {.name = "osi", .make = makeOsi, .shown = false, .fields = ""},
     {.name = "boxes", .make = makeBoxes, .shown = false, .allActors = true},
 };

@@ -16,8 +16,8 @@ namespace {
 
 using ros2::MessageType;
 
-constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;                                            // channels
-constexpr size_t kHeadBytes = 512, kTransformBytes = 160, kMostPointBytes = 48, kOdometryBytes = 512;  // about
+constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;                                             // channels
+constexpr size_t kHeadBytes = 512, kTransformBytes = 160, kMostDriverBytes = 48, kOdometryBytes = 512;  // about
 
 class Mcap : public Format {
  public:
@@ -26,7 +26,7 @@ class Mcap : public Format {
       if (isFlat(drive.sensors[sensor].sensor)) flat_.push_back(sensor);
   }
 
-  std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::ring, Field::classId}; }
+  std::vector<Field> fields() const override { return output_.fields; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     std::vector<McapMessage> messages;
@@ -49,13 +49,14 @@ class Mcap : public Format {
       for (const double time : imuTimes(drive_, frame.frame, last))
         add(imuChannel(), measured++, timeOf(time), 0, [this, time] { return imuMessage(drive_, time); });
     }
+    const size_t pointBytes = std::max(kMostDriverBytes, layoutOf(output_.fields).stride);
     for (const RecordedScan& recorded : frame.scans) {
       const size_t sensor = recorded.planned.sensor;
       if (!writes(sensor)) continue;
       // A driver sends a cloud when the scan is over; the stamp in its header is that of its first beam.
       const int64_t end = timeOf(recorded.planned.time + recorded.duration);
-      add(cloudChannel(sensor), recorded.planned.number, end, kMostPointBytes * recorded.points,
-          [&] { return cloudMessage(drive_, recorded); });
+      add(cloudChannel(sensor), recorded.planned.number, end, pointBytes * recorded.points,
+          [&] { return cloudMessage(drive_, recorded, output_.fields); });
       if (hasLaserScans(sensor))
         add(laserChannel(sensor), recorded.planned.number, end, 2 * sizeof(float) * recorded.scan.beamCount(),
             [&] { return laserMessage(drive_, recorded); });
