@@ -195,7 +195,7 @@ Drive DriveReader::read(const fs::path& file) {
   ignores();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();
-  warnOfStamps();
+  warnOfJumps(!warnOfStamps());
   warnOfEnd();
   warnOfSensors();
   drive_.file = jsonText(root_, 2) + "\n";

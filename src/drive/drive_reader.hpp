@@ -77,7 +77,8 @@ class DriveReader {
   void ignores();
   void warnOfBodies();
   void warnOfClocks();
-  void warnOfStamps();
+  bool warnOfStamps();
+  void warnOfJumps(bool ofEgo);
   void warnOfSensors();
   void warnOfRate(size_t sensor, const std::string& path);
   void warnOfMount(const Pose& mount, const std::string& path);

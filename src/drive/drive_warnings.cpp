@@ -27,6 +27,43 @@ std::string secondsText(double time) {
   return trimmed + " s";
 }
 
+/// Returns a positive number with so many significant digits.
+std::string roundedText(double value, double digits) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - digits + 1);
+  return gnosphere::numberText(std::round(value / unit) * unit);
+}
+
+/// A way between two stamps of a trajectory.
+struct Way {
+  double from = 0, to = 0;  ///< s
+  double length = 0;        ///< m
+  double speed() const { return length / (to - from); }
+};
+
+/// Returns the fastest way of a trajectory between these times; one of speed 0 if nothing moves.
+Way fastestWay(const Trajectory& trajectory, double first, double last) {
+  Way fastest = {0, 1, 0};
+  const std::vector<Trajectory::Stamp>& stamps = trajectory.stamps();
+  for (size_t i = 1; i < stamps.size(); ++i) {
+    const Way way = {stamps[i - 1].time, stamps[i].time,
+                     lengthOf(stamps[i].pose.position - stamps[i - 1].pose.position)};
+    if (way.to > first && way.from < last && way.speed() > fastest.speed()) fastest = way;
+  }
+  return fastest;
+}
+
+/// Returns the median speed in m/s between the stamps of a trajectory that moves on, at least 0.
+double usualSpeed(const Trajectory& trajectory) {
+  std::vector<double> speeds;
+  const std::vector<Trajectory::Stamp>& stamps = trajectory.stamps();
+  for (size_t i = 1; i < stamps.size(); ++i)
+    if (const double length = lengthOf(stamps[i].pose.position - stamps[i - 1].pose.position); length > 0)
+      speeds.push_back(length / (stamps[i].time - stamps[i - 1].time));
+  if (speeds.empty()) return 0;
+  std::ranges::nth_element(speeds, speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2));
+  return speeds[speeds.size() / 2];
+}
+
 std::string spanText(const Trajectory& trajectory) {
   return "is from " + secondsText(trajectory.begin()) + " to " + secondsText(trajectory.end());
 }
@@ -114,8 +151,9 @@ void DriveReader::warnOfClocks() {
                                 secondsText(drive_.duration));
 }
 
-/// Warns of a pose file of the vehicle whose times are in another unit, or that lacks poses during the drive.
-void DriveReader::warnOfStamps() {
+/// Warns of a pose file of the vehicle whose times are in another unit, or that lacks poses during the drive, and
+/// returns whether it does.
+bool DriveReader::warnOfStamps() {
   constexpr size_t kFew = 10;       // poses, which a person may have placed
   constexpr double kGap = 20;       // times the usual spacing
   constexpr double kSlow = 60;      // s between the poses of a recording
@@ -124,19 +162,15 @@ void DriveReader::warnOfStamps() {
   const std::vector<Trajectory::Stamp>& stamps = ego.stamps();
   const auto& stated = root_["ego"]["trajectory"];
   const bool recorded = stated.contains("file") && !stated.value("format", "tum").starts_with("carla");
-  if (!recorded || stamps.size() < kFew) return;
+  if (!recorded || stamps.size() < kFew) return false;
   const double usual = ego.spacing(), first = drive_.start, last = drive_.start + drive_.duration;
-  const auto rounded = [](double value, double digits) {
-    const double unit = std::pow(10, std::floor(std::log10(value)) - digits + 1);
-    return gnosphere::numberText(std::round(value / unit) * unit);
-  };
   if (usual > kSlow) {
-    warn("ego.trajectory.file", "has a pose every " + rounded(usual, 3) +
+    warn("ego.trajectory.file", "has a pose every " + roundedText(usual, 3) +
                                     " s; times are in seconds, and these look like " +
                                     (usual < 1e3   ? "milliseconds"
                                      : usual < 1e6 ? "microseconds"
                                                    : "nanoseconds"));
-    return;
+    return true;
   }
   size_t longest = 0, count = 0;  // the longest gap ends at this stamp
   const auto lengthAt = [&](size_t i) { return stamps[i].time - stamps[i - 1].time; };
@@ -148,9 +182,41 @@ void DriveReader::warnOfStamps() {
   }
   if (count > 0)
     warn("ego.trajectory.file", "has no pose from " + secondsText(stamps[longest - 1].time) + " to " +
-                                    secondsText(stamps[longest].time) + ", " + rounded(lengthAt(longest) / usual, 2) +
+                                    secondsText(stamps[longest].time) + ", " +
+                                    roundedText(lengthAt(longest) / usual, 2) +
                                     " times as long as between most poses, so the vehicle goes straight" +
                                     (count > 1 ? " (of " + std::to_string(count) + " gaps this is the longest)" : ""));
+  return count > 0;
+}
+
+/// Warns of actors, and of the vehicle if asked to, that go from one stamp to the next faster than anything on a road,
+/// and much faster than the vehicle usually does, which may be an aircraft.
+void DriveReader::warnOfJumps(bool ofEgo) {
+  constexpr double kFast = 100, kTimes = 10;  // m/s; times as fast as the vehicle usually is
+  const double limit = std::max(kFast, kTimes * usualSpeed(drive_.ego));
+  const double first = drive_.start, last = drive_.start + drive_.duration;
+  const auto text = [](const std::string& name, const Way& way) {
+    return name + " goes " + roundedText(way.length, 3) + " m in " + roundedText(way.to - way.from, 3) + " s from " +
+           secondsText(way.from) + " on, at " + roundedText(way.speed(), 3) +
+           " m/s; positions are in metres and times in seconds";
+  };
+  const Way own = fastestWay(drive_.ego, first, last);
+  if (ofEgo && own.speed() > limit) warn("ego.trajectory", text("the vehicle", own));
+  size_t fastest = 0, count = 0;
+  Way way = {0, 1, 0};
+  for (size_t a = 0; a < drive_.actors.size(); ++a) {
+    const Way found = fastestWay(drive_.actors[a].trajectory, first, last);
+    if (!(found.speed() > limit)) continue;
+    ++count;
+    if (!(found.speed() > way.speed())) continue;
+    fastest = a;
+    way = found;
+  }
+  if (count > 0)
+    warn(entryPath("actors", fastest) + ".trajectory",
+         text(inQuotes(drive_.actors[fastest].name), way) +
+             ", and what appears elsewhere is another actor, both with \"outside\": \"gone\"" +
+             (count > 1 ? " (of " + std::to_string(count) + " actors that do so this is the fastest)" : ""));
 }
 
 /// Warns of scans that go on when the trajectory of a vehicle that moves has ended: it stops at once, which no inertial

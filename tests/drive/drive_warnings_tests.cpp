@@ -74,6 +74,39 @@ TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is w
   CHECK(has(recorded(1e6, 0, 0.02), "10000 s; times are in seconds, and these look like microseconds"));
 }
 
+TEST_CASE("actors and vehicles that jump from one stamp to the next are warned of") {
+  Json json = quietDrive();
+  const auto jump = [](double time, double length) {
+    return Json{waypoint(0, 3, 3, 0.75), waypoint(time, 3, 3, 0.75), waypoint(time + 0.001, 3 + length, 3, 0.75),
+                waypoint(2, 4 + length, 3, 0.75)};
+  };
+  const std::string advice =
+      "; positions are in metres and times in seconds, and what appears elsewhere is another actor, both with "
+      "\"outside\": \"gone\"";
+  json["actors"][0]["trajectory"]["waypoints"] = jump(0.449, 10);
+  CHECK(warningsOf(json) ==
+        Warnings{"actors[0].trajectory: 'car-1' goes 10 m in 0.001 s from 0.449 s on, at 10000 m/s" + advice});
+  json["actors"][1]["trajectory"]["waypoints"] = jump(0.3, 20);
+  CHECK(warningsOf(json) ==
+        Warnings{"actors[1].trajectory: 'person-1' goes 20 m in 0.001 s from 0.3 s on, at 20000 m/s" + advice +
+                 " (of 2 actors that do so this is the fastest)"});
+  json["actors"].erase(1);
+  json["actors"][0]["trajectory"]["waypoints"] = jump(0.449, 0.09);  // at 90 m/s
+  CHECK(warningsOf(json).empty());
+  json["actors"][0]["trajectory"]["waypoints"] = jump(1.5, 10);  // after the drive
+  CHECK(warningsOf(json).empty());
+
+  json = quietDrive();
+  json["ego"]["trajectory"]["waypoints"] = {waypoint(0, 0, 0, 0), waypoint(0.5, 1, 0, 0), waypoint(0.502, 2, 0, 0),
+                                            waypoint(1, 3, 0, 0)};
+  CHECK(warningsOf(json) == Warnings{"ego.trajectory: the vehicle goes 1 m in 0.002 s from 0.5 s on, at 500 m/s; "
+                                     "positions are in metres and times in seconds"});
+  json["ego"]["trajectory"]["waypoints"] = {waypoint(0, 0, 0, 0), waypoint(0.5, 100, 0, 0), waypoint(1, 210, 0, 0)};
+  CHECK(warningsOf(json).empty());  // an aircraft
+  json["actors"][0]["trajectory"] = json["ego"]["trajectory"];
+  CHECK(warningsOf(json).empty());  // its body
+}
+
 TEST_CASE("yaws in radians are warned of") {
   const auto driven = [](double yaw, double x, double y) {
     Json json = quietDrive(), from = waypoint(0, 0, 0, 0), to = waypoint(1, x, y, 0);
