@@ -162,9 +162,12 @@ void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
   const auto& [sensor, number, begin] = recorded.planned;
   const RigSensor& rigged = drive_.sensors[sensor];
   const Actor& turning = drive_.actors[actor];
-  if (!warn_ || warned_[sensor] || rigged.isIgnored(actor)) return;
-  std::vector<double> times = world_.timesWithin(actor, begin, begin + recorded.duration);
-  for (int i = 0; i <= kParts; ++i) times.push_back(begin + recorded.duration * i / kParts);
+  const double end = begin + recorded.duration;
+  // Behind the trajectory of an actor that is then gone there is no way that its points could be off.
+  const double duration = (turning.goneOutside ? std::min(end, turning.trajectory.end()) : end) - begin;
+  if (!warn_ || warned_[sensor] || rigged.isIgnored(actor) || !(duration > 0)) return;
+  std::vector<double> times = world_.timesWithin(actor, begin, begin + duration);
+  for (int i = 0; i <= kParts; ++i) times.push_back(begin + duration * i / kParts);
   std::ranges::sort(times);
   double angle = 0;
   for (size_t i = 1; i < times.size(); ++i)
@@ -174,7 +177,7 @@ void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
   const std::vector<Vec3> first = world_.cornersAt(actor, times.front()), last = world_.cornersAt(actor, times.back());
   double off = 0;
   const auto include = [&](double time) {
-    const double share = (time - begin) / recorded.duration;
+    const double share = (time - begin) / duration;
     const std::vector<Vec3> corners = world_.cornersAt(actor, time);
     for (size_t i = 0; i < corners.size(); ++i)
       off = std::max(off, lengthOf(corners[i] - ((1 - share) * first[i] + share * last[i])));
@@ -213,7 +216,7 @@ void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
   for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
     world_.place(actor, world_.poseOf(actor, begin), begin, start);
     if (!recorded.actorsMove || !world_.movesWithin(actor, begin, end)) continue;
-    world_.place(actor, drive_.actors[actor].trajectory.at(end), end, motion);
+    world_.place(actor, world_.endOf(actor, begin, end), end, motion);
     warnOfTurn(recorded, actor);
   }
 }

@@ -160,6 +160,17 @@ std::optional<Pose> World::poseOf(size_t actor, double time) const {
   return moving.trajectory.at(time);
 }
 
+Pose World::endOf(size_t actor, double begin, double end) const {
+  const Actor& moving = drive_.actors[actor];
+  const Trajectory& trajectory = moving.trajectory;
+  Pose pose = trajectory.at(end);
+  const double last = trajectory.end(),
+               from = std::max(trajectory.begin(), std::min(begin, last - Trajectory::kAround));
+  if (!moving.goneOutside || !(end > last) || !(from < last)) return pose;
+  pose.position = pose.position + (end - last) / (last - from) * (pose.position - trajectory.at(from).position);
+  return pose;
+}
+
 const std::vector<Vec3>& World::Shapes::at(double time) {
   const auto [entry, isNew] = shapes_.try_emplace(time);
   if (!isNew) return entry->second;
@@ -168,15 +179,8 @@ const std::vector<Vec3>& World::Shapes::at(double time) {
 }
 
 Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) const {
-  const Actor& moving = drive_.actors[actor];
-  const Trajectory& trajectory = moving.trajectory;
-  if (moving.goneOutside) {
-    to = std::min(to, trajectory.end());
-    from = std::max(trajectory.begin(), from < to ? from : to - Trajectory::kAround);
-  }
-  if (!(from < to)) return {};
   const Body& body = bodies_[actor];
-  const Pose start = trajectory.at(from), end = trajectory.at(to);
+  const Pose start = drive_.actors[actor].trajectory.at(from), end = endOf(actor, from, to);
   const Vec3 middle = middleOf(body.bounds);
   const Vec3 way = body.animation ? wayOf(shapes.at(from), start, shapes.at(to), end) : end * middle - start * middle;
   return (1 / (to - from)) * way;
@@ -195,7 +199,7 @@ World::Placement World::placementOf(size_t actor, double begin, double end, doub
     return {trajectory.at(time), body.animation ? boundsAround(shapes.at(time)) : body.bounds,
             velocityOf(actor, from, to, shapes)};
   }
-  const Pose start = trajectory.at(begin), stop = trajectory.at(end);
+  const Pose start = trajectory.at(begin), stop = endOf(actor, begin, end);
   const Pose pose = Trajectory({{begin, start}, {end, stop}}).at(time);
   const Vec3 velocity = velocityOf(actor, begin, end, shapes);
   if (!body.animation) return {pose, body.bounds, velocity};
@@ -283,7 +287,9 @@ std::vector<Vec3> World::cornersAt(size_t actor, double time) const {
 bool World::movesWithin(size_t actor, double from, double to) const {
   if (!poseOf(actor, from)) return false;
   const std::optional<Animation>& animation = drive_.actors[actor].animation;
-  return (animation && animation->speed != 0) || drive_.actors[actor].trajectory.movesWithin(from, to);
+  const Trajectory& trajectory = drive_.actors[actor].trajectory;
+  const bool goesOn = lengthOf(endOf(actor, from, to).position - trajectory.at(to).position) > 0;
+  return (animation && animation->speed != 0) || goesOn || trajectory.movesWithin(from, to);
 }
 
 }  // namespace gnosphere::drive

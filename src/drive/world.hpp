@@ -33,6 +33,9 @@ class World {
 
   /// The pose of an actor; none where it is gone.
   std::optional<Pose> poseOf(size_t actor, double time) const;
+  /// The pose that an actor which is there at `begin` has at `end`. One that is gone after its trajectory goes on as it
+  /// came to the end of that.
+  Pose endOf(size_t actor, double begin, double end) const;
   /// Where an actor is at a time.
   struct Placement {
     Pose pose;
@@ -91,8 +94,7 @@ class World {
     const Body& body_;
     std::map<double, std::vector<Vec3>> shapes_;
   };
-  /// Returns the mean velocity of an actor between two times, which the time of its trajectory bounds if it is gone
-  /// outside of that.
+  /// Returns the mean velocity of an actor on its straight way between two times.
   Vec3 velocityOf(size_t actor, double from, double to, Shapes& shapes) const;
   void place(const Body& body, const Transform& place, double time, const Setter& set) const;
 

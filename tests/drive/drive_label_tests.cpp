@@ -205,8 +205,42 @@ TEST_CASE("the velocity of an actor is taken within its trajectory, and it stand
   CHECK_THAT(speed(0, 0.6, 0.7), WithinAbs(5, 1e-9));
   CHECK_THAT(speed(1, 0.6, 0.7), WithinAbs(10, 1e-9));
   CHECK_THAT(speed(1, 0.65, 0.75), WithinAbs(10, 1e-9));
+  // One that is gone then goes on as it came to its end.
+  for (const auto& [begin, end] : {std::pair(0.6, 0.7), std::pair(0.65, 0.75), std::pair(0.649, 0.749)})
+    for (const double time : {begin, 0.7, end}) {
+      CAPTURE(begin, time);
+      CHECK_THAT(world.placementOf(1, begin, end, time).pose.position.x, WithinAbs(10 * (time - 0.25), 1e-9));
+      CHECK_THAT(world.placementOf(1, begin, end, time).velocity.x, WithinAbs(10, 1e-9));
+      CHECK(world.movesWithin(1, begin, end));
+    }
   CHECK(speed(0, 0.1, 0.2) == 0);
   for (const double time : {0.1, 0.3, 0.5}) CHECK(speed(2, time, time) == 0);
+}
+
+TEST_CASE("an actor that is gone after a scan has points as fast as its box") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}};
+  for (const double last : {0.345, 0.3}) {  // in the middle of the scan 3, and where it begins
+    CAPTURE(last);
+    json["actors"] = {car("leaves", {waypoint(0, -6, -7, 0.75), waypoint(last, -3, -7, 0.75)})};
+    json["actors"][0]["outside"] = "gone";
+    json["outputs"] = {{{"format", "npy"}, {"fields", "x,y,z,range,velocity,instance"}}, {{"format", "boxes"}}};
+    const std::string out = "out" + std::to_string(static_cast<int>(1000 * last));
+    folder.run(json, out);
+    const Json box = boxesOf(folder, 3, out)["leaves"];
+    CHECK_THAT(box["velocity"][0].get<double>(), WithinAbs(3 / last, 1e-6));
+    const std::string bytes = folder.get(out + "/npy/top/000003.npy");
+    constexpr size_t kStep = 8 * 4, kVelocity = 4 * 4, kInstance = 7 * 4;
+    size_t points = 0;
+    for (size_t row = 10 + at<uint16_t>(bytes, 8); row < bytes.size(); row += kStep) {
+      if (at<uint32_t>(bytes, row + kInstance) != box["object"]) continue;
+      ++points;
+      CHECK_THAT(at<float>(bytes, row + kVelocity), WithinAbs(3 / last, 1e-3));
+    }
+    CHECK(points > 10);
+    CHECK_FALSE(boxesOf(folder, 4, out).contains("leaves"));
+  }
 }
 
 TEST_CASE("boxes fit the points of actors that turn, stop or leave within a scan") {
