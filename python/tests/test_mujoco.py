@@ -446,6 +446,62 @@ def test_the_sensor_and_the_geoms_move_within_a_scan(device):
     assert lidar.scan(data).ranges.tobytes() == still.ranges.tobytes()  # the record is gone
 
 
+@pytest.mark.parametrize("field", ("radial_speed", "velocity"))
+def test_speeds_that_are_0_without_records_are_warned_of_once(device, field):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><geom type="box" size=".5 50 50" pos="20 0 0"/>
+        <body name="car"><joint type="slide" axis="1 0 0"/><geom size=".1" mass="1" group="3"/><site name="roof"/></body>
+        </worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+
+    def told_of(lidar, scans=2):
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            for _ in range(scans):
+                last = lidar.scan(data)
+        assert all(str(warning.filename) == __file__ for warning in told)
+        return [str(warning.message) for warning in told], last
+
+    def lidar_of(sensor, fields=field):
+        return gm.Lidar(model, sensor, site="roof", fields=fields, options=options(device))
+
+    sensor, _ = forward_beams()
+    assert told_of(lidar_of(sensor))[0] == []  # nothing moves
+    data.qvel = 10
+    begin = "gnosphere.mujoco: radial_speed and velocity are 0, although things move, because "
+    lidar = lidar_of(sensor)
+    assert told_of(lidar)[0] == [
+        begin + "a scan without record() is one of a standing model; call record() at the start of the scan and after "
+        "each mj_step()"
+    ]
+    assert told_of(lidar_of(sensor, "range"))[0] == []
+    lidar = lidar_of(sensor)
+    lidar.record(data)
+    step_and_record(model, data, lidar, 10)
+    told, scan = told_of(lidar, 1)
+    assert told == []
+    if field == "radial_speed":
+        assert scan["radial_speed"] == pytest.approx(-10, abs=1e-3)
+    at_once, _ = forward_beams()
+    at_once.name, at_once.rotation_period, at_once.patterns = "flash", 0, [gnosphere.BeamList([[1.0, 0, 0]])]
+    told, _ = told_of(lidar_of(at_once))
+    assert told == [
+        begin
+        + "flash fires all beams at once; with a rotation_period of 0.001 s, and record() after each mj_step(), it "
+        "measures them"
+    ]
+    at_once.rotation_period = 0.001
+    lidar = lidar_of(at_once)
+    lidar.record(data)
+    step_and_record(model, data, lidar, 1)
+    told, scan = told_of(lidar, 1)
+    assert told == []
+    if field == "radial_speed":
+        assert scan["radial_speed"] == pytest.approx(-10, abs=1e-2)
+
+
 @pytest.mark.parametrize("sensor_motion", (False, True))
 @pytest.mark.parametrize("object_motion", (False, True))
 def test_a_motion_that_is_not_simulated_leaves_its_part_as_at_the_end(device, sensor_motion, object_motion):

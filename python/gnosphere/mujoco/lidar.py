@@ -157,6 +157,7 @@ class Lidar(adapter.Lidar):
         self._records: list[Record] = []
         self._used: set[int] = set()  # the sensors that have scanned with these records
         self._warned = False
+        self._warned_of_speeds = False
         self._middle: tuple[float, float, float] = (0.0, 0.0, 0.0)  # where endless planes are put during records
 
     @property
@@ -251,12 +252,35 @@ class Lidar(adapter.Lidar):
             self._use(sensor)
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
-            return self.cast(gno.Shot(pose, sensor, self.frames[sensor]), into)
+            still = self.cast(gno.Shot(pose, sensor, self.frames[sensor]), into)
+            self._warn_of_speeds(data, sensor, still)
+            return still
         try:
             shot = self._moving_shot(data, sensor, duration)
         finally:
             self._use(sensor)
         return self.cast(shot, into)
+
+    def _warn_of_speeds(self, data: Any, sensor: int, scan: gno.Scan) -> None:
+        """Warns once of speeds that are asked for, and are 0 in a scan without records although something moves."""
+        asked = scan.has(gno.Field.radial_speed) or scan.has(gno.Field.velocity)
+        if self._warned_of_speeds or not asked or not np.any(data.qvel):
+            return
+        self._warned_of_speeds = True
+        name = self.sensors[sensor].name
+        if any(self._durations[sensor]):
+            why = (
+                "a scan without record() is one of a standing model; call record() at the start of the scan and after "
+                "each mj_step()"
+            )
+        else:
+            why = (
+                f"{name} fires all beams at once; with a rotation_period of 0.001 s, and record() after each mj_step(), "
+                "it measures them"
+            )
+        warnings.warn(
+            f"gnosphere.mujoco: radial_speed and velocity are 0, although things move, because {why}", stacklevel=3
+        )
 
     def _moving_shot(self, data: Any, sensor: int, duration: float) -> gno.Shot:
         """A shot whose beams fire during the `duration` seconds before `data`, and its scene as it is at its start."""
