@@ -135,8 +135,11 @@ std::vector<Field> parseFields(const std::string& names) {
       std::vector<std::string> all;
       for (const ColumnInfo& column : columns)
         if (column.component == 0) all.push_back(column.fieldName);
-      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; " + nearestText(name, all) +
-                                                  "; docs/api.md and gnosphere scan --help list all");
+      const bool doppler = name.find("doppler") != name.npos;
+      throw Error(ErrorCode::invalidArgument,
+                  "no field is called '" + name + "'; " +
+                      (doppler ? "the speed along the beam is radial_speed" : nearestText(name, all)) +
+                      "; docs/api.md and gnosphere scan --help list all");
     }
     if (std::find(fields.begin(), fields.end(), *known) != fields.end()) {
       throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");

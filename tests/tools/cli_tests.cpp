@@ -60,6 +60,8 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused(
       "scan floor.obj -o a.csv --fields x,y,rnge", 2,
       "no field is called 'rnge'; the nearest are range, ring, tie; docs/api.md and gnosphere scan --help list all");
+  checkRefused("scan floor.obj -o a.csv --fields x,Doppler_velocity", 2,
+               "no field is called 'doppler_velocity'; the speed along the beam is radial_speed; docs/api.md");
   checkRefused("scan floor.obj -o a.csv --fields x,normal_x", 2,
                "'normal_x' is a column of the field normal; ask for normal");
   checkRefused("scan floor.obj -o a.csv --fields u", 2, "'u' is a column of the field barycentrics");
