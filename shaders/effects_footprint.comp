@@ -214,12 +214,13 @@ void keepEnds() {
   EACH_RAY(KEEP_END)
 }
 
-// Begins a layer with the hits that end the light.
+// Begins a layer with the hits that end the light. Where a nearer surface has ended it, the layer has no hit, and nothing
+// reaches along an echo.
 void beginLayer() {
 #define BEGIN(s)                                                                  \
   hitRanges[s] = carried[s] > 0.0 ? ranges[LAST_LAYER + s] : -1.0;                \
   hitShares[s] = product(carried[s], energies[LAST_LAYER + s]);                   \
-  hitReaches[s] = reaches[LAST_LAYER + s];                                        \
+  hitReaches[s] = carried[s] > 0.0 ? reaches[LAST_LAYER + s] : 0.0;               \
   hitCandidates[s] = carried[s] > 0.0 ? metCandidates[LAST_LAYER + s] : kNone;    \
   passed[s] = 0.0;
   EACH_RAY(BEGIN)

@@ -71,4 +71,34 @@ TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays
   CHECK(double(soil) / double(beams) > 0.9);
 }
 
+// The light that passes both panes goes one layer further than the rest, whose last hits are metres long on the ground.
+TEST_CASE("two panes before the ground at a grazing angle are two echoes") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const uint32_t subRays = GENERATE(7, 19);
+  MeshBuilder builder;
+  builder.quad({6, 1, -1}, {0, -1.008, 0}, {0, 0, 2});
+  builder.quad({7.4, 0.008, -1}, {0, -1, 0}, {0, 0, 2});
+  Scene scene;
+  MeshBuilder ground;
+  ground.quad({0, -20, -1.2}, {200, 0, 0}, {0, 40, 0});
+  scene.meshes = {builder.take(), ground.take(1)};
+  scene.instances = {{"panes", 0, {}}, {"ground", 1, {}}};
+  scene.materials = {lambertian(0.5f, "glass"), lambertian(0.5f)};
+  scene.materials[0].transmission = 0.8f;
+  scene.materials[0].doubleSided = true;
+  TestOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity.use = options.effects.transmission.use = EffectUse::on;
+  options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, 0.006, 0.006};
+  options.effects.returns.use = EffectUse::on;
+  options.effects.returns.count = 3;
+  const Sensor sensor = gridSensor(3600, 1, -0.5, -0.5, 300);
+  const Scan scan = scanOn(scene, sensor, Pose(), options);
+  const size_t first = 3 * ahead(sensor);
+  CAPTURE(device, subRays);
+  CHECK(std::abs(scan.ranges[first] - 6) < 0.01);
+  CHECK(std::abs(scan.ranges[first + 1] - 7.4) < 0.01);
+  CHECK(scan.ranges[first + 2] > 90);
+}
+
 }  // namespace gnosphere::test
