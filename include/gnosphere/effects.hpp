@@ -117,7 +117,7 @@ struct Effects {
       dual,                    ///< the last and the strongest; if these are one echo, the second strongest as well
     } mode = Mode::all;        ///< which echoes are returned
     uint32_t count = 0;        ///< only for the mode `all`: largest number of returns; 0 means the sensor's
-    double separation = 0.4;   ///< m; surfaces no farther behind the first one of an echo are part of it
+    double separation = 0.4;   ///< m; surfaces no farther than this behind the first one of an echo are part of it
     double pulseWidth = 5e-9;  ///< s, full width at half maximum
   } returns;
 
