@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "animation/panels.hpp"
 
+#include <cmath>
+
 #include "animation/made_model.hpp"
 
 namespace gnosphere::test {

@@ -37,7 +37,8 @@ const std::map<std::string, Names> kRooms = {
     {"rgl", {"base"}},
     {"drive",
      {"base", "option_table.hpp", "sensor/beams.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp",
-      "ros2/driver_cloud.hpp", "scene/coarse_positions.hpp", "scene/join.hpp", "scene/used_vertices.hpp"}},
+      "ros2/driver_cloud.hpp", "scene/bounds.hpp", "scene/coarse_positions.hpp", "scene/join.hpp",
+      "scene/used_vertices.hpp"}},
 };
 
 /// Files of src outside rooms. Loose files are above all rooms and may include any of them.
