@@ -621,8 +621,7 @@ typedef struct gno_vulkan_adopted_device gno_vulkan_adopted_device;
 /* How a simulator computes, and on which device. */
 typedef struct gno_options {
   size_t struct_size;
-  const char*
-      device; /* "auto", "gpu", a number or part of a name of gno_devices(), "reference", "cuda:N"; null: auto */
+  const char* device; /* "auto", "gpu", "reference", "cuda:N", number or part of a name of gno_devices(); null: auto */
   uint8_t device_uuid[16];                  /* gno_device_info::uuid of a Vulkan device; all zeros: by `device` */
   const gno_vulkan_adopted_device* adopted; /* not null: the caller's device, and the two above are ignored */
   gno_accuracy accuracy;
