@@ -76,13 +76,12 @@ struct Output {
   std::vector<size_t> sensors;  ///< indices into Drive::sensors
   std::vector<Field> fields;
   uint64_t keyframes = 5;
-  bool allActors = false;   ///< whether actors have boxes that no beam has hit
-  std::string crs;          ///< WKT of the world's coordinate reference system; empty if the drive states none
-  uint16_t flightLine = 0;  ///< that of the first sensor, the others follow; 0 if the drive states none
-  bool oneFile = false;     ///< whether a sensor has one file of the whole drive, rather than one per scan
-  double scale = 0.001;     ///< metres per unit of a coordinate
-  bool sourcePerScan =
-      false;  ///< whether the point source is the number of the scan, from 1, rather than the flight line
+  bool allActors = false;      ///< whether actors have boxes that no beam has hit
+  std::string crs;             ///< WKT of the world's coordinate reference system; empty if the drive states none
+  uint16_t flightLine = 0;     ///< that of the first sensor, the others follow; 0 if the drive states none
+  bool oneFile = false;        ///< whether a sensor has one file of the whole drive, rather than one per scan
+  double scale = 0.001;        ///< metres per unit of a coordinate
+  bool sourcePerScan = false;  ///< whether the point source is the number of the scan, from 1
 };
 
 struct Drive {
