@@ -113,8 +113,8 @@ vec3 laserVelocity() {
   return velocity;
 }
 
-// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0, and fog,
-// drops, flakes and dust are at rest.
+// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0. The
+// velocity of fog, drops, flakes and dust is always 0.
 void storeMotion(uint at, uvec2 owner, Return value) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;

@@ -41,9 +41,9 @@ void join(float before, uint piece, inout float end, inout float joined) {
   joined = joins && behind > joined ? behind : joined;
 }
 
-// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. A hit belongs to the echo
-// if the surface around it begins no farther than the separation behind `first`, or overlaps the surface around a hit
-// before it.
+// Returns the farthest range of the echo that starts at `first`; `last` is that of all hits. The surface around a hit of
+// the echo begins no farther than the separation behind `first`, or overlaps the surface around a nearer hit of the
+// echo.
 float endOfEcho(float first, float last) {
   float end = first, joined = sumOf(first, parameters.separation), before;
   if (last <= joined) return last;

@@ -25,7 +25,7 @@ struct FieldLike {
   Field field = {};
 };
 
-/// Throws as fieldListOf() does.
+/// Returns what a caller means by an argument that names one field. Throws the errors of fieldListOf().
 FieldLike fieldLikeOf(nb::handle argument);
 /// The field that an object is or names; none if no field has this name. Throws a TypeError for another object.
 std::optional<Field> findFieldOf(nb::handle object);

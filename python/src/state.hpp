@@ -10,7 +10,7 @@
 
 namespace gnosphere::python {
 
-/// Lets objects of a class be copied and pickled as the values of these members, which are all that it has.
+/// Lets Python copy and pickle objects of a class by the values of these members. The class must have no others.
 template <auto... kMembers, typename Class>
 void bindState(nb::class_<Class>& type) {
   type.def("__getstate__", [](const Class& self) { return std::make_tuple(self.*kMembers...); });

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/record.hpp"
 #include "sensor/beams.hpp"
@@ -24,12 +25,6 @@ double entryRange(const Vec3& from, const Vec3& along, const Vec3& size) {
     far = std::min(far, std::max(a, b));
   }
   return near <= far ? near : INFINITY;
-}
-
-double median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -132,7 +127,7 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
   std::vector<Box> boxes;
   for (size_t a = 0; a < times.size(); ++a) {
     if (times[a].empty()) continue;
-    Box& box = boxes.emplace_back(boxAt(recorded, a, median(times[a])));
+    Box& box = boxes.emplace_back(boxAt(recorded, a, medianOf(times[a])));
     box.points = times[a].size();
     box.visibility = visibility(recorded, box);
     if (std::isnan(box.visibility)) box.visibility = 1;  // all its points lie beside the box
@@ -157,7 +152,7 @@ std::vector<Box> BoxFinder::findMissed(const RecordedScan& recorded) {
     eachBeamThrough(recorded.planned, box.seen, box.size, [&](size_t beam, double) {
       times.push_back(static_cast<float>(timeOf(rigged.sensor, beam, number)));
     });
-    if (!times.empty()) box = boxAt(recorded, a, median(times));
+    if (!times.empty()) box = boxAt(recorded, a, medianOf(times));
     box.visibility = visibility(recorded, box);
     boxes.push_back(box);
   }

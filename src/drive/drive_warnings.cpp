@@ -7,6 +7,7 @@
 
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"
 #include "effects/trajectory.hpp"
@@ -59,9 +60,7 @@ double usualSpeed(const Trajectory& trajectory) {
   for (size_t i = 1; i < stamps.size(); ++i)
     if (const double length = lengthOf(stamps[i].pose.position - stamps[i - 1].pose.position); length > 0)
       speeds.push_back(length / (stamps[i].time - stamps[i - 1].time));
-  if (speeds.empty()) return 0;
-  std::ranges::nth_element(speeds, speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2));
-  return speeds[speeds.size() / 2];
+  return medianOf(speeds);
 }
 
 std::string spanText(const Trajectory& trajectory) {

@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "base/vector.hpp"
+#include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
@@ -39,12 +40,9 @@ std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::
 
 /// Returns the median time between stamps; 0 if there is one stamp.
 double medianSpacing(std::span<const Trajectory::Stamp> stamps) {
-  if (stamps.size() < 2) return 0;
   std::vector<double> spacings;
   for (size_t i = 1; i < stamps.size(); ++i) spacings.push_back(stamps[i].time - stamps[i - 1].time);
-  const auto middle = spacings.begin() + static_cast<ptrdiff_t>(spacings.size() / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return medianOf(spacings);
 }
 
 /// Returns the seconds between positions below which their second differences tell of digits that a file has cut off

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/vector.hpp"
+#include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "scene/bounds.hpp"
 #include "scene/join.hpp"
@@ -81,13 +82,7 @@ Vec3 wayOf(const std::vector<Vec3>& vertices, const Pose& start, const std::vect
     ways[1].push_back(way.y);
     ways[2].push_back(way.z);
   }
-  const auto median = [](std::vector<double>& all) {
-    if (all.empty()) return 0.0;
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::nth_element(all.begin(), middle, all.end());
-    return *middle;
-  };
-  return {median(ways[0]), median(ways[1]), median(ways[2])};
+  return {medianOf(ways[0]), medianOf(ways[1]), medianOf(ways[2])};
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 namespace gnosphere {
 namespace {
 
-// Returns the range in metres within which kHintPercent per cent of a sample of the returns lie, or 0 if the sample is
-// too small.
+// Returns the range in metres within which kHintPercent per cent of a sample of the returns lie. The range of a sample
+// that is too small is 0.
 float shellHintOf(const Scan& scan) {
   std::vector<float> ranges;
   ranges.reserve(size_t{2} * gpu::kHintSamples);

@@ -23,9 +23,9 @@ constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
 // On an H100 scans of an OS1-64 and an Alpha-Prime with two shells took 0.89 and 0.91 of the time with three in a town
 // of 300,000 triangles, and 0.92 and 0.90 in a street of 1.8 million, where four shells took 1.11 and 1.06 of it.
 constexpr uint32_t kShellsOfGpu = 2;
-// A CPU device has enough shells for the last one to have room for a whole scene whose clusters are half full, and a
-// spare shell, because the range of the last scan's returns ends one shell early. With 14 shells in place of 8 scans of
-// a forest of 300 million triangles took 0.54 of the time by an OS1-64 with its effects, and 0.67 without effects.
+// A CPU device has so many shells that the last one has room for a whole scene whose clusters are half full. One more
+// shell is spare, because the range of the last scan's returns ends one shell early. With 14 shells in place of 8 scans
+// of a forest of 300 million triangles took 0.54 of the time by an OS1-64 with its effects, and 0.67 without effects.
 constexpr uint32_t kLeastShells = 2;
 constexpr uint64_t kLeastTrianglesOfCluster = gpu::kClusterTriangles / 2;
 // EACH_RAY of each_ray.glsl has code for one and for two places, and then for seven.

@@ -228,9 +228,10 @@ std::array<double, 2> cellOf(const SensorPlan& plan) {
   return {left * share, up * share};
 }
 
-/// Sub-rays that represent equal areas of the unit disc, each from the middle of its area: rings of 6, 12, 18 ...
-/// around a centre, ring k turned by 3 + 38 k degrees; for other numbers Vogel's spiral (1979), whose middle is moved
-/// to the axis. The weights follow the beam's profile, exp(-2 radius^2) for a Gaussian one.
+/// Returns sub-rays that represent equal areas of the unit disc, each from the middle of its area. Their places are
+/// rings of 6, 12, 18 ... around a centre, and ring k is turned by 3 + 38 k degrees. Other numbers of sub-rays lie on
+/// Vogel's spiral (1979), whose middle is moved to the axis. The weights follow the beam's profile, exp(-2 radius^2)
+/// for a Gaussian one.
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;

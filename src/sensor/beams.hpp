@@ -44,8 +44,8 @@ struct ScanTimes {
 
   double at(uint32_t i) const { return first + i * step; }
 };
-/// Intervals of the scan of a list. Straight lines between poses so close together miss a smooth path by nanometres in
-/// a scan of a tenth of a second; readDrive() warns of longer ones whose path is not smooth.
+/// A scan of a list has this many intervals between poses. Straight lines between the poses miss a smooth path by
+/// nanometres in a scan of a tenth of a second; readDrive() warns of longer scans whose path is not smooth.
 inline constexpr uint32_t kListIntervals = 2048;
 /// Returns the times of the columns for a grid; a list has kListIntervals.
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame = 0);

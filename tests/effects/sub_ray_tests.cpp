@@ -56,7 +56,8 @@ TEST_CASE("a beam on a slope has the range of its axis, however many sub-rays it
   }
 }
 
-// Boards whose level or upright edges lie anywhere in the footprint: the share of the light that they return.
+// A board covers one side of the footprint up to an edge, which is put at many places. The share of the light that the
+// board returns must be that of the whole beam.
 TEST_CASE("level and upright edges divide the light of a footprint as the whole beam would") {
   const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
   const bool upright = GENERATE(false, true);

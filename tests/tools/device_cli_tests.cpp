@@ -26,8 +26,8 @@ TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") 
 
 namespace {
 
-/// Returns the path of lavapipe's manifest: lvp_icd.json, or with the architecture in its name. Skips the test if there
-/// is none.
+/// Returns the path of lavapipe's manifest. Its name is lvp_icd.json, or has the architecture before the ending. A test
+/// is skipped if no such file is there.
 std::filesystem::path lavapipesManifest() {
   const std::filesystem::path folder = "/usr/share/vulkan/icd.d";
   std::filesystem::path manifest;

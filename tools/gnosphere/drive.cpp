@@ -224,11 +224,7 @@ Action addDrive(CLI::App& app) {
       app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
   app.add_option("--seed", call->seed,
                  "The seed of all random numbers, in place of that of the drive file; it belongs to the data set");
-  app.add_option(
-         "--device", call->device,
-         "auto, gpu for any that is no CPU, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, "
-         "or reference")
-      ->capture_default_str();
+  app.add_option("--device", call->device, kDeviceHelp)->capture_default_str();
   addSetOption(app, call->settings);
   app.add_flag("--verify", call->verify,
                "Read complete frames and finished files, and make those again that have changed");

@@ -82,11 +82,7 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
       app.add_option("--animation", options.animation, "Show the scene in this animation of its file (gnosphere info)");
   app.add_option("--time", options.time, "Seconds after the start of the animation, which repeats; default 0")
       ->needs(animation);
-  app.add_option(
-         "--device", options.device,
-         "auto, gpu for any that is no CPU, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, "
-         "or reference")
-      ->capture_default_str();
+  app.add_option("--device", options.device, kDeviceHelp)->capture_default_str();
   app.add_flag_callback(
       "--validation", [&options] { options.settings.push_back("validation=true"); },
       "Enable the Vulkan validation layer; its messages are errors");

@@ -17,6 +17,11 @@ namespace gnosphere::cli {
 /// Options of a simulator as texts, NAME=VALUE, in the order in which they are set.
 using Settings = std::vector<std::string>;
 
+/// Every command describes its option --device by this text.
+inline constexpr const char* kDeviceHelp =
+    "auto, gpu for any that is no CPU, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or "
+    "reference";
+
 struct ScanningOptions {
   std::string scene, sensor = "HDL-64E", pose, up, device = "auto", animation;
   Settings settings;
@@ -31,7 +36,7 @@ CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::strin
 /// ignores.
 void apply(const Settings& settings, SimulatorOptions& options);
 
-/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --animation, --time, --device, --validation,
+/// Adds SCENE and --sensor, --pose, --faces, --up, --scale, --animation, --time, --device, --validation,
 /// --set.
 void addScanningOptions(CLI::App& app, ScanningOptions& options);
 /// Adds SCENE, --up and --scale.
