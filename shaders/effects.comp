@@ -113,8 +113,8 @@ vec3 laserVelocity() {
   return velocity;
 }
 
-// Stores the velocity of the surface where the light meets it, and its radial speed. Without motion both are 0. The
-// velocity of fog, drops, flakes and dust is always 0.
+// Stores the velocity of the surface where the light meets it, and its radial speed as the sensor measures it. Without
+// motion the velocity is 0. That of fog, drops, flakes and dust is always 0.
 void storeMotion(uint at, uvec2 owner, Return value) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
@@ -122,6 +122,10 @@ void storeMotion(uint at, uvec2 owner, Return value) {
     if (owner.x != kNone && motion.instances != 0) velocity = surfaceVelocityAt(owner, lightDirection * value.trueRange);
     radial = radialSpeed(lightDirection, velocity, laserVelocity());
     velocity = reportedDirection(beamMotion, velocity);
+  }
+  if ((EFFECTS & kSpeedNoise) != 0) {
+    uint number = value.label == kLabelSolid ? value.echo : kScatterDraw;
+    radial = noisySpeed(planned, radial, gaussians(draw(planned, beamIndex, number, kRadialSpeed)).x);
   }
   motions.at[at] = vec4(velocity, value.label != kLabelNone ? radial : notANumber());
 }

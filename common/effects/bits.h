@@ -34,6 +34,9 @@ GNO_CONST uint kStrays = 1u << 31;
 // beam is a single line, and its nearest hit counts.
 GNO_CONST uint kFootprint = 1u << 30;
 
+// Not an effect of its own: set if radial speeds have an error.
+GNO_CONST uint kSpeedNoise = 1u << 29;
+
 // Effects of a medium that is the same everywhere.
 GNO_CONST uint kUniformMedia = kFog | kRain | kSnow;
 // Effects of the medium between the sensor and the surfaces.
@@ -43,7 +46,7 @@ GNO_CONST uint kMediumEffects = kUniformMedia | kVolumes;
 GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;
 // With one of these effects the returns of each beam are computed from its echoes.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
-                                kFootprintEffects | kReturns | kMediumEffects;
+                                kFootprintEffects | kReturns | kMediumEffects | kSpeedNoise;
 // Most surfaces that one sub-ray can hit.
 GNO_CONST uint kMaxLayers = 4;
 

@@ -26,6 +26,11 @@ GNO_INLINE float noisyIntensity(EffectParameters p, float unit, float gaussian) 
   return max(result, 0.0f);
 }
 
+GNO_INLINE float noisySpeed(EffectParameters p, float speed, float gaussian) {
+  GNO_PRECISE float result = speed + p.speedSigma * gaussian;
+  return result;
+}
+
 // Angle error of the beam with index `beam`: azimuth (x) and elevation (y) in radians.
 GNO_INLINE vec2 angleError(EffectParameters p, uint beam) {
   vec4 normal = gaussians(draw(p, beam, 0u, kAngleNoise));

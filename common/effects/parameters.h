@@ -89,7 +89,8 @@ struct EffectParameters {
   float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
   uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
-  float padding0, padding1, padding2;
+  float speedSigma;
+  float padding0, padding1;
 };
 
 // Optical properties of one material.

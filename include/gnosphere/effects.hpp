@@ -174,6 +174,7 @@ struct Effects {
   /// away. Automatic: on if the field radial_speed is requested.
   struct RadialSpeed {
     EffectUse use = EffectUse::automatic;
+    double sigma = 0;  ///< m/s; standard deviation of the Gaussian error of each return
   } radialSpeed;
 
   /// Returns a value with every effect off: geometry alone. An effect that is off ignores its other values; give it a

@@ -224,7 +224,8 @@ Answer appliesVolumes(const Question& q) {
 
 Answer appliesRadialSpeed(const Question& q) {
   if (!q.asksFor(Field::radialSpeed)) return {false, "no field asks for it"};
-  return {true, "the field radial_speed asks for it"};
+  const double sigma = q.effects.radialSpeed.sigma;
+  return {true, "the field radial_speed asks for it" + (sigma > 0 ? format(", sigma %.3g m/s", sigma) : "")};
 }
 
 bool always(const Effects&) {
@@ -394,7 +395,9 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::radialSpeed>(
           "radial-speed", gpu::kRadialSpeed, appliesRadialSpeed, never,
           "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "
-          "moves away. Automatic: on if the field radial_speed is requested."),
+          "moves away. Automatic: on if the field radial_speed is requested.",
+          {number<&E::radialSpeed, &E::RadialSpeed::sigma>(
+              "sigma", "m/s", 0, 100, "Standard deviation of the Gaussian error of each return.")}),
   };
 }
 

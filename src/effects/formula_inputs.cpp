@@ -97,6 +97,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.azimuthSigma = float(effects.angleNoise.azimuth);
   p.elevationSigma = float(effects.angleNoise.elevation);
   p.intensitySigma = float(effects.intensityNoise.sigma);
+  p.speedSigma = float(effects.radialSpeed.sigma);
 
   const double horizontal = horizontalSpread(effects, sensor), vertical = verticalSpread(effects, sensor);
   if ((planned & gpu::kDivergence) != 0 && effects.divergence.subRays > 1) {

@@ -143,6 +143,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kDivergence)) checkSubRays(options_, effects);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
+  if (plan.has(gpu::kRadialSpeed) && effects.radialSpeed.sigma > 0) plan.bits |= gpu::kSpeedNoise;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.layout = request.layout;
   for (const uint32_t instance : request.ignoredInstances) {

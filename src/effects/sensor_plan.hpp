@@ -30,7 +30,7 @@ struct SensorPlan {
   Sensor sensor;
   Effects effects;  ///< as requested
   std::vector<Plan::Decision> decisions;
-  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
+  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, kStrays, kFootprint and kSpeedNoise
   uint32_t fields = 0;            ///< gpu::kField... bits of the requested fields
   uint32_t returns = 1;           ///< per beam
   RecordLayout layout;            ///< of results that stay on the device; empty if the host reads them

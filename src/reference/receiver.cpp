@@ -103,6 +103,8 @@ std::vector<size_t> Receiver::chosen(const std::vector<Bounded>& powers, bool& d
 Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) const {
   const auto& [echo, number, depth] = numbered;
   Return result = {echo.range, echo.range.value, std::numeric_limits<double>::quiet_NaN(), echo.width, echo.hit};
+  if (plan_.has(gpu::kSpeedNoise))
+    result.speedError = plan_.effects.radialSpeed.sigma * draws_.normals(beam, number, gpu::kRadialSpeed)[0].value;
   if (plan_.has(gpu::kRangeNoise)) {
     const Effects::RangeNoise& noise = plan_.effects.rangeNoise;
     const Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range;

@@ -10,7 +10,8 @@ namespace gnosphere::reference {
 struct Return {
   Bounded range;
   double trueRange = 0, intensity = 0, width = 0;
-  Hit hit;  ///< none: the echo is the medium's
+  Hit hit;                ///< none: the echo is the medium's
+  double speedError = 0;  ///< m/s, of the radial speed
 };
 
 struct Judgement {

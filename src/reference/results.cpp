@@ -98,7 +98,7 @@ void Judge::store(const Reported& reported, const Return& value, size_t at, Scan
     columns.data<float>(Field::width)[at] = static_cast<float>(value.width);
     columns.data<uint8_t>(Field::label)[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);
   }
-  if (columns.data<float>(Field::radialSpeed)) storeMotion(reported, value.hit, at, scan);
+  if (columns.data<float>(Field::radialSpeed)) storeMotion(reported, value, at, scan);
   if (!solid) return;
   const Triangle& triangle = view_.tree.triangles()[value.hit.triangle];
   scan.triangles[at] = triangle.index;
@@ -126,7 +126,8 @@ void Judge::storeSurface(const Reported& reported, const Hit& hit, size_t at, Sc
   }
 }
 
-void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
+void Judge::storeMotion(const Reported& reported, const Return& value, size_t at, Scan& scan) const {
+  const Hit& hit = value.hit;
   const Line& axis = reported.beam.axis;
   const ScanColumns columns(scan);
   const auto inColumn = [&](const Vec3& world) {
@@ -142,7 +143,7 @@ void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Sca
   const Vec3 sensor = inColumn(velocityAt(shot_.motion, axis.time)),
              arm = cross(angularVelocityAt(shot_.motion, axis.time), reported.beam.origin);
   columns.data<float>(Field::radialSpeed)[at] =
-      static_cast<float>(dot(reported.light, inColumn(velocity) - (sensor + arm)));
+      static_cast<float>(dot(reported.light, inColumn(velocity) - (sensor + arm)) + value.speedError);
   put(reported.turned(inColumn(velocity), deskew_), columns.data<float>(Field::velocity) + 3 * at);
 }
 

@@ -19,7 +19,7 @@ class Judge {
 
   void store(const Reported& beam, const Return& value, size_t at, Scan& scan) const;
   void storeSurface(const Reported& beam, const Hit& hit, size_t at, Scan& scan) const;
-  void storeMotion(const Reported& beam, const Hit& hit, size_t at, Scan& scan) const;
+  void storeMotion(const Reported& beam, const Return& value, size_t at, Scan& scan) const;
 
   const View& view_;
   const Shot& shot_;

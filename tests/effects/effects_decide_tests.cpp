@@ -268,6 +268,9 @@ TEST_CASE("requested fields enable the effects that compute them") {
   asked.fields = {Field::intensity, Field::radialSpeed};
   checkIn(asked, "intensity", "the field intensity asks for it");
   checkIn(asked, "radial-speed", "the field radial_speed asks for it");
+  asked.effects.radialSpeed.sigma = 0.05;
+  checkIn(asked, "radial-speed", "the field radial_speed asks for it, sigma 0.05 m/s");
+  asked.effects.radialSpeed.sigma = 0;
   asked.effects.intensity.use = asked.effects.radialSpeed.use = EffectUse::on;
   checkIn(asked, "intensity", "asked for");
   checkIn(asked, "radial-speed", "asked for: the field radial_speed asks for it");

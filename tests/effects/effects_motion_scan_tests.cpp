@@ -1,69 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans while the sensor and instances move.
-#include <catch2/catch_approx.hpp>
-#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
 #include "deformable.hpp"
-#include "effects/scan_support.hpp"
+#include "effects/moving_room.hpp"
 #include "lists/list_sensors.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-using Catch::Approx;
-
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
-Sensor spinning(uint32_t columns = 360) {
-  Sensor sensor = gridSensor(columns, 5, -20, 20, 100);
-  sensor.rotationPeriod = kPeriod;
-  return sensor;
-}
-
-double timeOfColumn(const Sensor& sensor, size_t beam) {
-  return kPeriod * double(beam % sensor.columns) / sensor.columns;
-}
-
-Scene room() {
-  MeshBuilder builder;
-  builder.box({-20, -30, -15}, {20, 30, 15}, 4);
-  Scene scene = sceneOf(builder.take());
-  return scene;
-}
-
-/// Distance at which a line from a point in the room hits its walls.
-double toWalls(const Vec3& from, const Vec3& d) {
-  const auto wall = [](double at, double speed, double half) {
-    return speed > 0 ? (half - at) / speed : speed < 0 ? (-half - at) / speed : 1e9;
-  };
-  return std::min({wall(from.x, d.x, 20), wall(from.y, d.y, 30), wall(from.z, d.z, 15)});
-}
-
-Vec3 turned(double angle, const Vec3& v) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
-}
-
-/// A shot in which the sensor moves ahead at 20 m/s and turns left at 2 rad/s.
-const double kSpeed = 20, kTurn = 2;
-Shot driving() {
-  Shot shot;
-  shot.motion.stamps = {{0, {}}, {kPeriod, {{kSpeed * kPeriod, 0, 0}, yaw(kTurn * kPeriod)}}};
-  return shot;
-}
-
-Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor, const Shot& shot,
-             bool deskew = false) {
-  TestOptions options = optionsOn(device);
-  options.effects.radialSpeed.use = options.effects.sensorMotion.use = options.effects.objectMotion.use =
-      EffectUse::automatic;
-  options.effects.sensorMotion.deskew = deskew;
-  options.fields = {Field::radialSpeed, Field::velocity, Field::normal};
-  return scanOn(scene, sensor, shot, options);
-}
 
 /// Metres of a line inside a box, up to a range.
 double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d, double range) {
@@ -92,8 +38,6 @@ Scan dusty(const std::string& device, const Sensor& sensor, const Shot& shot, co
 const Effects::Volume kDust = {{3, -6, -1}, {9, 8, 4}, 0.01};
 
 }  // namespace
-
-#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
 TEST_CASE("every column is seen from the sensor's position when it fires") {
   const std::string device = ON_EVERY_DEVICE;
@@ -257,110 +201,6 @@ TEST_CASE("the length of a pose's quaternion has no influence, also on dust") {
   }
 }
 
-TEST_CASE("a turning sensor measures no speed in a still world") {
-  const std::string device = ON_EVERY_DEVICE;
-  Shot shot;
-  shot.motion.stamps = {{0, {}}, {kPeriod, {{}, yaw(3)}}};
-  const Scan scan = scanned(device, room(), spinning(), shot);
-  CHECK(scan.counters.hits == scan.beamCount());
-  for (float speed : scan.column<float>(Field::radialSpeed)) CHECK(speed == 0);
-}
-
-TEST_CASE("an approaching wall appears slanted, and its speed is measured") {
-  const std::string device = ON_EVERY_DEVICE;
-  Scene scene = sceneOf(plate(0, 12));
-  scene.instances[0].transform = translation(15, 0, 0);
-  Shot shot;
-  const double speed = -30;
-  shot.instanceMotions = {{0, translation(15 + speed * kPeriod, 0, 0)}};
-  const Sensor sensor = spinning();
-  const Scan scan = scanned(device, scene, sensor, shot);
-  size_t hits = 0;
-  for (size_t i = 0; i < scan.beamCount(); ++i) {
-    if (!scan.hit(i)) continue;
-    ++hits;
-    const Vec3 d = sensor.direction(i);
-    CHECK(scan.points[3 * i] == Approx(15 + speed * timeOfColumn(sensor, i)).epsilon(1e-5));
-    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(speed * d.x).margin(1e-3));
-    CHECK(scan.column<float>(Field::velocity)[i] == Approx(speed).margin(1e-3));
-    CHECK(scan.column<float>(Field::normal)[i] == Approx(-1).margin(1e-5));
-  }
-  CHECK(hits > 300);
-}
-
-TEST_CASE("the velocity of a fast turning plate or wire is that of the point that the beam meets") {
-  const std::string device = ON_EVERY_DEVICE;
-  const bool wire = GENERATE(false, true);  // 1 mm thick: weights of its corners would be far off
-  MeshBuilder builder;
-  builder.quad({0, -5, -0.0005}, {0, 10, 0}, {0, 0, 0.001}, 1);
-  Scene scene = sceneOf(wire ? builder.take() : plate(0, 12));
-  scene.instances[0].transform = translation(15, 0, 0);
-  const double angle = 0.8, c = std::cos(angle), s = std::sin(angle);
-  Shot shot;
-  shot.instanceMotions = {{0, {{c, -s, 0, 15, s, c, 0, 0, 0, 0, 1, 0}}}};
-  Sensor sensor = spinning();
-  if (GENERATE(false, true))
-    for (Channel& channel : sensor.channels) channel.origin = {0.3, -0.2, 0};
-  const Scan scan = scanned(device, scene, sensor, shot);
-  size_t hits = 0;
-  for (size_t i = 0; i < scan.beamCount(); ++i) {
-    if (!scan.hit(i)) continue;
-    ++hits;
-    // A corner at (x, y) of the plate goes straight from (x, y) to (c x - s y, s x + c y), about the plate's centre.
-    // The map at the time of the beam is inverted, which gives the point of the plate that the beam meets.
-    const double share = timeOfColumn(sensor, i) / kPeriod, cosine = 1 - share + share * c, sine = share * s;
-    const double px = scan.points[3 * i] - 15, py = scan.points[3 * i + 1], square = cosine * cosine + sine * sine;
-    const double x = (cosine * px + sine * py) / square, y = (cosine * py - sine * px) / square;
-    CHECK(scan.column<float>(Field::velocity, 0)[i] == Approx(((c - 1) * x - s * y) / kPeriod).margin(1e-3));
-    CHECK(scan.column<float>(Field::velocity, 1)[i] == Approx((s * x + (c - 1) * y) / kPeriod).margin(1e-3));
-  }
-  CHECK(hits > (wire ? 20 : 300));
-}
-
-TEST_CASE("the velocity of a turning plate is that of the point that a deviating beam meets") {
-  Scene scene = sceneOf(plate(0, 12));
-  scene.instances[0].transform = translation(15, 0, 0);
-  const double c = std::cos(1.5), s = std::sin(1.5);
-  Shot shot;
-  shot.instanceMotions = {{0, {{c, -s, 0, 15, s, c, 0, 0, 0, 0, 1, 0}}}};
-  TestOptions options = optionsOn("auto");
-  options.effects.objectMotion.use = options.effects.intensity.use = EffectUse::automatic;
-  options.effects.radialSpeed.use = EffectUse::automatic;
-  options.effects.angleNoise = {EffectUse::on, 5e-3, 5e-3, Effects::AngleNoise::At::beam};
-  options.fields = {Field::velocity, Field::radialSpeed};
-  Scan found, expected;
-  makeSimulator(scene, spinning(), options).scanInto(shot, found);
-  options.device = deviceByName("reference");
-  makeSimulator(scene, spinning(), options).scanInto(shot, expected);
-  size_t hits = 0;
-  for (size_t i = 0; i < found.beamCount(); ++i) {
-    if (!found.hit(i) || !expected.hit(i)) continue;
-    ++hits;
-    for (uint32_t axis = 0; axis < 3; ++axis)
-      CHECK(found.column<float>(Field::velocity, axis)[i] ==
-            Approx(expected.column<float>(Field::velocity, axis)[i]).margin(2e-3));
-    CHECK(found.column<float>(Field::radialSpeed)[i] ==
-          Approx(expected.column<float>(Field::radialSpeed)[i]).margin(2e-3));
-  }
-  CHECK(hits > 200);
-}
-
-TEST_CASE("a sensor that moves with its target measures no speed and no distortion") {
-  const std::string device = ON_EVERY_DEVICE;
-  Scene scene = sceneOf(plate(0, 12));
-  scene.instances[0].transform = translation(15, 0, 0);
-  Shot shot;
-  shot.motion.stamps = {{0, {}}, {kPeriod, {{3, 1, 0}, {}}}};
-  shot.instanceMotions = {{0, translation(18, 1, 0)}};
-  const Scan scan = scanned(device, scene, spinning(), shot);
-  CHECK(scan.counters.hits > 300);
-  for (size_t i = 0; i < scan.beamCount(); ++i) {
-    if (!scan.hit(i)) continue;
-    CHECK(scan.points[3 * i] == Approx(15).epsilon(1e-5));
-    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(0).margin(1e-4));
-  }
-}
-
 TEST_CASE("channels that fire later see the world later, from the origin of their laser") {
   const std::string device = ON_EVERY_DEVICE;
   Sensor sensor = gridSensor(360, 2, 0, 0, 100);
@@ -379,52 +219,6 @@ TEST_CASE("channels that fire later see the world later, from the origin of thei
 }
 
 // The distance from the laser to the point that the beam meets is differentiated by differences.
-TEST_CASE("the speed of a laser beside the sensor's origin has the turning of the sensor in it") {
-  const std::string device = ON_EVERY_DEVICE;
-  const bool listed = GENERATE(true, false);
-  Sensor sensor = gridSensor(16, 2, 5, 5, 100);
-  const Vec3 lasers[] = {{0.3, -0.2, 0.1}, {-0.1, 0.4, 0.05}};
-  for (size_t i = 0; i < 2; ++i) sensor.channels[i].origin = lasers[i];
-  sensor.rotationPeriod = kPeriod;
-  if (listed) {
-    Sensor list = listSensor("list", beamsOf(sensor));
-    list.rangeMax = 100;
-    list.rotationPeriod = kPeriod;
-    for (Vec3& origin : list.patterns[0].origins) origin.x += 2;  // far from all others and from the origin
-    sensor = list;
-  }
-  const Scan scan = scanned(device, room(), sensor, driving());
-  const auto laserAt = [&](size_t beam, double time) {
-    const Vec3 at = turned(kTurn * time, originOf(sensor, beam));
-    return Vec3{kSpeed * time + at.x, at.y, at.z};
-  };
-  for (size_t i = 0; i < sensor.beamCount(); ++i) {
-    const double time = timeOf(sensor, i), step = 1e-6;
-    const Vec3 d = turned(kTurn * time, directionOf(sensor, i)), from = laserAt(i, time);
-    const double range = toWalls(from, d);
-    REQUIRE(scan.ranges[i] == Approx(range).epsilon(1e-5));
-    const auto distanceAt = [&](double at) {
-      const Vec3 p = laserAt(i, at);
-      return std::hypot(from.x + range * d.x - p.x, from.y + range * d.y - p.y, from.z + range * d.z - p.z);
-    };
-    const double expected = (distanceAt(time + step) - distanceAt(time - step)) / (2 * step);
-    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(expected).margin(2e-3));
-  }
-}
-
-TEST_CASE("beams that fire up to the last stamp and after it measure the sensor's speed") {
-  const std::string device = ON_EVERY_DEVICE;
-  Sensor sensor = gridSensor(360, 4, 0, 0, 100);
-  sensor.rotationPeriod = kPeriod;
-  for (size_t i = 0; i < 4; ++i) sensor.channels[i].timeOffset = 0.3 * static_cast<double>(i) * kPeriod / 360;
-  sensor.channels[3].timeOffset = 1.7 * kPeriod / 360;
-  Shot shot;
-  shot.motion.stamps = {{0, {}}, {kPeriod, {{kSpeed * kPeriod, 0, 0}, {}}}};
-  const Scan scan = scanned(device, room(), sensor, shot);
-  for (size_t i = 0; i < scan.beamCount(); ++i)
-    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(-kSpeed * directionOf(sensor, i).x).margin(1e-3));
-}
-
 TEST_CASE("a drive through a town with traffic equals the reference") {
   needVulkan();
   const bool deskew = GENERATE(false, true);

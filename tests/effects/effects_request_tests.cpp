@@ -58,7 +58,7 @@ Effects everything() {
   e.snow = {EffectUse::on, 2.5};
   e.volumes.use = EffectUse::on;
   e.volumes.boxes = {{{-1, -2, -3}, {1, 2, 3}, 0.1}, {{0, 0, 0}, {0.1, 0, 0}, 0}};
-  e.radialSpeed.use = EffectUse::on;
+  e.radialSpeed = {EffectUse::on, 0.05};
   return e;
 }
 
