@@ -14,18 +14,31 @@ float sumOf(float a, float b) {
   return result;
 }
 
-// Adds a hit to the sums of an echo: energy, energy * depth, energy * depth^2.
-void addPiece(inout vec3 sums, float energy, float depth) {
-  precise float moment = energy * depth;
-  precise vec3 result = sums + vec3(energy, moment, moment * depth);
+// Returns the inverse of the range of an echo's nearest hit, for the functions below. Nearer than a micrometre the ratio of
+// two ranges could be too large a number.
+float inverseOfFirst(float first) { return quotient(1.0, max(first, 1e-6)); }
+
+// Returns the range at a depth behind the echo's nearest hit as a multiple of that hit's range: exactly 1 at depth 0.
+float stretchAt(float depth, float inverseFirst) {
+  precise float result = 1.0 + depth * inverseFirst;
+  return result;
+}
+
+// Adds a hit to the sums of an echo: power, power * depth, power * depth^2. The power at the receiver is energy / range^2,
+// here a multiple of what the same energy at the nearest hit would give.
+void addPiece(inout vec3 sums, float energy, float depth, float inverseFirst) {
+  float stretch = stretchAt(depth, inverseFirst), power = quotient(energy, product(stretch, stretch));
+  precise float moment = power * depth;
+  precise vec3 result = sums + vec3(power, moment, moment * depth);
   sums = result;
 }
 
-// Returns range, energy and width.
-vec3 echoOf(float first, vec3 sums) {
+// Returns range, energy and width. The energy is that of a surface at this range that gives the power of all hits.
+vec3 echoOf(float first, float inverseFirst, vec3 sums) {
   if (!(sums.x > 0.0)) return vec3(first, 0.0, parameters.pulseWidth);
   precise float mean = quotient(sums.y, sums.x);
   precise float variance = quotient(sums.z, sums.x) - mean * mean;
   precise float range = first + mean;
-  return vec3(range, sums.x, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
+  float stretch = stretchAt(mean, inverseFirst), energy = product(sums.x, product(stretch, stretch));
+  return vec3(range, energy, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }

@@ -160,7 +160,7 @@ void storeEcho(uint slot, vec3 echo, float light, uint id) {
 void gatherEchoes(uint beam) {
   uint count = 0;
   for (uint k = 0; k < hitCount;) {
-    float first = ranges[k], most = -1.0, light = 1.0;
+    float first = ranges[k], inverseFirst = 0.0, most = -1.0, light = 1.0;
     uint strongest = ids[k];
     vec3 sums = vec3(0.0);
     bool any = false;
@@ -168,17 +168,18 @@ void gatherEchoes(uint beam) {
       if (energies[k] < 0.0) continue;
       if (!any) {
         first = ranges[k];
+        inverseFirst = inverseOfFirst(first);
         if (count > 0) light = lights[k];
       }
       if (ranges[k] > sumOf(first, parameters.separation)) break;
       any = true;
-      addPiece(sums, energies[k], sumOf(ranges[k], -first));
+      addPiece(sums, energies[k], sumOf(ranges[k], -first), inverseFirst);
       if (energies[k] <= most) continue;
       most = energies[k];
       strongest = ids[k];
     }
     if (!any) break;
-    storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), light, strongest);
+    storeEcho(echoPlace(beamIndex, count), echoOf(first, inverseFirst, sums), light, strongest);
     ++count;
   }
   echoCounts.at[resultOf(beam)] = count;

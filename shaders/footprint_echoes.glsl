@@ -95,12 +95,12 @@ void keepEcho(uint index, uint count, vec3 echo, float light, uint projected) {
 }
 
 // The owner of an echo is its strongest hit, and the first one of equally strong hits.
-void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, float range, float energy,
-           uint candidate) {
+void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float inverseFirst, float end, float range,
+           float energy, uint candidate) {
   bool from = range >= first, to = range <= end, counts = energy >= 0.0;
   bool taken = from && to && counts;
   vec3 more = sums;
-  addPiece(more, energy, sumOf(range, -first));
+  addPiece(more, energy, sumOf(range, -first), inverseFirst);
   sums = taken ? more : sums;
   bool stronger = taken && energy > most;
   most = stronger ? energy : most;
@@ -108,13 +108,14 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
 }
 
 // Adds the hits of a layer in the order of the sub-rays, because sums depend on the order.
-void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint layer) {
-#define ADD(s)                                                                                              \
-  addTo(sums, most, strongest, first, end, ranges[layer * RAYS + s], energies[layer * RAYS + s],            \
+void addLayer(inout vec3 sums, inout float most, inout uint strongest, float first, float inverseFirst, float end,
+              uint layer) {
+#define ADD(s)                                                                                                  \
+  addTo(sums, most, strongest, first, inverseFirst, end, ranges[layer * RAYS + s], energies[layer * RAYS + s],  \
         metCandidates[layer * RAYS + s]);
 #define ADD_OF_LANES(s)                                                                                     \
   [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                       \
-    addTo(sums, most, strongest, first, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
+    addTo(sums, most, strongest, first, inverseFirst, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
           subgroupShuffle(energies[layer * RAYS + s], lane), subgroupShuffle(metCandidates[layer * RAYS + s], lane));
   if (SPREAD_RAYS > 0) {
     EACH_RAY(ADD_OF_LANES)
@@ -153,14 +154,14 @@ void gatherEchoes(uint index, uint beam) {
   uint count = 0;
   float first = nextRange(0.0), last = lastRange();
   while (first < kNothing) {
-    float end = endOfEcho(first, last), most = -1.0;
+    float end = endOfEcho(first, last), most = -1.0, inverseFirst = inverseOfFirst(first);
     uint strongest = 0;
     vec3 sums = vec3(0.0);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
-      if (IS_MET(layer)) addLayer(sums, most, strongest, first, end, layer);
+      if (IS_MET(layer)) addLayer(sums, most, strongest, first, inverseFirst, end, layer);
     }
     float light = KEEPS_LIGHT && count > 0 ? lightTo(first) : 1.0;
-    if (speaksForBeam()) keepEcho(index, count, echoOf(first, sums), light, strongest);
+    if (speaksForBeam()) keepEcho(index, count, echoOf(first, inverseFirst, sums), light, strongest);
     ++count;
     first = end < last ? nextRange(end) : kNothing;
   }

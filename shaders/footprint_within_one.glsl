@@ -4,9 +4,10 @@
 // Indices are written as 0 * RAYS + s, because glslang checks constant ones against the default value of RAYS.
 
 // Adds the hits of all sub-rays on a surface to the sums of an echo.
-vec3 sumsOf(float first) {
+vec3 sumsOf(float first, float inverseFirst) {
   vec3 sums = vec3(0.0);
-#define ADD_HIT(s) addPiece(sums, product(carried[s], reflections[s]), sumOf(ranges[0 * RAYS + s], -first));
+#define ADD_HIT(s) \
+  addPiece(sums, product(carried[s], reflections[s]), sumOf(ranges[0 * RAYS + s], -first), inverseFirst);
   EACH_RAY(ADD_HIT)
   return sums;
 }
@@ -56,7 +57,8 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   if (!met) return false;
   vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
   reflectEach(surface, normal);
-  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(least)), 1.0, projected);
+  float inverseLeast = inverseOfFirst(least);
+  storeEcho(echoPlace(index, 0), echoOf(least, inverseLeast, sumsOf(least, inverseLeast)), 1.0, projected);
   echoCounts.at[resultOf(beam)] = 1;
   return true;
 }

@@ -146,29 +146,37 @@ Line lineOf(const Beam& beam, double u, double v) {
   return {beam.axis.frame, (1 / lengthOf(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
 }
 
-/// Merges pieces that are in order of range. If pieces of two surfaces are equally strong, it is in doubt which of them
-/// represents the echo.
+/// Merges pieces that are in order of range, each weighted by its power at the receiver, energy / range^2. The echo has
+/// the energy of a surface at its range that gives the power of all pieces. If pieces of two surfaces are equally strong,
+/// it is in doubt which of them represents the echo.
 Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
-  Bounded energy = 0;
+  // A range behind the first piece, as a multiple of the first piece's.
+  const auto stretchAt = [&](double depth) {
+    if (depth == 0) return Bounded(1);
+    return Bounded(1) + Bounded(depth, 2 * doubt.tolerance) / Bounded(std::max(first, 1e-6), doubt.tolerance);
+  };
+  Bounded power = 0;
   double moment = 0, square = 0;
   const Piece* strongest = &pieces.front();
   for (const Piece& piece : pieces) {
     const double depth = piece.range - first;
-    energy = energy + piece.energy;
-    moment += piece.energy.value * depth;
-    square += piece.energy.value * depth * depth;
+    const Bounded stretch = stretchAt(depth), own = depth == 0 ? piece.energy : piece.energy / (stretch * stretch);
+    power = power + own;
+    moment += own.value * depth;
+    square += own.value * depth * depth;
     if (piece.energy.value > strongest->energy.value ||
         (piece.energy.value == strongest->energy.value && piece.order < strongest->order))
       strongest = &piece;
   }
   for (const Piece& piece : pieces)
     if (piece.hit.triangle != strongest->hit.triangle) less(piece.energy, strongest->energy, doubt.tie);
-  const double mean = energy.value > 0 ? moment / energy.value : 0;
-  const double variance = energy.value > 0 ? std::max(square / energy.value - mean * mean, 0.0) : 0;
+  const double mean = power.value > 0 ? moment / power.value : 0;
+  const double variance = power.value > 0 ? std::max(square / power.value - mean * mean, 0.0) : 0;
   const double perDeviation = 2 * std::sqrt(2 * std::numbers::ln2);  // full width at half maximum
+  const Bounded stretch = stretchAt(mean);
   return {{first + mean, doubt.tolerance},
-          energy,
+          mean == 0 ? power : power * (stretch * stretch),
           std::sqrt(pulseWidth * pulseWidth + perDeviation * perDeviation * variance),
           strongest->hit};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The places of sub-rays in a footprint.
 #include <algorithm>
+#include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <numbers>
@@ -84,6 +85,47 @@ TEST_CASE("level and upright edges divide the light of a footprint as the whole 
   }
   CAPTURE(device, upright, subRays);
   CHECK(std::sqrt(square / kPlaces) < most);
+}
+
+// Light that comes back from nearer ground is stronger, by the square of the range: the mean of a footprint that is
+// long on the ground lies nearer than its axis.
+TEST_CASE("a footprint on the ground has the range and the power of all light that comes back from it") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  // Height of the sensor and full angle of the beam in metres and radians, elevation in degrees.
+  const auto [height, angle, elevation] =
+      GENERATE(table<double, double, double>({{0.05, 0.098, -4}, {1.8, 0.00534, -2}, {1.8, 0.00534, -0.5}}));
+  MeshBuilder builder;
+  builder.quad({-10, -400, -height}, {1010, 0, 0}, {0, 800, 0});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.5f);
+  TestOptions options = footprintsOf(device, 61, angle);
+  options.effects.divergence.profile = Effects::Divergence::Profile::uniform;
+  options.effects.returns.separation = 100;
+  options.materials.rows = {{"dull", 0.5f}};
+  const Sensor sensor = gridSensor(3600, 1, elevation, elevation, 1000);
+  const Scan scan = scanOn(scene, sensor, Pose(), options);
+
+  const double el = elevation * std::numbers::pi / 180, radius = std::tan(angle / 2);
+  constexpr int kLines = 801;
+  double power = 0, moment = 0, lines = 0;
+  for (int i = 0; i < kLines; ++i)
+    for (int j = 0; j < kLines; ++j) {
+      const double u = -1 + (2 * i + 1.0) / kLines, v = -1 + (2 * j + 1.0) / kLines;
+      if (u * u + v * v > 1) continue;
+      ++lines;
+      const double length = std::sqrt(1 + radius * radius * (u * u + v * v)),
+                   down = -(std::sin(el) + radius * v * std::cos(el)) / length;  // the cosine of the incidence, too
+      if (!(down > 0)) continue;
+      const double range = height / down;
+      if (range > 1000) continue;
+      const double own = 0.5 * down / (range * range);
+      power += own;
+      moment += own * range;
+    }
+  const size_t beam = ahead(sensor);
+  CAPTURE(device, height, angle, elevation, scan.ranges[beam], moment / power);
+  CHECK(scan.ranges[beam] == Catch::Approx(moment / power).epsilon(0.01));
+  CHECK(scan.column<float>(Field::intensity)[beam] == Catch::Approx(power / lines).epsilon(0.02));
 }
 
 }  // namespace gnosphere::test
