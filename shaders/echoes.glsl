@@ -18,17 +18,12 @@ float sumOf(float a, float b) {
 // two ranges could be too large a number.
 float inverseOfFirst(float first) { return quotient(1.0, max(first, 1e-6)); }
 
-// Returns the range at a depth behind the echo's nearest hit as a multiple of that hit's range: exactly 1 at depth 0.
-float stretchAt(float depth, float inverseFirst) {
-  precise float result = 1.0 + depth * inverseFirst;
-  return result;
-}
-
 // Adds a hit to the sums of an echo: power, power * depth, power * depth^2. The power at the receiver is energy / range^2,
-// here a multiple of what the same energy at the nearest hit would give.
+// here a multiple of what the same energy would give at the nearest hit: energy / (1 + x)^2 with x = depth / first, written
+// so that it is exactly the energy at depth 0.
 void addPiece(inout vec3 sums, float energy, float depth, float inverseFirst) {
-  float stretch = stretchAt(depth, inverseFirst), power = quotient(energy, product(stretch, stretch));
-  precise float moment = power * depth;
+  precise float x = depth * inverseFirst, stretch = 1.0 + x;
+  precise float power = energy - energy * quotient(x * (2.0 + x), stretch * stretch), moment = power * depth;
   precise vec3 result = sums + vec3(power, moment, moment * depth);
   sums = result;
 }
@@ -39,6 +34,6 @@ vec3 echoOf(float first, float inverseFirst, vec3 sums) {
   precise float mean = quotient(sums.y, sums.x);
   precise float variance = quotient(sums.z, sums.x) - mean * mean;
   precise float range = first + mean;
-  float stretch = stretchAt(mean, inverseFirst), energy = product(sums.x, product(stretch, stretch));
+  precise float stretch = 1.0 + mean * inverseFirst, energy = sums.x * (stretch * stretch);
   return vec3(range, energy, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }

@@ -60,6 +60,73 @@ float endOfEcho(float first, float last) {
   return mostOfBeam(end);
 }
 
+// An echo is looked at in so many windows, and a valley has less than one part in so many of the energy beside it.
+const float kValleyWindows = 16.0, kValleyDepth = 4.0;
+
+// Adds the energy of a hit that lies between two ranges. It is spread evenly along the surface around the hit, and over
+// a window at least.
+void addWithin(inout float sum, float low, float high, float halfWindow, float first, float end, float range, float reach,
+               float energy) {
+  bool taken = range >= first && range <= end && energy > 0.0;
+  float halfLength = max(reach, halfWindow);
+  precise float within = min(high, range + halfLength) - max(low, range - halfLength);
+  precise float more = sum + quotient(energy * max(within, 0.0), halfLength);
+  sum = taken ? more : sum;
+}
+
+// Returns twice the energy of an echo that lies between two ranges.
+float energyWithin(float low, float high, float halfWindow, float first, float end) {
+  float sum = 0.0;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define WITHIN(s)                                                                                                  \
+  addWithin(sum, low, high, halfWindow, first, end, ranges[layer * RAYS + s], reaches[layer * RAYS + s],           \
+            energies[layer * RAYS + s]);
+#define WITHIN_OF_LANES(s)                                                                                         \
+  [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                              \
+    addWithin(sum, low, high, halfWindow, first, end, subgroupShuffle(ranges[layer * RAYS + s], lane),             \
+              subgroupShuffle(reaches[layer * RAYS + s], lane), subgroupShuffle(energies[layer * RAYS + s], lane));
+    if (IS_MET(layer)) {
+      if (SPREAD_RAYS > 0) {
+        EACH_RAY(WITHIN_OF_LANES)
+      } else {
+        EACH_RAY(WITHIN)
+      }
+    }
+  }
+  return sum;
+}
+
+// Returns the range at which an echo that is longer than twice the separation ends, because light returns again behind a
+// valley: the start of the first window with more than four times the least energy since a window with less than a quarter
+// of the energy of a nearer one. Returns kNothing if there is none.
+float riseOf(float first, float end) {
+  precise float span = end - first, halfWindow = 0.5 * max(parameters.separation, span / kValleyWindows);
+  if (span <= sumOf(parameters.separation, parameters.separation)) return kNothing;
+  float peak = 0.0, least = kNothing;  // kNothing before the valley
+  [[dont_unroll]] for (float low = -1.0; low < 2.0 * kValleyWindows; low += 2.0) {
+    precise float from = first + low * halfWindow, to = first + (low + 2.0) * halfWindow;
+    if (from > end) break;
+    float energy = energyWithin(from, to, halfWindow, first, end);
+    if (energy > kValleyDepth * least) return from;
+    if (least < kNothing || kValleyDepth * energy < peak) least = min(least, energy);
+    peak = max(peak, energy);
+  }
+  return kNothing;
+}
+
+// Returns the largest range of the hits before `before` that count, from `first` on.
+float lastBefore(float before, float first) {
+  float last = first;
+  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
+#define LAST_BEFORE(s)                                                                                              \
+  if (ranges[layer * RAYS + s] < before && energies[layer * RAYS + s] >= 0.0) last = max(last, ranges[layer * RAYS + s]);
+    if (IS_MET(layer)) {
+      EACH_RAY(LAST_BEFORE)
+    }
+  }
+  return mostOfBeam(last);
+}
+
 void storeEcho(uint slot, vec3 echo, float light, uint projected) {
   echoes.at[slot] = vec4(echo, light);
   echoOwners.at[slot] = ownerOf(idOf(projected));
@@ -154,7 +221,8 @@ void gatherEchoes(uint index, uint beam) {
   uint count = 0;
   float first = nextRange(0.0), last = lastRange();
   while (first < kNothing) {
-    float end = endOfEcho(first, last), most = -1.0, inverseFirst = inverseOfFirst(first);
+    float end = endOfEcho(first, last), rise = riseOf(first, end), most = -1.0, inverseFirst = inverseOfFirst(first);
+    if (rise < kNothing) end = lastBefore(rise, first);
     uint strongest = 0;
     vec3 sums = vec3(0.0);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "base/vector.hpp"
 #include "effects/trajectory.hpp"
@@ -147,8 +148,8 @@ Line lineOf(const Beam& beam, double u, double v) {
 }
 
 /// Merges pieces that are in order of range, each weighted by its power at the receiver, energy / range^2. The echo has
-/// the energy of a surface at its range that gives the power of all pieces. If pieces of two surfaces are equally strong,
-/// it is in doubt which of them represents the echo.
+/// the energy of a surface at its range that gives the power of all pieces. If pieces of two surfaces are equally
+/// strong, it is in doubt which of them represents the echo.
 Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
   // A range behind the first piece, as a multiple of the first piece's.
@@ -191,8 +192,38 @@ void loseWeakest(std::vector<Echo>& echoes, bool& doubt) {
   echoes.erase(echoes.begin() + static_cast<ptrdiff_t>(weakest));
 }
 
+/// Returns the range at which an echo that is longer than twice the separation ends, because light returns again behind
+/// a valley: the start of the first window with more than four times the least energy since a window with less than a
+/// quarter of the energy of a nearer one. The windows are as long as the separation, or a sixteenth of the echo, and
+/// the energy of a piece is spread along the surface around it, and over a window at least.
+std::optional<Bounded> riseOf(std::span<const Piece> pieces, const Bounded& separation, BeamDoubt& doubt) {
+  constexpr int kWindows = 16;
+  constexpr double kDepth = 4;
+  const Bounded first(pieces.front().range, doubt.tolerance), end(pieces.back().range, doubt.tolerance);
+  const Bounded span = end - first;
+  if (!less(Bounded(2) * separation, span, doubt.tie)) return {};
+  const Bounded width = max(separation, span * Bounded(1.0 / kWindows)), half = Bounded(0.5) * width;
+  std::optional<Bounded> least;  // none before the valley
+  Bounded peak = 0;
+  for (int k = 0; k <= kWindows; ++k) {
+    const Bounded low = first + Bounded(k - 0.5) * width, high = first + Bounded(k + 0.5) * width;
+    if (low.value > end.value) break;
+    Bounded energy = 0;
+    for (const Piece& piece : pieces) {
+      const Bounded range(piece.range, doubt.tolerance), reach = max(piece.reach, half);
+      const Bounded within = min(high, range + reach) - max(low, range - reach);
+      energy = energy + piece.energy * max(within, 0) / reach;
+    }
+    if (least && less(Bounded(kDepth) * *least, energy, doubt.tie)) return low;
+    if (least || less(Bounded(kDepth) * energy, peak, doubt.tie)) least = least ? min(*least, energy) : energy;
+    peak = max(peak, energy);
+  }
+  return {};
+}
+
 /// An echo begins with a piece. Another one belongs to it if the surface around that one begins no farther than the
-/// separation behind the first piece, or overlaps the surface around a piece of the echo.
+/// separation behind the first piece, or overlaps the surface around a piece of the echo; but an echo ends where light
+/// returns again behind a valley.
 std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const SensorPlan& plan,
                          BeamDoubt& doubt, uint64_t& lost) {
   const Effects& request = plan.effects;
@@ -210,6 +241,12 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
     for (size_t i = end; i < pieces.size(); ++i) {
       if (less(last, before(pieces[i]), doubt.tie)) continue;
       while (end <= i) last = max(last, behind(pieces[end++]));  // with all that lie between
+    }
+    if (const auto rise = riseOf({&pieces[first], end - first}, given(request.returns.separation), doubt)) {
+      const auto beyond = [&](const Piece& piece) {
+        return !less(Bounded(piece.range, doubt.tolerance), *rise, doubt.tie);
+      };
+      end = static_cast<size_t>(std::find_if(pieces.data() + first + 1, pieces.data() + end, beyond) - pieces.data());
     }
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
     if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);

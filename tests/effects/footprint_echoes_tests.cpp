@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Echoes of footprints in foliage.
+// Echoes of footprints on several surfaces: foliage, panes, legs and walls, the ground.
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <numbers>
@@ -99,6 +99,64 @@ TEST_CASE("two panes before the ground at a grazing angle are two echoes") {
   CHECK(std::abs(scan.ranges[first] - 6) < 0.01);
   CHECK(std::abs(scan.ranges[first + 1] - 7.4) < 0.01);
   CHECK(scan.ranges[first + 2] > 90);
+}
+
+// A thin strip of floor joins a table leg and the wall behind it: hits in a row, none of them far from the next. In a
+// waveform of the same light, of pulses as long as the separation, the leg and the wall are two peaks.
+TEST_CASE("a leg and a wall on one floor are two echoes") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const uint32_t subRays = GENERATE(19, 61);
+  const double angle = 5.625 * std::numbers::pi / 180;  // one of 8 x 8 zones of 45 degrees
+  MeshBuilder builder;
+  builder.quad({1, 0.01, -0.1}, {0, -0.02, 0}, {0, 0, 2});
+  builder.quad({2.5, 3, -0.1}, {0, -6, 0}, {0, 0, 4});
+  builder.quad({-1, -3, -0.1}, {5, 0, 0}, {0, 6, 0});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.9f);
+  TestOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity.use = EffectUse::on;
+  options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::uniform, angle, angle};
+  options.effects.returns = {EffectUse::on, Effects::Returns::Mode::all, 4};
+  options.fields = {Field::intensity};
+  const Sensor sensor = gridSensor(720, 1, -2.8125, -2.8125, 50);
+  const Scan scan = scanOn(scene, sensor, Pose(), options);
+  const size_t first = 4 * ahead(sensor);
+  CAPTURE(device, subRays, scan.ranges[first], scan.ranges[first + 1], scan.ranges[first + 2]);
+  CHECK(std::abs(scan.ranges[first] - 1) < 0.05);
+  CHECK(std::abs(scan.ranges[first + 1] - 2.5) < 0.1);
+  CHECK(std::isnan(scan.ranges[first + 2]));
+}
+
+TEST_CASE("the ground is one echo, however long it is, on two triangles and behind an edge") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const uint32_t subRays = GENERATE(7, 19, 61);
+  const auto profile = GENERATE(Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian);
+  const double height = GENERATE(0.3, 1.8), separation = GENERATE(0.1, 0.4);
+  MeshBuilder builder;
+  for (int strip = 0; strip < 300; ++strip)  // a strip of a metre each
+    builder.quad({-1.0 + strip, -150, -height}, {1, 0, 0}, {0, 300, 0});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.5f);
+  TestOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity.use = EffectUse::on;
+  options.effects.divergence = {EffectUse::on, subRays, profile, 0.006, 0.006};
+  options.effects.returns = {EffectUse::on, Effects::Returns::Mode::all, 3};
+  options.effects.returns.separation = separation;
+  const Sensor sensor = gridSensor(90, 24, -25, -1, 150);
+  const Scan scan = scanOn(scene, sensor, Pose(), options);
+  size_t beams = 0, more = 0;
+  for (size_t channel = 0; channel < 24; ++channel)
+    for (size_t turn = 0; turn < 20; ++turn) {
+      const size_t beam = 3 * (channel * 90 + 35 + turn);
+      if (!scan.returned(beam)) continue;
+      ++beams;
+      more += scan.returned(beam + 1);
+    }
+  CAPTURE(device, subRays, height, separation);
+  CHECK(beams > 300);
+  CHECK(more == 0);
 }
 
 }  // namespace gnosphere::test
