@@ -63,7 +63,7 @@ float endOfEcho(float first, float last) {
 // An echo is looked at in so many windows, and a valley has less than one part in so many of the energy beside it.
 const float kValleyWindows = 16.0, kValleyDepth = 4.0;
 
-// Adds the energy of a hit that lies between two ranges. It is spread evenly along the surface around the hit, and over
+// Adds the energy of a hit that lies between two ranges. A hit spreads evenly along the surface around it, and over
 // a window at least.
 void addWithin(inout float sum, float low, float high, float halfWindow, float first, float end, float range, float reach,
                float energy) {
