@@ -91,12 +91,13 @@ struct Effects {
     double sigma = 0;  ///< standard deviation, on the scale of unit intensity
   } intensityNoise;
 
-  /// An elliptical footprint, sampled by sub-rays that share the candidate triangles of their beam.
+  /// A footprint, sampled by sub-rays that share the candidate triangles of their beam.
   struct Divergence {
     EffectUse use = EffectUse::automatic;
     uint32_t subRays = 19;  ///< lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings
-    enum class Profile { uniform, gaussian } profile = Profile::gaussian;  ///< energy over the ellipse
+    enum class Profile { uniform, gaussian } profile = Profile::gaussian;  ///< energy over the footprint
     double horizontal = 0, vertical = 0;  ///< rad, full angle (to 1/e^2 if gaussian); both 0: the sensor's
+    enum class Shape { ellipse, rectangle } shape = Shape::ellipse;  ///< in which the sub-rays lie
   } divergence;
 
   /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.

@@ -70,6 +70,7 @@ void bindSignal(nb::class_<Effects>& effects) {
 void bindEchoes(nb::class_<Effects>& effects) {
   bindEffect<&Effects::divergence>(effects, "divergence", [](auto& divergence) {
     bindChoice(divergence, "divergence", "profile", &Effects::Divergence::profile);
+    bindChoice(divergence, "divergence", "shape", &Effects::Divergence::shape);
   });
   bindEffect<&Effects::returns>(effects, "returns",
                                 [](auto& returns) { bindChoice(returns, "returns", "mode", &Effects::Returns::mode); });

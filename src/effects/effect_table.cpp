@@ -328,16 +328,18 @@ std::vector<EffectInfo> makeTable() {
                                      "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
       effect<&E::divergence>(
           "divergence", gpu::kDivergence, appliesDivergence, always,
-          "An elliptical footprint, sampled by sub-rays that share the candidate triangles of their beam.",
+          "A footprint, sampled by sub-rays that share the candidate triangles of their beam.",
           {count<&E::divergence, &E::Divergence::subRays>(
                "sub_rays", "", 1, 1261,
                "Lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings."),
            choice<&E::divergence, &E::Divergence::profile>("profile", {{"uniform"}, {"gaussian"}},
-                                                           "Energy over the ellipse."),
+                                                           "Energy over the footprint."),
            number<&E::divergence, &E::Divergence::horizontal>(
                "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's."),
-           number<&E::divergence, &E::Divergence::vertical>(
-               "vertical", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.")}),
+           number<&E::divergence, &E::Divergence::vertical>("vertical", "rad", 0, 0.1,
+                                                            "Full angle (to 1/e^2 if gaussian); both 0: the sensor's."),
+           choice<&E::divergence, &E::Divergence::shape>("shape", {{"ellipse"}, {"rectangle"}},
+                                                         "In which the sub-rays lie.")}),
       effect<&E::returns>(
           "returns", gpu::kReturns, appliesReturns, always,
           "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.",

@@ -101,7 +101,9 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
 
   const double horizontal = horizontalSpread(effects, sensor), vertical = verticalSpread(effects, sensor);
   if ((planned & gpu::kDivergence) != 0 && effects.divergence.subRays > 1) {
-    const double perRay = 1 / std::sqrt(double(effects.divergence.subRays));  // sub-rays stand for equal areas
+    // Sub-rays stand for equal areas. A rectangle is larger than the ellipse within it.
+    const bool rectangle = effects.divergence.shape == Effects::Divergence::Shape::rectangle;
+    const double perRay = std::sqrt((rectangle ? 4 / std::numbers::pi : 1) / double(effects.divergence.subRays));
     p.cellHorizontal = float(std::tan(horizontal / 2) * perRay);
     p.cellVertical = float(std::tan(vertical / 2) * perRay);
   }
@@ -130,13 +132,13 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
   const uint32_t count = std::max(effects.divergence.subRays, 1u);
   const bool gaussian = effects.divergence.profile == Effects::Divergence::Profile::gaussian;
   struct Place {
-    double left, up, weight;  // within the unit disc
+    double left, up, weight;  // within the unit disc, or the square around it
   };
   std::vector<Place> places;
-  const auto add = [&](double radius, double angle) {
-    places.push_back(
-        {radius * std::cos(angle), radius * std::sin(angle), gaussian ? std::exp(-2 * radius * radius) : 1.0});
+  const auto addAt = [&](double left, double up) {
+    places.push_back({left, up, gaussian ? std::exp(-2 * (left * left + up * up)) : 1.0});
   };
+  const auto add = [&](double radius, double angle) { addAt(radius * std::cos(angle), radius * std::sin(angle)); };
   // Every sub-ray stands for an equal area of the disc and lies in the middle of it. Sub-rays form rings of 6, 12, 18,
   // ... around a central one. Each ring is turned so that an edge, above all a level or an upright one, meets them one
   // after the other: the share of the light beside it is then 2.4 to 3.2 times as exact as with rings that begin on the
@@ -147,12 +149,17 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
     for (uint32_t i = 0; i < 6 * ring; ++i)
       add(radius, (3 + 38.0 * ring) * kDegree + 2 * std::numbers::pi * i / (6 * ring));
   }
-  // If the count does not fill the rings, they lie on Vogel's spiral (1979), moved so that the middle of their light is
-  // on the axis.
-  if (places.size() != count) {
+  // If the count does not fill the rings, they lie on Vogel's spiral (1979), and in a rectangle on a Fibonacci lattice,
+  // in which no two are beside or above each other. Both are moved so that the middle of their light is on the axis.
+  const bool rectangle = effects.divergence.shape == Effects::Divergence::Shape::rectangle;
+  if (rectangle || places.size() != count) {
     places.clear();
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-    for (uint32_t i = 0; i < count; ++i) add(std::sqrt((i + 0.5) / count), golden * i);
+    for (uint32_t i = 0; i < count; ++i)
+      if (rectangle)
+        addAt(2 * (i + 0.5) / count - 1, 2 * std::fmod(0.5 + i / std::numbers::phi, 1) - 1);
+      else
+        add(std::sqrt((i + 0.5) / count), golden * i);
     Place middle = {0, 0, 0};
     for (const auto& [left, up, weight] : places)
       middle = {middle.left + weight * left, middle.up + weight * up, middle.weight + weight};

@@ -269,14 +269,16 @@ std::array<double, 2> halfAxesOf(const SensorPlan& plan) {
 std::array<double, 2> cellOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence) || plan.effects.divergence.subRays < 2) return {0, 0};
   const auto [left, up] = halfAxesOf(plan);
-  const double share = 1 / std::sqrt(double(plan.effects.divergence.subRays));
+  // The area of a rectangle is 4 / pi of that of its ellipse.
+  const bool isRectangle = plan.effects.divergence.shape == Effects::Divergence::Shape::rectangle;
+  const double share = std::sqrt((isRectangle ? 4 / std::numbers::pi : 1) / double(plan.effects.divergence.subRays));
   return {left * share, up * share};
 }
 
 /// Returns sub-rays that represent equal areas of the unit disc, each from the middle of its area. Their places are
 /// rings of 6, 12, 18 ... around a centre, and ring k is turned by 3 + 38 k degrees. Other numbers of sub-rays lie on
-/// Vogel's spiral (1979), whose middle is moved to the axis. The weights follow the beam's profile, exp(-2 radius^2)
-/// for a Gaussian one.
+/// Vogel's spiral (1979), and those of a rectangle on a Fibonacci lattice in the square around the disc; the middle of
+/// both is moved to the axis. The weights follow the beam's profile, exp(-2 radius^2) for a Gaussian one.
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;
@@ -284,23 +286,30 @@ std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   const uint32_t count = asked.subRays;
   std::vector<FootprintRay> rays;
   double sum = 0, leftOfMiddle = 0, upOfMiddle = 0;
-  const auto add = [&](double radius, double angle) {
+  const auto addAt = [&](double x, double y) {
     const bool gaussian = asked.profile == Effects::Divergence::Profile::gaussian;
-    rays.push_back({left * radius * std::cos(angle), up * radius * std::sin(angle),
-                    gaussian ? std::exp(-2 * radius * radius) : 1.0});
+    rays.push_back({left * x, up * y, gaussian ? std::exp(-2 * (x * x + y * y)) : 1.0});
     sum += rays.back().weight;
     leftOfMiddle += rays.back().weight * rays.back().left;
     upOfMiddle += rays.back().weight * rays.back().up;
   };
+  const auto add = [&](double radius, double angle) { addAt(radius * std::cos(angle), radius * std::sin(angle)); };
+  const bool isRectangle = asked.shape == Effects::Divergence::Shape::rectangle;
   uint32_t rings = 0;
   while (1 + 3 * (rings + 1) * (rings + 2) <= count) ++rings;
-  const bool fillsRings = 1 + 3 * rings * (rings + 1) == count;
+  const bool fillsRings = !isRectangle && 1 + 3 * rings * (rings + 1) == count;
   if (fillsRings) {
     add(0, 0);
     for (uint32_t ring = 1; ring <= rings; ++ring)
       for (uint32_t i = 0; i < 6 * ring; ++i)
         add(std::sqrt((1.0 + 3.0 * ring * ring) / count),
             std::numbers::pi * ((3 + 38.0 * ring) / 180 + i / (3.0 * ring)));
+  } else if (isRectangle) {
+    const double golden = (std::sqrt(5.0) - 1) / 2;
+    for (uint32_t i = 0; i < count; ++i) {
+      const double turns = 0.5 + i * golden;
+      addAt((2 * i + 1.0) / count - 1, 2 * (turns - std::floor(turns)) - 1);
+    }
   } else {
     for (uint32_t i = 0; i < count; ++i) add(std::sqrt((i + 0.5) / count), std::numbers::pi * (3 - std::sqrt(5.0)) * i);
   }

@@ -48,7 +48,8 @@ Effects everything() {
   e.rangeNoise = {EffectUse::automatic, -0.01, 0.02, 1e-4, 0.004};
   e.angleNoise = {EffectUse::on, 1e-4, 2e-4, Effects::AngleNoise::At::point};
   e.intensityNoise = {EffectUse::on, 0.05};
-  e.divergence = {EffectUse::on, 37, Effects::Divergence::Profile::uniform, 3e-3, 1.5e-3};
+  e.divergence = {EffectUse::on, 37,     Effects::Divergence::Profile::uniform,
+                  3e-3,          1.5e-3, Effects::Divergence::Shape::rectangle};
   e.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest, 2, 0.5, 6e-9};
   e.transmission.use = e.cutOuts.use = EffectUse::off;
   e.sensorMotion = {EffectUse::on, true};
@@ -138,7 +139,7 @@ TEST_CASE("unknown names are refused with the nearest known names") {
   refused(R"({"range_noise": {}})",
           "no effect is called 'range_noise'; the nearest are range-noise, angle-noise, intensity");
   refused(R"({"divergence": {"sub-rays": 7}})",
-          "divergence has no 'sub-rays'; the nearest are sub_rays, profile, vertical");
+          "divergence has no 'sub-rays'; the nearest are sub_rays, shape, profile");
   refused(R"({"fog": {"rate": 7}})", "fog has no 'rate'; there is visibility");
   refused(R"({"cut-outs": {"texture": 7}})", "cut-outs has no 'texture', nor any other parameter");
 }

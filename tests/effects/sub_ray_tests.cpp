@@ -128,4 +128,45 @@ TEST_CASE("a footprint on the ground has the range and the power of all light th
   CHECK(scan.column<float>(Field::intensity)[beam] == Catch::Approx(power / lines).epsilon(0.02));
 }
 
+TEST_CASE("the light of a rectangular footprint reaches its corners, and edges divide it as a whole rectangle") {
+  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  constexpr double kDistance = 20, kHalfAngle = 0.01;
+  const double half = kDistance * std::tan(kHalfAngle);
+  const Sensor sensor = fan(3600, 1, 0, 60);
+  const auto powerOf = [&](Mesh mesh, uint32_t subRays, Effects::Divergence::Shape shape) {
+    Scene scene = sceneOf(std::move(mesh));
+    scene.materials[0] = lambertian(0.5f);
+    TestOptions options = footprintsOf(device, subRays, 2 * kHalfAngle);
+    options.effects.divergence.profile = Effects::Divergence::Profile::uniform;
+    options.effects.divergence.shape = shape;
+    options.materials.rows = {{"dull", 0.5f}};
+    const Scan scan = scanOn(scene, sensor, Pose{}, options);
+    const float power = scan.column<float>(Field::intensity)[ahead(sensor)];
+    return scan.hit(ahead(sensor)) ? power * kDistance * kDistance / 0.5 : 0.0;
+  };
+  // A board from 0.75 to 1 of the half angles, to the left and up.
+  MeshBuilder board;
+  board.quad({kDistance, half, 0.75 * half}, {0, -0.25 * half, 0}, {0, 0, 0.25 * half});
+  const Mesh corner = board.take();
+  CHECK(powerOf(corner, 61, Effects::Divergence::Shape::ellipse) == 0);
+  CHECK(powerOf(corner, 61, Effects::Divergence::Shape::rectangle) == Catch::Approx(1.0 / 64).margin(0.011));
+  const bool upright = GENERATE(false, true);
+  for (const uint32_t subRays : {7u, 19u, 61u}) {
+    double square = 0;
+    constexpr int kPlaces = 21;
+    for (int place = 0; place < kPlaces; ++place) {
+      const double offset = -1 + 2.0 * place / (kPlaces - 1), edge = offset * half;
+      MeshBuilder builder;
+      if (upright)
+        builder.quad({kDistance, edge, -1}, {0, -1, 0}, {0, 0, 2});
+      else
+        builder.quad({kDistance, 1, -1}, {0, -2, 0}, {0, 0, 1 + edge});
+      const double error = powerOf(builder.take(), subRays, Effects::Divergence::Shape::rectangle) - (1 + offset) / 2;
+      square += error * error;
+    }
+    CAPTURE(device, upright, subRays);
+    CHECK(std::sqrt(square / kPlaces) < 0.6 / subRays);
+  }
+}
+
 }  // namespace gnosphere::test
