@@ -60,7 +60,7 @@ float endOfEcho(float first, float last) {
   return mostOfBeam(end);
 }
 
-// An echo is looked at in so many windows, and a valley has less than one part in so many of the energy beside it.
+// The most windows from the start of an echo to its end, and how many times the energy of a valley the light beside it has.
 const float kValleyWindows = 16.0, kValleyDepth = 4.0;
 
 // Adds the energy of a hit that lies between two ranges. A hit spreads evenly along the surface around it, and over
