@@ -89,8 +89,8 @@ struct EffectParameters {
   float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
   uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
-  float speedSigma;
-  float padding0, padding1;
+  float speedSigma, rangeSigmaPerSquareMetre;
+  float padding0;
 };
 
 // Optical properties of one material.

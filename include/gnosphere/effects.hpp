@@ -68,10 +68,11 @@ struct Effects {
   /// Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is given.
   struct RangeNoise {
     EffectUse use = EffectUse::automatic;
-    double bias = 0;           ///< m, added to every range
-    double sigma = 0;          ///< m, standard deviation
-    double sigmaPerMetre = 0;  ///< m per m; times the range, added to sigma
-    double step = 0;           ///< m; ranges are rounded to multiples of it; 0 for no quantisation
+    double bias = 0;                 ///< m, added to every range
+    double sigma = 0;                ///< m, standard deviation
+    double sigmaPerMetre = 0;        ///< m per m; times the range, added to sigma
+    double step = 0;                 ///< m; ranges are rounded to multiples of it; 0 for no quantisation
+    double sigmaPerSquareMetre = 0;  ///< 1/m; times the square of the range, added to sigma
   } rangeNoise;
 
   /// Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.

@@ -110,12 +110,14 @@ Answer appliesDropOut(const Question& q) {
 
 Answer appliesRangeNoise(const Question& q) {
   const auto& noise = q.effects.rangeNoise;
-  if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.step == 0) {
+  if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.sigmaPerSquareMetre == 0 &&
+      noise.step == 0) {
     return {false, "no bias, sigma or step is given", "give range-noise.sigma"};
   }
   std::string why = format("sigma %.3g m", noise.sigma);
   if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
   if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
+  if (noise.sigmaPerSquareMetre != 0) why += format(" + %.3g m per m^2", noise.sigmaPerSquareMetre);
   if (noise.step != 0) why += format(", steps of %.3g m", noise.step);
   return {true, why};
 }
@@ -308,7 +310,9 @@ std::vector<EffectInfo> makeTable() {
            number<&E::rangeNoise, &E::RangeNoise::sigmaPerMetre>("sigma_per_metre", "", 0, 1,
                                                                  "Times the range, added to sigma."),
            number<&E::rangeNoise, &E::RangeNoise::step>(
-               "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation.")}),
+               "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation."),
+           number<&E::rangeNoise, &E::RangeNoise::sigmaPerSquareMetre>(
+               "sigma_per_square_metre", "1/m", 0, 1, "Times the square of the range, added to sigma.")}),
       effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, appliesAngleNoise, never,
                              "Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.",
                              {number<&E::angleNoise, &E::AngleNoise::azimuth>(

@@ -92,6 +92,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.rangeBias = float(effects.rangeNoise.bias);
   p.rangeSigma = float(effects.rangeNoise.sigma);
   p.rangeSigmaPerMetre = float(effects.rangeNoise.sigmaPerMetre);
+  p.rangeSigmaPerSquareMetre = float(effects.rangeNoise.sigmaPerSquareMetre);
   p.rangeStep = float(effects.rangeNoise.step);
   p.angleNoiseAt = uint32_t(effects.angleNoise.at);
   p.azimuthSigma = float(effects.angleNoise.azimuth);

@@ -83,7 +83,9 @@ class Errors {
   }
 
   double allowedAt(double range) const {
-    return noise_ ? std::max(tolerance_, noise_->sigma + noise_->sigmaPerMetre * range) : tolerance_;
+    if (!noise_) return tolerance_;
+    const double sigma = noise_->sigma + noise_->sigmaPerMetre * range + noise_->sigmaPerSquareMetre * range * range;
+    return std::max(tolerance_, sigma);
   }
 
   double tolerance_;

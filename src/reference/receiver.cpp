@@ -107,7 +107,8 @@ Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) co
     result.speedError = plan_.effects.radialSpeed.sigma * draws_.normals(beam, number, gpu::kRadialSpeed)[0].value;
   if (plan_.has(gpu::kRangeNoise)) {
     const Effects::RangeNoise& noise = plan_.effects.rangeNoise;
-    const Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range;
+    const Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range +
+                          given(noise.sigmaPerSquareMetre) * echo.range * echo.range;
     Bounded range = echo.range + given(noise.bias) + sigma * draws_.normals(beam, number, gpu::kRangeNoise)[0];
     if (noise.step > 0) range = nearestWhole(range / given(noise.step)) * given(noise.step);
     result.range = max(range, 0);

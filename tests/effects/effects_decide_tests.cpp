@@ -219,6 +219,8 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   asked.effects.dropOut.generalRate = 0.1;
   checkIn(asked, "range-noise", "sigma 0 m, steps of 0.004 m");
   checkIn(asked, "drop-out", "10 % at random");
+  asked.effects.rangeNoise = {.sigmaPerSquareMetre = 2e-4};
+  checkIn(asked, "range-noise", "sigma 0 m + 0.0002 m per m^2");
   checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all returns are lost, whatever their strength
   asked.effects.angleNoise.elevation = 1e-3;
   checkIn(asked, "angle-noise", "sigma 0 x 1 mrad");

@@ -26,11 +26,12 @@ Sensor sensorWith(double horizontal, double vertical) {
 
 }  // namespace
 
-TEST_CASE("range noise has the requested bias and sigma, and sigma grows with range") {
+TEST_CASE("range noise has the requested bias and sigma, and sigma grows with the range and its square") {
   Effects effects;
   effects.rangeNoise.bias = 0.05;
   effects.rangeNoise.sigma = 0.02;
   effects.rangeNoise.sigmaPerMetre = 0.001;
+  effects.rangeNoise.sigmaPerSquareMetre = 1e-4;
   const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kRangeNoise);
   for (const float range : {5.0f, 50.0f}) {
     double sum = 0, squares = 0;
@@ -39,7 +40,7 @@ TEST_CASE("range noise has the requested bias and sigma, and sigma grows with ra
       sum += error;
       squares += (error - 0.05) * (error - 0.05);
     }
-    const double sigma = 0.02 + 0.001 * range;
+    const double sigma = 0.02 + 0.001 * range + 1e-4 * range * range;
     CHECK(std::abs(sum / kDraws - 0.05) < 5 * sigma / std::sqrt(kDraws));
     CHECK(std::sqrt(squares / kDraws) == Approx(sigma).epsilon(5 / std::sqrt(2.0 * kDraws)));
   }

@@ -109,6 +109,15 @@ TEST_CASE("random errors of the range are those of the reference, so they are no
   REQUIRE(report.rows[1].beams == 300);
   CHECK(report.rows[1].wrong == 0);
   CHECK(report.rows[1].rangeErrorMax < 0.01);
+  // The error that noise allows grows with the square of the range, too, so that fewer ranges are wrong.
+  const auto wrongRanges = [&](double sigmaPerSquareMetre) {
+    request.effects.rangeNoise = {.sigma = 1e-6, .sigmaPerSquareMetre = sigmaPerSquareMetre};
+    options.tolerance = 1e-6;
+    options.counts = {7};
+    return measureSubRays(scene, request, {Pose{}}, options).rows[1].wrongRange;
+  };
+  CHECK(wrongRanges(0) > 0.5);
+  CHECK(wrongRanges(0.01) < 0.1);
 }
 
 TEST_CASE("a measurement of footprints without a footprint, a pose or a device is refused") {
