@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Height scans on level and sloping ground, and the angles and ranges of panoramas, beside closed forms."""
+"""Height scans on level and sloping ground, panoramas, zones and wide beams, beside closed forms."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -127,3 +129,46 @@ def test_parts_of_a_panorama_are_the_whole():
 def test_impossible_panoramas_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong)) if "at" not in wrong else "resolution"):
         patterns.panorama(**({"resolution": 0.006, "at": 10} | wrong))
+
+
+def test_the_beam_of_docs_limits_above_a_floor_is_the_integral_over_its_cone(device):
+    """8 cm above a floor of 17 %, 2.5 m in front of a wall of 88 %; and 3.5 m in front of one that is too dark."""
+    page = (Path(__file__).parents[2] / "docs" / "limits.md").read_text()
+    block = re.search(r"^```python\n(.*?)^```$", page, re.M | re.S)[1]
+    corners = [
+        [[-1, -10, -0.08], [29, -10, -0.08], [29, 10, -0.08], [-1, 10, -0.08]],
+        [[2.5, -3, -3], [2.5, 3, -3], [2.5, 3, 3], [2.5, -3, 3]],
+    ]
+    meshes = [
+        gnosphere.Mesh(np.float32(four), [[0, 1, 2], [0, 2, 3]], [gnosphere.MeshPart(0, 2, kind)])
+        for kind, four in enumerate(corners)
+    ]
+    materials = [gnosphere.Material("floor"), gnosphere.Material("wall")]
+    scene = gnosphere.Scene(materials, meshes, [gnosphere.Instance(0), gnosphere.Instance(1)])
+
+    def measured(wall: float, pose: gnosphere.Pose) -> dict:
+        rows = [gnosphere.MaterialTable.Row("floor", 0.17), gnosphere.MaterialTable.Row("wall", wall)]
+        options = gnosphere.SimulatorOptions(device, materials=gnosphere.MaterialTable(rows))
+        names = {"np": np, "gnosphere": gnosphere, "scene": scene, "options": options, "pose": pose}
+        exec(compile(block, "docs/limits.md", "exec"), names)
+        return names
+
+    names = measured(0.88, gnosphere.Pose())
+
+    # Lines of a cone of 13.5 degrees, evenly spread over its cross-section.
+    across = np.stack(np.meshgrid(*2 * [np.linspace(-1, 1, 601)]), axis=-1).reshape(-1, 2)
+    across = math.tan(math.radians(13.5)) * across[(across**2).sum(axis=1) <= 1]
+    ways = np.column_stack([np.ones(len(across)), across])
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    to_wall, to_floor = 2.5 / ways[:, 0], np.where(ways[:, 2] < 0, -0.08 / np.minimum(ways[:, 2], -1e-9), np.inf)
+    ranges = np.minimum(to_wall, to_floor)
+    powers = np.where(to_floor < to_wall, -0.17 * ways[:, 2], 0.88 * ways[:, 0]) / ranges**2
+    integral = powers @ ranges / powers.sum()
+    assert integral == pytest.approx(1.98, abs=0.005)
+    assert names["distance"] == pytest.approx(integral, abs=0.005)
+    assert names["powers"].mean() == pytest.approx(powers.mean(), rel=0.05)
+    assert np.fmin.reduce(names["scan"].ranges) == pytest.approx(0.36, abs=0.01)
+
+    assert measured(0.15, gnosphere.Pose((-1, 0, 2)))["distance"] == pytest.approx(3.55, abs=0.01)
+    dark = measured(0.05, gnosphere.Pose((-1, 0, 2)))
+    assert np.isfinite(dark["scan"].ranges).all() and np.isnan(dark["distance"])
