@@ -42,6 +42,9 @@ inline constexpr Limit kSeconds = {"s of a rotation, or from the start of a scan
                                    "The sensor is refused."};
 inline constexpr Limit kDivergence = {"mrad of divergence", 100,
                                       "The sensor is refused: a footprint is taken as flat."};
+/// The end of a refusal of a divergence beyond the limit: the reason and the way out.
+inline constexpr const char* kWiderBeam =
+    "; a footprint is taken as flat, so a wider beam is a list of several: docs/limits.md";
 inline constexpr Limit kTriangles = {"triangles", kMostNumber,
                                      "The scene, or the instance that is added, is refused: all placed triangles are "
                                      "numbered through, in 31 bits. Each instance counts."};

@@ -8,6 +8,7 @@
 
 #include "base/decimal_point.hpp"
 #include "base/lasting.hpp"
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
@@ -339,9 +340,11 @@ std::vector<EffectInfo> makeTable() {
            choice<&E::divergence, &E::Divergence::profile>("profile", {{"uniform"}, {"gaussian"}},
                                                            "Energy over the footprint."),
            number<&E::divergence, &E::Divergence::horizontal>(
-               "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's."),
+               "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.", false,
+               limits::kWiderBeam),
            number<&E::divergence, &E::Divergence::vertical>("vertical", "rad", 0, 0.1,
-                                                            "Full angle (to 1/e^2 if gaussian); both 0: the sensor's."),
+                                                            "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.",
+                                                            false, limits::kWiderBeam),
            choice<&E::divergence, &E::Divergence::shape>("shape", {{"ellipse"}, {"rectangle"}},
                                                          "In which the sub-rays lie.")}),
       effect<&E::returns>(

@@ -25,7 +25,8 @@ template <class Owner>
 struct NumberParameter {
   double& (*of)(Owner&);
   double min, max;
-  bool endsOnly = false;  ///< only min and max are allowed, no value between
+  bool endsOnly = false;    ///< only min and max are allowed, no value between
+  const char* beyond = "";  ///< what a refusal of a value above max goes on with: the reason and the way out
 };
 template <class Owner>
 struct CountParameter {
@@ -92,8 +93,8 @@ namespace rows {
 
 template <auto... kPath>
 Parameter<OwnerOf<kPath...>> number(const char* name, const char* unit, double min, double max, const char* doc,
-                                    bool endsOnly = false) {
-  return {name, unit, doc, NumberParameter<OwnerOf<kPath...>>{&at<kPath...>, min, max, endsOnly}};
+                                    bool endsOnly = false, const char* beyond = "") {
+  return {name, unit, doc, NumberParameter<OwnerOf<kPath...>>{&at<kPath...>, min, max, endsOnly, beyond}};
 }
 
 template <auto... kPath>

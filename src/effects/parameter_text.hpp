@@ -111,7 +111,8 @@ void checkValue(const Parameter<Owner>& parameter, Owner& owner, const std::stri
       Visitor{[&](const NumberParameter<Owner>& n) {
                 const double value = n.of(owner);
                 const bool between = value >= n.min && value <= n.max;
-                if (!between || (n.endsOnly && value != n.min && value != n.max)) refuse(numberText(value));
+                if (!between || (n.endsOnly && value != n.min && value != n.max))
+                  refuse(numberText(value) + (value > n.max ? n.beyond : ""));
                 checkSize(value, what);
               },
               [&](const CountParameter<Owner>& n) {

@@ -162,7 +162,8 @@ void validate(const Sensor& sensor) {
     refuse(sensor, "range max is 0 m, so no hit would count; set it to the farthest range that the sensor measures");
   for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
     if (!(divergence >= 0 && limits::kDivergence.holds(1000 * divergence)))
-      refuse(sensor, "divergence must be within 0..100 mrad, is " + numberText(1000 * divergence));
+      refuse(sensor, "divergence must be within 0..100 mrad, is " + numberText(1000 * divergence) +
+                         (1000 * divergence > double(limits::kDivergence.most) ? limits::kWiderBeam : ""));
   }
   if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
     refuse(sensor, "max returns must be within 1.." + std::to_string(limits::kReturns.most) + ", is " +

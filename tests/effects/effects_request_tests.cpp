@@ -148,7 +148,10 @@ TEST_CASE("values out of range are refused with the range and the unit") {
   refused(R"({"fog": {"visibility": -1}})", "fog.visibility must be 0..1000000 m, is -1");
   refused(R"({"rain": {"rate": 501}})", "rain.rate must be 0..500 mm/h, is 501");
   refused(R"({"divergence": {"sub_rays": 1262}})", "divergence.sub_rays must be a whole number, 1..1261, is 1262");
-  refused(R"({"divergence": {"horizontal": 3}})", "divergence.horizontal must be 0..0.1 rad, is 3");
+  refused(R"({"divergence": {"horizontal": 3}})",
+          "divergence.horizontal must be 0..0.1 rad, is 3; a footprint is taken as flat, so a wider beam is a list of "
+          "several: docs/limits.md");
+  refused(R"({"divergence": {"vertical": -1}})", "divergence.vertical must be 0..0.1 rad, is -1");
   refused(R"({"returns": {"count": 16}})", "returns.count must be a whole number, 0..15, is 16");
   refused(R"({"intensity": {"wavelength": 1064}})", "intensity.wavelength must be 905 or 1550 nm, is 1064");
   refused(R"({"detection": {"reflectance": 0}})", "detection.reflectance must be 0.001..1, is 0");
