@@ -101,7 +101,8 @@ struct Effects {
     enum class Shape { ellipse, rectangle } shape = Shape::ellipse;  ///< in which the sub-rays lie
   } divergence;
 
-  /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.
+  /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given. The
+  /// separation and the pulse width shape echoes whether it is on or off.
   struct Returns {
     EffectUse use = EffectUse::automatic;
     enum class Mode {

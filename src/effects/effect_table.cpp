@@ -117,8 +117,8 @@ Answer appliesRangeNoise(const Question& q) {
   }
   std::string why = format("sigma %.3g m", noise.sigma);
   if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
-  if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
   if (noise.sigmaPerSquareMetre != 0) why += format(" + %.3g m per m^2", noise.sigmaPerSquareMetre);
+  if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
   if (noise.step != 0) why += format(", steps of %.3g m", noise.step);
   return {true, why};
 }
@@ -349,7 +349,8 @@ std::vector<EffectInfo> makeTable() {
                                                          "In which the sub-rays lie.")}),
       effect<&E::returns>(
           "returns", gpu::kReturns, appliesReturns, always,
-          "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given.",
+          "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given. "
+          "The separation and the pulse width shape echoes whether it is on or off.",
           {choice<&E::returns, &E::Returns::mode>(
                "mode",
                {{"first"},
