@@ -54,15 +54,18 @@ const BeamList& patternOf(const Sensor& sensor, uint64_t frame) {
   return sensor.patterns[frame % sensor.patterns.size()];
 }
 
+Vec3 directionAt(double azimuthDeg, double elevationDeg) {
+  const SinCos azimuth = sinCosDegrees(azimuthDeg), elevation = sinCosDegrees(elevationDeg);
+  return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
+}
+
 Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (!sensor.isGrid()) {
     const Vec3& d = patternOf(sensor, frame).directions[beam];
     const double length = lengthOf(d);
     return {d.x / length, d.y / length, d.z / length};
   }
-  const SinCos azimuth = sinCosDegrees(azimuthDegOf(sensor, beam));
-  const SinCos elevation = sinCosDegrees(sensor.channels[beam / sensor.columns].elevationDeg);
-  return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
+  return directionAt(azimuthDegOf(sensor, beam), sensor.channels[beam / sensor.columns].elevationDeg);
 }
 
 Vec3 originOf(const Sensor& sensor, size_t beam, uint64_t frame) {

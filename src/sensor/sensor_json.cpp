@@ -6,8 +6,9 @@
 // Required are the name, columns, range and elevations. Instead of the lists, "channels": [{"elevation_deg": d,
 // "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s, "range_min": m, "range_max": m}, ...] may be given.
 // Instead of columns and channels, a sensor has "patterns": [{"width": N, "height": N, "directions": [[x, y, z], ...],
-// "origins": [[x, y, z], ...], "times": [...], "range_min": [...], "range_max": [...], "rings": [...]}, ...].
-// toJson() writes the lists, and leaves out all that has its default.
+// "origins": [[x, y, z], ...], "times": [...], "range_min": [...], "range_max": [...], "rings": [...]}, ...]. Instead
+// of directions, a pattern may have "azimuth_deg": [...] and "elevation_deg": [...]. toJson() writes the lists, and
+// leaves out all that has its default.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -20,6 +21,7 @@
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
+#include "sensor/beams.hpp"
 #include "sensor/carla_lidars.hpp"
 
 namespace gnosphere {
@@ -200,6 +202,36 @@ std::vector<float> floats(const Source& source, const json& value, const std::st
   return list;
 }
 
+/// Reads the directions of a pattern: unit vectors, or azimuths, counter-clockwise from x, and elevations.
+std::vector<Vec3> directionsOf(const Source& source, const json& pattern, const std::string& where) {
+  const bool asAngles = pattern.contains("azimuth_deg") || pattern.contains("elevation_deg");
+  if (pattern.contains("directions")) {
+    if (asAngles)
+      source.refuse("'directions' of " + where +
+                    " and its 'azimuth_deg' and 'elevation_deg' are alternatives; keep one");
+    return vectors(source, pattern["directions"], where + ".directions");
+  }
+  if (!asAngles) source.refuse("'directions', or 'azimuth_deg' and 'elevation_deg', is missing in " + where);
+  const auto anglesOf = [&](const char* key, double most) {
+    const std::string what = where + "." + key;
+    std::vector<double> angles = numbers(source, member(source, pattern, where, key), what);
+    for (size_t i = 0; i < angles.size(); ++i)
+      if (!(std::abs(angles[i]) <= most))
+        source.refuse("'" + what + "[" + std::to_string(i) + "]' must be within -" + numberText(most) + ".." +
+                      numberText(most) + " degrees, is " + numberText(angles[i]));
+    return angles;
+  };
+  const std::vector<double> azimuths = anglesOf("azimuth_deg", 720), elevations = anglesOf("elevation_deg", 90);
+  if (azimuths.size() != elevations.size())
+    source.refuse("'azimuth_deg' of " + where + " has " + std::to_string(azimuths.size()) +
+                  " entries, its 'elevation_deg' has " + std::to_string(elevations.size()) +
+                  "; there must be one per beam in both");
+  std::vector<Vec3> directions;
+  directions.reserve(azimuths.size());
+  for (size_t i = 0; i < azimuths.size(); ++i) directions.push_back(directionAt(azimuths[i], elevations[i]));
+  return directions;
+}
+
 std::vector<BeamList> patternsOf(const Source& source, const json& list) {
   if (!list.is_array() || list.empty()) source.refuse("'patterns' must be a list of patterns, with one at least");
   std::vector<BeamList> patterns;
@@ -208,12 +240,13 @@ std::vector<BeamList> patternsOf(const Source& source, const json& list) {
     const std::string where = "patterns[" + std::to_string(i) + "]";
     if (!entry.is_object()) source.refuse("'" + where + "' must be an object");
     checkKeys(source, entry, where,
-              {"width", "height", "directions", "origins", "times", "range_min", "range_max", "rings"});
+              {"width", "height", "directions", "azimuth_deg", "elevation_deg", "origins", "times", "range_min",
+               "range_max", "rings"});
     const auto read = [&](const char* key, auto reader, auto& to) {
       if (const auto found = entry.find(key); found != entry.end()) to = reader(source, *found, where + "." + key);
     };
     BeamList& pattern = patterns.emplace_back();
-    pattern.directions = vectors(source, member(source, entry, where, "directions"), where + ".directions");
+    pattern.directions = directionsOf(source, entry, where);
     read("origins", vectors, pattern.origins);
     read(
         "times", [](const auto&... all) { return numbers(all...); }, pattern.times);

@@ -252,6 +252,44 @@ TEST_CASE("invalid lists are refused with the cause") {
              ContainsSubstring("directions are empty"));
 }
 
+TEST_CASE("a pattern may state azimuths and elevations in place of directions") {
+  const auto file = [](const std::string& pattern) {
+    return R"({"name": "a", "range": {"max": 5}, "patterns": [{)" + pattern + "}]}";
+  };
+  const Sensor sensor = sensorFromJson(
+      file(
+          R"("azimuth_deg": [0, 90, -90, 180, 30, 0], "elevation_deg": [0, 0, 0, 0, 60, -90], "width": 3, "height": 2)"),
+      "test");
+  const BeamList& list = sensor.patterns.at(0);
+  CHECK(list.width == 3);
+  const double along = 0.5 * std::sqrt(3.0) / 2;
+  const Vec3 expected[] = {{1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {-1, 0, 0}, {along, 0.25, std::sqrt(3.0) / 2}, {0, 0, -1}};
+  REQUIRE(list.size() == std::size(expected));
+  for (size_t i = 0; i < list.size(); ++i) {
+    INFO(i);
+    CHECK(std::abs(list.directions[i].x - expected[i].x) < (i == 4 ? 1e-15 : 1e-300));
+    CHECK(std::abs(list.directions[i].y - expected[i].y) < (i == 4 ? 1e-15 : 1e-300));
+    CHECK(std::abs(list.directions[i].z - expected[i].z) < (i == 4 ? 1e-15 : 1e-300));
+  }
+  const auto refusal = [&](const std::string& pattern) { return problemOf(file(pattern)); };
+  CHECK_THAT(
+      refusal(R"("directions": [[1, 0, 0]], "azimuth_deg": [0], "elevation_deg": [0])"),
+      EndsWith("'directions' of patterns[0] and its 'azimuth_deg' and 'elevation_deg' are alternatives; keep one"));
+  CHECK_THAT(refusal(R"("azimuth_deg": [0])"), EndsWith("'elevation_deg' is missing in patterns[0]"));
+  CHECK_THAT(refusal(R"("elevation_deg": [0])"), EndsWith("'azimuth_deg' is missing in patterns[0]"));
+  CHECK_THAT(refusal(R"("rings": [0])"),
+             EndsWith("'directions', or 'azimuth_deg' and 'elevation_deg', is missing in patterns[0]"));
+  CHECK_THAT(
+      refusal(R"("azimuth_deg": [0, 1], "elevation_deg": [0])"),
+      EndsWith("'azimuth_deg' of patterns[0] has 2 entries, its 'elevation_deg' has 1; there must be one per beam "
+               "in both"));
+  CHECK_THAT(refusal(R"("azimuth_deg": [0], "elevation_deg": [91])"),
+             EndsWith("'patterns[0].elevation_deg[0]' must be within -90..90 degrees, is 91"));
+  CHECK_THAT(refusal(R"("azimuth_deg": [0, -721], "elevation_deg": [0, 0])"),
+             EndsWith("'patterns[0].azimuth_deg[1]' must be within -720..720 degrees, is -721"));
+  CHECK_THAT(refusal(R"("azimuth_deg": [], "elevation_deg": [])"), ContainsSubstring("directions are empty"));
+}
+
 TEST_CASE("channel objects may state origins and time offsets") {
   const Sensor sensor = sensorFromJson(
       R"({"name": "a", "columns": 8, "range": {"max": 5}, "max_returns": 2, "divergence_mrad": [3, 1.5],
