@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Patterns of beams: height scans of robot learning, and panoramas of terrestrial scanners."""
+"""Patterns of beams: height scans of robot learning, terrestrial scanners, and zones of time-of-flight sensors."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from . import BeamList, Channel, Sensor
+from . import BeamList, Channel, Sensor, validate
 
 
 def grid(size: tuple[float, float], resolution: float, *, level: float = 0.0, altitude: float = 20.0) -> Sensor:
@@ -79,4 +79,36 @@ def panorama(
     sensor.channels = front + behind
     sensor.azimuth_start_deg, sensor.azimuth_span_deg = turn[0], turn[1] - turn[0]
     sensor.range_max = 100
+    return sensor
+
+
+def zones(columns: int, rows: int, horizontal_deg: float, vertical_deg: float) -> Sensor:
+    """Returns a time-of-flight sensor of many zones, such as the VL53L5CX with 8 x 8 zones of 45 x 45 degrees.
+
+    columns, rows: how many zones there are across and one above the other.
+    horizontal_deg, vertical_deg: the angles that all zones cover together, in degrees.
+
+    The x axis is the middle. A zone is a beam through its centre, whose divergence is the width and the height of the
+    zone; the effect `divergence` with the profile uniform has a zone's light. Scans are organised: the first row is
+    the highest, the first column the leftmost. All beams fire at once. Ranges end at 4 m; set range_min, range_max,
+    max_returns and scan_period of your sensor. Raises ValueError without zones, and for angles that are not above
+    0, or above 180 degrees. Raises Error for zones wider than 100 mrad, which are several beams each.
+    """
+    if not (columns >= 1 and rows >= 1):
+        raise ValueError(f"there are {columns} x {rows} zones; there must be one column and one row at least")
+    if not (0 < horizontal_deg <= 180 and 0 < vertical_deg <= 180):
+        raise ValueError(f"the zones cover {horizontal_deg} x {vertical_deg} degrees; both must be above 0, up to 180")
+    width, height = math.radians(horizontal_deg) / columns, math.radians(vertical_deg) / rows
+    azimuth, elevation = np.meshgrid(
+        ((columns - 1) / 2 - np.arange(columns)) * width, ((rows - 1) / 2 - np.arange(rows)) * height
+    )
+    directions = np.stack(
+        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], axis=-1
+    )
+    sensor = Sensor()
+    sensor.name = "zones"
+    sensor.range_max = 4
+    sensor.divergence_horizontal, sensor.divergence_vertical = width, height
+    sensor.patterns = [BeamList(directions.reshape(-1, 3), width=columns, height=rows)]
+    validate(sensor)
     return sensor

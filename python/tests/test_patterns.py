@@ -131,6 +131,29 @@ def test_impossible_panoramas_are_refused(wrong):
         patterns.panorama(**({"resolution": 0.006, "at": 10} | wrong))
 
 
+def test_zones_are_organised_from_the_upper_left_one(device):
+    sensor = patterns.zones(8, 4, 45, 20)
+    angles = gnosphere.beams_of(sensor)
+    ways = angles.directions.reshape(4, 8, 3).astype(float)
+    azimuths, elevations = np.degrees(np.arctan2(ways[..., 1], ways[..., 0])), np.degrees(np.arcsin(ways[..., 2]))
+    wanted = np.meshgrid(45 / 8 * (3.5 - np.arange(8)), 5 * (1.5 - np.arange(4)))
+    np.testing.assert_allclose([azimuths, elevations], wanted, atol=1e-5)
+    assert sensor.divergence_horizontal == pytest.approx(math.radians(45 / 8))
+    assert sensor.divergence_vertical == pytest.approx(math.radians(5))
+    wall = simulator(sensor, [[2, -9, -9], [2, 9, -9], [2, 9, 9], [2, -9, 9]], device)
+    scan = wall.scan(gnosphere.Pose((0, 0, 0)))
+    assert scan.shape == (4, 8)
+    np.testing.assert_allclose(scan.ranges.reshape(4, 8), 2 / ways[..., 0], rtol=1e-5)
+
+
+def test_impossible_zones_are_refused():
+    for wrong in ((0, 8, 45, 45), (8, -1, 45, 45), (8, 8, 0, 45), (8, 8, 45, 181), (8, 8, math.nan, 45)):
+        with pytest.raises(ValueError, match="zones"):
+            patterns.zones(*wrong)
+    with pytest.raises(gnosphere.Error, match="196.3.* so a wider beam is a list of several: docs/limits.md"):
+        patterns.zones(4, 4, 45, 45)
+
+
 def test_the_beam_of_docs_limits_above_a_floor_is_the_integral_over_its_cone(device):
     """8 cm above a floor of 17 %, 2.5 m in front of a wall of 88 %; and 3.5 m in front of one that is too dark."""
     page = (Path(__file__).parents[2] / "docs" / "limits.md").read_text()
