@@ -172,6 +172,8 @@ void DriveReader::outputs() {
       refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields != nullptr; }));
     if (const std::string fields = object.value("fields", format.fields ? format.fields : ""); !fields.empty())
       attempt(path + ".fields", [&] { output.fields = parseFields(fields); });
+    if (output.format == "mcap" && !object.contains("fields") && mistakes_.empty())
+      output.fields = usualCloudFields(drive_, output.sensors);
     if (object.contains("keyframes") && !format.keyframes)
       refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});

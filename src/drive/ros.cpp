@@ -28,11 +28,21 @@ std::vector<double> timesOf(const Drive& drive, uint64_t frame, bool last, uint6
 
 }  // namespace
 
+std::vector<Field> usualCloudFields(const Drive& drive, std::span<const size_t> sensors) {
+  std::vector<Field> fields = parseFields(formatNamed("mcap").fields);
+  const bool lists = std::ranges::any_of(sensors, [&](size_t index) {
+    const RigSensor& sensor = drive.sensors[index];
+    return !sensor.sensor.isGrid() && !sensor.driver && !sensor.livoxCustom;
+  });
+  if (lists) fields.push_back(Field::beam);
+  return fields;
+}
+
 std::vector<Field> liveFieldsOf(const Drive& drive, size_t sensor) {
   const auto found = std::ranges::find_if(drive.outputs, [&](const Output& output) {
     return output.format == "mcap" && std::ranges::find(output.sensors, sensor) != output.sensors.end();
   });
-  return found != drive.outputs.end() ? found->fields : parseFields(formatNamed("mcap").fields);
+  return found != drive.outputs.end() ? found->fields : usualCloudFields(drive, {&sensor, 1});
 }
 
 ros2::MessageType cloudTypeOf(const RigSensor& sensor) {

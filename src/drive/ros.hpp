@@ -10,6 +10,10 @@
 
 namespace gnosphere::drive {
 
+/// Returns the fields of the clouds of these sensors, by index, if the drive file names none. If one of them is a list
+/// of beams without a driver, they have the number of the beam, without which a frame does not go back into its grid.
+std::vector<Field> usualCloudFields(const Drive& drive, std::span<const size_t> sensors);
+
 /// Returns the fields of the clouds of a sensor in live messages, which are those of the drive's first bag that has the
 /// sensor; those that a bag has by default, if none has it.
 std::vector<Field> liveFieldsOf(const Drive& drive, size_t sensor);

@@ -191,6 +191,50 @@ TEST_CASE("MCAP: clouds have the fields that their output names, with the values
   CHECK(fastest > 1);
 }
 
+TEST_CASE("MCAP: clouds of a list have the numbers of its beams, by which they go back into their grid") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["epoch"] = 1700000000;
+  json["outputs"] = {{{"format", "mcap"}}};
+  const std::vector<Field> usual = parseFields("x,y,z,intensity,time,ring,class,instance");
+  const drive::Drive grids = folder.read(json);
+  CHECK(grids.outputs[0].fields == usual);
+  CHECK(drive::liveFieldsOf(grids, 1) == usual);
+
+  // Four rows of eight, of which the upper two see nothing.
+  Json& list = json["sensors"][1]["sensor"];
+  list = {{"name", "zones"}, {"range", {{"max", 60}}}};
+  Json& pattern = list["patterns"][0] = {{"width", 8}, {"height", 4}};
+  for (int i = 0; i < 32; ++i) {
+    pattern["azimuth_deg"].push_back(20 - 5 * (i % 8));
+    pattern["elevation_deg"].push_back(i < 16 ? 60 : -20);
+  }
+  std::vector<Field> numbered = usual;
+  numbered.push_back(Field::beam);
+  const drive::Drive lists = folder.read(json);
+  CHECK(lists.outputs[0].fields == numbered);
+  CHECK(drive::liveFieldsOf(lists, 0) == numbered);  // as the bag has both sensors
+  json["sensors"][1]["driver"] = "livox";
+  CHECK(folder.read(json).outputs[0].fields == usual);
+  json["sensors"][1].erase("driver");
+  json["outputs"][0]["sensors"] = {"top"};
+  const drive::Drive without = folder.read(json);
+  CHECK(without.outputs[0].fields == usual);
+  CHECK(drive::liveFieldsOf(without, 0) == usual);
+  CHECK(drive::liveFieldsOf(without, 1) == numbered);
+
+  json["outputs"][0]["sensors"] = {"side"};
+  folder.run(json);
+  const std::string cdr = messagesOf(folder.get("out/mcap/drive.mcap"), 3).at(0);
+  const size_t beam = cdr.find(std::string("beam\0", 5));
+  REQUIRE(beam != std::string::npos);
+  const auto offset = at<uint32_t>(cdr, beam + 8);
+  const size_t ends = beam + 8 + 12;  // its offset, type and count, then whether the data is big-endian
+  const auto step = at<uint32_t>(cdr, ends + 4), bytes = at<uint32_t>(cdr, ends + 12);
+  REQUIRE(bytes == 16 * step);
+  for (uint32_t i = 0; i < 16; ++i) CHECK(at<uint32_t>(cdr, ends + 16 + i * step + offset) == 16 + i);
+}
+
 TEST_CASE("MCAP: fields without a position, or of a sensor with a driver, are refused") {
   const DriveFolder folder;
   Json json = smallDrive();
