@@ -160,6 +160,20 @@ def test_noise_of_a_lidar_of_sdf_names_the_lidar_and_the_effect_that_gives_it(tm
         assert list(robotics.load(tmp_path / "m.sdf").left_out) == [told]
 
 
+def test_a_sonar_of_sdf_and_of_urdf_is_told(tmp_path):
+    sonar = '<sensor name="us" type="sonar"><sonar><min>0.02</min><max>3</max><radius>0.5</radius></sonar></sensor>'
+    camera = '<sensor name="eye" type="camera"/>'
+    box = "<box><size>1 1 1</size></box>"
+    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape=box, sensor=sensor() + sonar + camera))
+    (tmp_path / "m.urdf").write_text(
+        f'<robot name="r"><link name="base"/><gazebo reference="base">{sonar}{camera}</gazebo></robot>'
+    )
+    for file, name in (("m.sdf", "m::us"), ("m.urdf", "us")):
+        told = f"the sonar '{name}', whose wide beam would be a list of beams: docs/limits.md"
+        with pytest.warns(UserWarning, match=told):
+            assert list(robotics.load(tmp_path / file).left_out) == [told]
+
+
 def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
     """Both ends of a whole turn are beams in SDF, and look to the same side."""
     whole = sensor().replace("-1.57", "-3.14159265").replace("1.57", "3.14159265").replace(">90<", ">720<")

@@ -217,6 +217,16 @@ TEST_CASE("SDF: what is left out of a lidar is named with the effect that gives 
   CHECK(readSensorFile(exact, "model.sdf").ignored == Notes{});
 }
 
+TEST_CASE("SDF: sonars beside a lidar are named as left out") {
+  const char* told = "the sonar 'us', whose wide beam would be a list of beams: docs/limits.md";
+  for (const char* sonar : {"<sensor name='us' type='sonar'><sonar><min>0.02</min><max>3</max></sonar></sensor>",
+                            "<sensor name='us' type='sonar'/>"}) {
+    INFO(sonar);
+    const std::string text = replaced(sdfWith(anglesOf(9, -1, 1)), "<sensor", std::string(sonar) + "<sensor");
+    CHECK(readSensorFile(text, "model.sdf").ignored == std::vector<std::string>{told});
+  }
+}
+
 TEST_CASE("SDF: lidars of one name are chosen by the names of their models") {
   std::string fleet = "<sdf version='1.9'><world name='w'>";
   for (const char* robot : {"r0", "r1"})

@@ -157,9 +157,11 @@ class Reader:
             self._shape(shape, name, poses.inside(shape, link.get("name", "")), file)
         self._leave_out(link, "particle_emitter")
         for sensor in link.findall("sensor"):
+            full = prefix + sensor.get("name", "lidar")
             if xml_lidars.is_lidar(sensor):
-                local = poses.inside(sensor, link.get("name", ""))
-                xml_lidars.mount(sensor, self.parts, prefix + sensor.get("name", "lidar"), name, local)
+                xml_lidars.mount(sensor, self.parts, full, name, poses.inside(sensor, link.get("name", "")))
+            else:
+                xml_lidars.leave_out_sonar(sensor, self.parts, full)
 
     def _shape(self, shape: ET.Element, link: str, local: Matrix, file: Path) -> None:
         geometry = shape.find("geometry")

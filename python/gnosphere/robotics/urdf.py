@@ -190,10 +190,10 @@ def _lidars(root: ET.Element, parts: Parts, links: set[str]) -> None:
     for gazebo in root.iter("gazebo"):
         link = gazebo.get("reference", "")
         for sensor in gazebo.iter("sensor"):
-            if not xml_lidars.is_lidar(sensor):
-                continue
             name = sensor.get("name", "lidar")
-            if link in links:
+            if not xml_lidars.is_lidar(sensor):
+                xml_lidars.leave_out_sonar(sensor, parts, name)
+            elif link in links:
                 xml_lidars.mount(sensor, parts, name, link)
             else:
                 parts.leave_out(f"the lidar {name} on the link '{link}', which is not there")

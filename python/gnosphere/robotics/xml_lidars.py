@@ -61,6 +61,12 @@ def is_lidar(sensor: ET.Element) -> bool:
     return sensor.get("type") in KINDS or any(sensor.find(kind) is not None for kind in ("lidar", "ray"))
 
 
+def leave_out_sonar(sensor: ET.Element, parts: Parts, name: str) -> None:
+    """Tells that a <sensor> is left out if it is a sonar."""
+    if sensor.get("type") == "sonar" or sensor.find("sonar") is not None:
+        parts.leave_out(f"the sonar '{name}', whose wide beam would be a list of beams: docs/limits.md")
+
+
 def mount(sensor: ET.Element, parts: Parts, name: str, frame: Any, frame_to_sensor: Optional[Matrix] = None) -> None:
     """Adds the lidar of a <sensor>, whose <pose> is relative to the frame unless a map is given."""
     try:

@@ -83,6 +83,13 @@ std::string parametersOf(const SensorSource& source, const pugi::xml_node& noise
   return "sigma " + shownNumber(sigma) + (mean != 0 ? " and bias " + shownNumber(mean) : "");
 }
 
+/// Notes the sonars of a file as left out.
+void nameSonars(SensorSource& source, const pugi::xml_document& document) {
+  for (const pugi::xpath_node& sonar : document.select_nodes("//sensor[not(lidar or ray)][sonar or @type='sonar']"))
+    source.ignore("the sonar '" + std::string(sonar.node().attribute("name").value()) +
+                  "', whose wide beam would be a list of beams: docs/limits.md");
+}
+
 }  // namespace
 
 void readSdf(SensorSource& source) {
@@ -91,6 +98,7 @@ void readSdf(SensorSource& source) {
   for (const pugi::xpath_node& found : document.select_nodes("//sensor[lidar or ray]")) sensors.push_back(found.node());
   if (sensors.empty()) source.refuse("has no <sensor> with <lidar> or <ray>, as SDF has");
   const pugi::xml_node node = chooseXml(source, sensors, "name", source.options.mode);
+  nameSonars(source, document);
   const pugi::xml_node lidar = node.child("lidar") ? node.child("lidar") : node.child("ray");
   const pugi::xml_node scan = lidar.child("scan"), range = lidar.child("range");
   if (!scan.child("horizontal")) source.refuse("<horizontal> of <scan> is missing");
