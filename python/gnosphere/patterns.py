@@ -89,7 +89,7 @@ def zones(columns: int, rows: int, horizontal_deg: float, vertical_deg: float) -
     horizontal_deg, vertical_deg: the angles that all zones cover together, in degrees.
 
     The x axis is the middle. A zone is a beam through its centre, whose divergence is the width and the height of the
-    zone; the effect `divergence` with the profile uniform has a zone's light. Scans are organised: the first row is
+    zone; the effect `divergence` with the profile uniform and the shape rectangle has a zone's light. Scans are organised: the first row is
     the highest, the first column the leftmost. All beams fire at once. Ranges end at 4 m; set range_min, range_max,
     max_returns and scan_period of your sensor. Raises ValueError without zones, and for angles that are not above
     0, or above 180 degrees. Raises Error for zones wider than 100 mrad, which are several beams each.
