@@ -54,7 +54,7 @@ const BeamList& patternOf(const Sensor& sensor, uint64_t frame) {
   return sensor.patterns[frame % sensor.patterns.size()];
 }
 
-Vec3 directionAt(double azimuthDeg, double elevationDeg) {
+Vec3 unitVectorAt(double azimuthDeg, double elevationDeg) {
   const SinCos azimuth = sinCosDegrees(azimuthDeg), elevation = sinCosDegrees(elevationDeg);
   return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
 }
@@ -65,7 +65,7 @@ Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame) {
     const double length = lengthOf(d);
     return {d.x / length, d.y / length, d.z / length};
   }
-  return directionAt(azimuthDegOf(sensor, beam), sensor.channels[beam / sensor.columns].elevationDeg);
+  return unitVectorAt(azimuthDegOf(sensor, beam), sensor.channels[beam / sensor.columns].elevationDeg);
 }
 
 Vec3 originOf(const Sensor& sensor, size_t beam, uint64_t frame) {

@@ -14,7 +14,7 @@ const BeamList& patternOf(const Sensor& sensor, uint64_t frame);
 
 /// Unit vector of an azimuth, counter-clockwise from x, and an elevation above the horizon, in degrees. Multiples of 90
 /// are exact.
-Vec3 directionAt(double azimuthDeg, double elevationDeg);
+Vec3 unitVectorAt(double azimuthDeg, double elevationDeg);
 /// Unit vector in the sensor's frame.
 Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Point in the sensor's frame from which the beam leaves, in metres.

@@ -228,7 +228,7 @@ std::vector<Vec3> directionsOf(const Source& source, const json& pattern, const 
                   "; there must be one per beam in both");
   std::vector<Vec3> directions;
   directions.reserve(azimuths.size());
-  for (size_t i = 0; i < azimuths.size(); ++i) directions.push_back(directionAt(azimuths[i], elevations[i]));
+  for (size_t i = 0; i < azimuths.size(); ++i) directions.push_back(unitVectorAt(azimuths[i], elevations[i]));
   return directions;
 }
 
