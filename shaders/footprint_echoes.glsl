@@ -101,17 +101,19 @@ float energyWithin(float low, float high, float halfWindow, float first, float e
 // of the energy of a nearer one. Returns kNothing if there is none.
 float riseOf(float first, float end) {
   precise float span = end - first, halfWindow = 0.5 * max(parameters.separation, span / kValleyWindows);
-  if (span <= sumOf(parameters.separation, parameters.separation)) return kNothing;
-  float peak = 0.0, least = kNothing;  // kNothing before the valley
-  [[dont_unroll]] for (float low = -1.0; low < 2.0 * kValleyWindows; low += 2.0) {
-    precise float from = first + low * halfWindow, to = first + (low + 2.0) * halfWindow;
-    if (from > end) break;
-    float energy = energyWithin(from, to, halfWindow, first, end);
-    if (energy > kValleyDepth * least) return from;
-    if (least < kNothing || kValleyDepth * energy < peak) least = min(least, energy);
-    peak = max(peak, energy);
+  float peak = 0.0, least = kNothing, rise = kNothing;  // least is kNothing before the valley
+  if (span > sumOf(parameters.separation, parameters.separation)) {
+    precise float from = first - halfWindow, to = first + halfWindow;
+    [[dont_unroll]] for (float k = 0.0; k <= kValleyWindows && from <= end && rise == kNothing; ++k) {
+      float energy = energyWithin(from, to, halfWindow, first, end);
+      if (energy > kValleyDepth * least) rise = from;
+      if (least < kNothing || kValleyDepth * energy < peak) least = min(least, energy);
+      peak = max(peak, energy);
+      from = to;
+      to = first + (2.0 * k + 3.0) * halfWindow;
+    }
   }
-  return kNothing;
+  return rise;
 }
 
 // Returns the largest range of the hits before `before` that count, from `first` on.
