@@ -134,8 +134,13 @@ uint rangeOfAll(uint index, uvec2 rays, float farthest) {
   atomicMax(covers.at[beamEntry(index)].farthest, floatBitsToUint(farthest));
   memoryBarrierBuffer();  // whoever sees the bits also sees the range
   rays.x |= atomicOr(covers.at[beamEntry(index)].lowRays, rays.x);
-  if (RAYS > 32) rays.y |= atomicOr(covers.at[beamEntry(index)].highRays, rays.y);
+  if (RAYS > 32) {
+    memoryBarrierBuffer();  // whoever sees the upper bits also sees the lower ones
+    rays.y |= atomicOr(covers.at[beamEntry(index)].highRays, rays.y);
+  }
   memoryBarrierBuffer();
+  // Of two that add the last bits each may have found the lower ones incomplete before the other added its own.
+  if (RAYS > 32) rays.x = covers.at[beamEntry(index)].lowRays;
   return rays == litRays ? covers.at[beamEntry(index)].farthest : kNone;
 }
 

@@ -9,6 +9,7 @@
 #include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
 #include "lanes/faults.hpp"
+#include "lanes/footprint_machine.hpp"
 #include "lanes/recording.hpp"
 #include "lanes/schedule.hpp"
 #include "town/town.hpp"
@@ -292,6 +293,39 @@ TEST_CASE("lanes: footprints, panes and holes have the same bytes in any order")
   effects.transmission.use = GENERATE(EffectUse::off, EffectUse::on);
   effects.cutOuts.use = EffectUse::on;
   requireAnyOrder(town(), head(), asking(effects), {standing(), standing(1)});
+}
+
+TEST_CASE("lanes: a beam ends where several triangles together stop its 61 sub-rays, in any order") {
+  MeshBuilder wall;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) wall.quad({5, 0.6 - 0.1 * i, 0.1 * j - 0.6}, {0, -0.1, 0}, {0, 0, 0.1});
+  const Scene scene = sceneOf(wall.take());
+  BeamList beams;
+  for (int i = -4; i <= 4; ++i)
+    for (int j = -4; j <= 4; ++j) {
+      const double y = 0.02 * i + 0.005, z = 0.02 * j + 0.003, length = std::sqrt(1 + y * y + z * z);
+      beams.directions.push_back({1 / length, y / length, z / length});
+    }
+  Sensor sensor;
+  sensor.patterns.push_back(beams);
+  sensor.rangeMax = 80;
+  Effects effects = Effects::none();
+  effects.divergence = {EffectUse::on, 61, Effects::Divergence::Profile::gaussian, 20e-3, 20e-3};
+  const TestOptions options = asking(effects);
+  SensorPlanner planner(options);
+  auto machine = std::make_unique<FootprintMachine>(options);
+  const FootprintMachine& looking = *machine;
+  const std::unique_ptr<Backend> backend = makeDeviceBackend(
+      std::move(machine), scene, {planner.plan(scene, SensorRequest{sensor, options.effects}, 0, false)}, options);
+  const Shot shot;
+  for (uint64_t seed = 1; seed <= (everyCombination() ? 1000u : 50u); ++seed) {
+    INFO("seed " << seed);
+    lanes::setOrder({seed, 8});
+    Scan scan;
+    backend->scanAll({&shot, 1}, scan, [](size_t) {});
+    CHECK(looking.covered > 30);
+    CHECK(looking.endless == 0);
+  }
 }
 
 TEST_CASE("lanes: panes, weather and noise have the same bytes in any order") {
