@@ -178,12 +178,15 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
 #include "project_motion.glsl"
 #include "project_silhouettes.glsl"
 
+// Devices round quotients and roots, so the sine of a corner straight above may exceed 1, for which asin is undefined.
+float elevationOf(vec3 p) { return asin(clamp(p.z / length(p), -1.0, 1.0)); }
+
 // Section 3 of the paper: one-sided faces need n . v0 < 0; the box is the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
   rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
   if (outOfRange(a, rangeMin)) return kRange;
   if (oneSided && dot(cross(b - a, c - a), a) >= 0.0) return kFace;
-  vec3 elevation = vec3(asin(a.z / length(a)), asin(b.z / length(b)), asin(c.z / length(c)));
+  vec3 elevation = vec3(elevationOf(a), elevationOf(b), elevationOf(c));
   vec3 azimuth = vec3(atan(a.y, a.x), atan(b.y, b.x), atan(c.y, c.x));
   float low = min(min(elevation.x, elevation.y), elevation.z), high = max(max(elevation.x, elevation.y), elevation.z);
   float first = floor((low - frame.paperFirstElevation) * frame.paperRowsPerRadian);
