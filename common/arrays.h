@@ -151,7 +151,7 @@
   ARRAY(readonly, RecordPlace, recordPlaces)  /* per value, if all are whole words */ \
   ARRAY(readonly, RecordPlace, recordGaps)    /* words of a record without a value */ \
   ARRAY(readonly, uint, beamPlaces)        /* per pattern and beam, by number: its index; kNone: it never fires */ \
-  ARRAY(readonly, vec4, beamFacts)         /* per pattern and beam: time, azimuth, elevation, bits of its ring */ \
+  ARRAY(readonly, uvec4, beamFacts)        /* per pattern and beam: bits of time, azimuth and elevation, its ring */ \
   ARRAY(readonly, vec4, beamDirections)    /* per pattern and beam: unit vector in the sensor's frame, 0 */ \
   ARRAY(readonly, InstanceClass, instanceClasses) \
   ARRAY(readonly, ClassRun, classRuns)     /* mesh by mesh, in the order of the triangles */ \

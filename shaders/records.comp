@@ -264,11 +264,11 @@ uint classOf(uvec2 owner) {
       USE(kValueRadialSpeed, floatBitsToUint(motion_.w)); \
     } \
     if (HOLDS_ANY(BITS(kValueTime, kValueRing))) { \
-      vec4 facts_ = beamFacts.at[plan.firstBeam + beam_]; \
-      USE(kValueTime, floatBitsToUint(facts_.x)); \
-      USE(kValueAzimuth, floatBitsToUint(facts_.y)); \
-      USE(kValueElevation, floatBitsToUint(facts_.z)); \
-      USE(kValueRing, floatBitsToUint(facts_.w)); \
+      uvec4 facts_ = beamFacts.at[plan.firstBeam + beam_]; \
+      USE(kValueTime, facts_.x); \
+      USE(kValueAzimuth, facts_.y); \
+      USE(kValueElevation, facts_.z); \
+      USE(kValueRing, facts_.w); \
     } \
     USE(kValueBeam, beam_); \
     USE(kValueTriangle, owner_.x); \

@@ -118,16 +118,15 @@ std::vector<uint32_t> beamPlaces(const SensorPlan& plan, const BeamTables& table
   return places;
 }
 
-std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern) {
-  std::vector<gpu::vec4> facts;
+std::vector<gpu::uvec4> beamFacts(const SensorPlan& plan, size_t pattern) {
+  std::vector<gpu::uvec4> facts;
   if (!asks(plan.layout, {Field::time, Field::azimuth, Field::elevation, Field::ring})) return facts;
   const Sensor& sensor = plan.sensor;
+  const auto bits = [](double value) { return std::bit_cast<uint32_t>(static_cast<float>(value)); };
   facts.resize(sensor.beamCount());
   for (size_t beam = 0; beam < facts.size(); ++beam)
-    facts[beam] = {static_cast<float>(timeOf(sensor, beam, pattern)),
-                   static_cast<float>(azimuthOf(sensor, beam, pattern)),
-                   static_cast<float>(elevationOf(sensor, beam, pattern)),
-                   std::bit_cast<float>(uint32_t{ringOf(sensor, beam, pattern)})};
+    facts[beam] = {bits(timeOf(sensor, beam, pattern)), bits(azimuthOf(sensor, beam, pattern)),
+                   bits(elevationOf(sensor, beam, pattern)), ringOf(sensor, beam, pattern)};
   return facts;
 }
 

@@ -22,8 +22,9 @@ RecordTables recordTables(const RecordLayout& layout);
 /// Returns the index of each beam by its number; kNone for a beam that never fires.
 std::vector<uint32_t> beamPlaces(const SensorPlan& plan, const BeamTables& tables);
 
-/// Returns time, azimuth, elevation and ring of every beam of a pattern; empty if the layout has none of them.
-std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern);
+/// Returns the bits of time, azimuth and elevation, and the ring, of every beam of a pattern; empty if the layout has
+/// none of them.
+std::vector<gpu::uvec4> beamFacts(const SensorPlan& plan, size_t pattern);
 
 /// Returns the directions of the beams of a pattern; empty if the kernel finds them from the points.
 std::vector<gpu::vec4> beamDirections(const SensorPlan& plan, size_t pattern);

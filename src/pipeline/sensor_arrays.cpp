@@ -162,7 +162,8 @@ void SensorArrays::makeRecordTables() {
   arrays_.upload(machine_, Array::recordPlaces, records_.places);
   arrays_.upload(machine_, Array::recordGaps, records_.gaps);
   std::vector<uint32_t> places;
-  std::vector<gpu::vec4> facts, directions;
+  std::vector<gpu::uvec4> facts;
+  std::vector<gpu::vec4> directions;
   const auto append = [](auto& all, const auto& ofPattern) {
     all.insert(all.end(), ofPattern.begin(), ofPattern.end());
   };
