@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 #include "base/decimal_point.hpp"
 
@@ -14,6 +15,8 @@ namespace {
 constexpr uint64_t kSecond = 1'000'000'000, kLongest = 60 * kSecond, kLongestOnCpu = 3600 * kSecond;
 constexpr uint32_t kLeastStamps = 32;
 
+constexpr const char* kLessWork = "less work at a time may help (tuning.max_submission_work, fewer beams or sub-rays)";
+
 }  // namespace
 
 Commands::Commands(const Device& device) : device_(device), vk_(device.vk()) {
@@ -22,8 +25,6 @@ Commands::Commands(const Device& device) : device_(device), vk_(device.vk()) {
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
   pool_ = device.make(vk_.vkCreateCommandPool, vk_.vkDestroyCommandPool, pool);
   makeRoom(kLeastStamps);
-  const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  fence_ = device.make(vk_.vkCreateFence, vk_.vkDestroyFence, fence);
 }
 
 void Commands::makeRoom(uint32_t stamps) {
@@ -36,19 +37,20 @@ void Commands::makeRoom(uint32_t stamps) {
 }
 
 Commands::~Commands() {
-  if (pending_) waitForFence();
+  if (pending_) waitForAll();
 }
 
 void Commands::open(size_t submission) {
-  if (submission == buffers_.size()) {
+  if (submission == submissions_.size()) {
+    const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    Submission made = {device_.make(vk_.vkCreateFence, vk_.vkDestroyFence, fence)};
     VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocate.commandPool = pool_.get();
     allocate.commandBufferCount = 1;
-    VkCommandBuffer made = VK_NULL_HANDLE;
-    VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &made));
-    buffers_.push_back(made);
+    VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &made.commands));
+    submissions_.push_back(std::move(made));
   }
-  commands_ = {device_, buffers_[submission]};
+  commands_ = {device_, submissions_[submission].commands};
   VK(vk_.vkResetCommandBuffer(commands_.handle(), 0));  // it may hold a recording that was given up
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -79,46 +81,59 @@ void Commands::stamp(const char* stage, std::string step) {
 
 void Commands::submit() {
   VK(vk_.vkEndCommandBuffer(commands_.handle()));
-  for (size_t i = 0; i < used_; ++i) {
+  const size_t count = std::exchange(used_, 0);
+  while (used_ < count) {
     VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
-    submit.pCommandBuffers = &buffers_[i];
-    const VkResult result = device_.submit(submit, i + 1 == used_ ? fence_.get() : VkFence(VK_NULL_HANDLE));
-    // No fence tells when those before it end.
-    if (result != VK_SUCCESS && i > 0) device_.waitForQueue();
+    Submission& next = submissions_[used_];
+    submit.pCommandBuffers = &next.commands;
+    const VkResult result = device_.submit(submit, next.fence.get(), next.number);
+    if (result != VK_SUCCESS && pending_) wait();  // for those before it
     if (result == VK_ERROR_DEVICE_LOST) refuseLost();
     check(result, "vkQueueSubmit");
+    pending_ = true;
+    ++used_;
   }
-  pending_ = true;
 }
 
-VkResult Commands::waitForFence() const {
-  const VkFence fence = fence_.get();
-  return vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE,
-                             (device_.capabilities().cpu ? kLongestOnCpu : kLongest) * used_);
+VkResult Commands::waitForAll() {
+  // A submission that hangs has had its time, and so have those behind it; perhaps all have ended by now.
+  const uint64_t longest = device_.hangs() > 0 ? 0 : device_.capabilities().cpu ? kLongestOnCpu : kLongest;
+  VkResult result = VK_SUCCESS;
+  for (size_t i = 0; i < used_ && result == VK_SUCCESS; ++i) {
+    const VkFence fence = submissions_[i].fence.get();
+    const uint64_t number = submissions_[i].number;
+    result = vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE, longest * device_.unendedUpTo(number));
+    if (result == VK_SUCCESS) device_.noteEnd(number);
+  }
+  const bool hangs = result == VK_TIMEOUT;
+  if (hangs != hangs_) device_.hangs() += hangs ? 1 : -1;
+  hangs_ = hangs;
+  // A wait that fails for another reason, such as a lack of memory, does not tell that the device has ended its work.
+  pending_ = result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST;
+  return result;
 }
 
 void Commands::wait() {
   if (!pending_) return;
-  const VkFence fence = fence_.get();
-  const VkResult result = waitForFence();
-  // A wait that fails for another reason, such as a lack of memory, does not tell that the device has ended its work.
-  pending_ = result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST;
+  const VkResult result = waitForAll();
   if (result == VK_ERROR_DEVICE_LOST) refuseLost();
-  if (pending_) {
-    const std::string why = result == VK_TIMEOUT ? "did not end its work in time"
-                                                 : std::string("cannot be waited for, ") + resultName(result);
-    throw Error(ErrorCode::device, "the device '" + device_.capabilities().info.name + "' " + why + progress());
+  if (result == VK_TIMEOUT) refuse("did not end its work in time", "");
+  if (result != VK_SUCCESS) refuse(std::string("cannot be waited for, ") + resultName(result), "");
+  for (size_t i = 0; i < used_; ++i) {
+    const VkFence fence = submissions_[i].fence.get();
+    VK(vk_.vkResetFences(device_.handle(), 1, &fence));
   }
-  VK(vk_.vkResetFences(device_.handle(), 1, &fence));
 }
 
 void Commands::refuseLost() const {
-  throw Error(
-      ErrorCode::device,
-      "the device '" + device_.capabilities().info.name + "' was lost at its work" + progress() +
-          "; this simulator is of no more use, a new one may be. Drivers end work that takes them seconds: less "
-          "work at a time may help (tuning.max_submission_work, fewer beams or sub-rays)");
+  refuse("was lost at its work", std::string("Drivers end work that takes them seconds: ") + kLessWork);
+}
+
+void Commands::refuse(const std::string& why, const std::string& remedy) const {
+  throw Error(ErrorCode::device,
+              "the device '" + device_.capabilities().info.name + "' " + why + progress() +
+                  (remedy.empty() ? remedy : "; this simulator is of no more use, a new one may be. " + remedy));
 }
 
 // A timestamp that is there tells that its stage has ended.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame in flight: a command buffer for each of its submissions, with timestamps, and the fence that signals the
-// end of all.
+// One frame in flight: its submissions, each a command buffer and the fence that signals its end, and timestamps.
 #pragma once
 
 #include <functional>
@@ -34,8 +33,9 @@ class Commands {
   void cut();
   /// Ends the recording and submits it to the queue.
   void submit();
-  /// Waits until the submission is done; returns at once if it has been waited for already. Throws Error(device) that
-  /// names the last stage that ended if the device is lost, does nothing for very long, or cannot be waited for.
+  /// Waits until the submissions are done; returns at once if they have been waited for already. Throws Error(device)
+  /// that names the last stage that ended if the device is lost, takes too long for one of them, or cannot be waited
+  /// for.
   void wait();
   /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
   /// has no timestamps.
@@ -51,25 +51,30 @@ class Commands {
     const char* stage;  // that ended there; null where the first one starts, and for steps
     std::string step;
   };
+  struct Submission {
+    DeviceHandle<VkFence> fence;
+    VkCommandBuffer commands = VK_NULL_HANDLE;  // owned by the pool
+    uint64_t number = 0;                        // that the device has given it
+  };
   void open(size_t submission);
   void stamp(const char* stage, std::string step = {});
   std::vector<uint64_t> readTicks() const;
   void makeRoom(uint32_t stamps);
-  VkResult waitForFence() const;
+  VkResult waitForAll();
   [[noreturn]] void refuseLost() const;
+  [[noreturn]] void refuse(const std::string& why, const std::string& remedy) const;
   std::string progress() const;
 
   const Device& device_;
   const DeviceFunctions& vk_;
   uint32_t stampLimit_ = 0;
   std::vector<Stamp> stamps_;
-  bool pending_ = false;
+  bool pending_ = false, hangs_ = false;
   DeviceHandle<VkCommandPool> pool_;
-  CommandBuffer commands_;                // the one that is recorded
-  std::vector<VkCommandBuffer> buffers_;  // by submission; owned by the pool
-  size_t used_ = 0;                       // of them, by the last recording
+  CommandBuffer commands_;  // the one that is recorded
+  std::vector<Submission> submissions_;
+  size_t used_ = 0;  // of them, by the last recording
   DeviceHandle<VkQueryPool> queries_;
-  DeviceHandle<VkFence> fence_;
 };
 
 }  // namespace gnosphere::vulkan

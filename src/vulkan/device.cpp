@@ -101,17 +101,23 @@ Device::Device(const DeviceChoice& choice, bool validation, bool statistics) : a
     makeOwn();
   }
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-  blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_, capabilities_.mostAllocations);
+  blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_, capabilities_.mostAllocations, hangs_);
 }
 
-VkResult Device::submit(const VkSubmitInfo& info, VkFence fence) const {
-  const std::lock_guard lock(queueMutex_);
-  return vk_.vkQueueSubmit(queue_, 1, &info, fence);
+Device::~Device() {
+  if (hangs_ > 0) (void)instance_.release();  // an instance outlives its devices
 }
 
-void Device::waitForQueue() const {
+VkResult Device::submit(const VkSubmitInfo& info, VkFence fence, uint64_t& number) const {
   const std::lock_guard lock(queueMutex_);
-  vk_.vkQueueWaitIdle(queue_);
+  const VkResult result = vk_.vkQueueSubmit(queue_, 1, &info, fence);
+  if (result == VK_SUCCESS) number = ++submissions_;
+  return result;
+}
+
+void Device::noteEnd(uint64_t number) const {
+  const std::lock_guard lock(queueMutex_);
+  ended_ = std::max<uint64_t>(ended_, number);
 }
 
 void Device::makeOwn() {
@@ -167,7 +173,7 @@ void Device::makeOwn() {
                                        "'; may this process start threads (ulimit -u, pids.max)?");
   check(made, "vkCreateDevice");
   vk_ = functionsOf(instanceFunctions_.vkGetDeviceProcAddr, device);
-  device_ = {device, vk_.vkDestroyDevice};
+  device_ = {device, vk_.vkDestroyDevice, &hangs_};
   vk_.vkGetDeviceQueue(device, capabilities_.queueFamily, 0, &queue_);
 }
 

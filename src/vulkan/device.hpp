@@ -2,6 +2,8 @@
 // One Vulkan device with a compute queue, which several threads may use at once.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -28,6 +30,7 @@ class Device {
   Device(const DeviceChoice& choice, bool validation, bool statistics = false);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
+  ~Device();
 
   VkDevice handle() const { return adopted_ ? adopted_->device : device_.get(); }
   const DeviceFunctions& vk() const { return vk_; }
@@ -41,13 +44,17 @@ class Device {
                        uint32_t line = __builtin_LINE()) const {
     T object = VK_NULL_HANDLE;
     check(create(handle(), &info, nullptr, &object), "making a Vulkan object", file, line);
-    return {object, destroy, handle()};
+    return {object, destroy, handle(), &hangs_};
   }
   VkPhysicalDevice physical() const { return physical_; }
-  /// Submits to the queue of our own device; `fence` may be null.
-  VkResult submit(const VkSubmitInfo& info, VkFence fence) const;
-  /// Waits for everything that was submitted.
-  void waitForQueue() const;
+  /// Submits to the queue of our own device. `number` gets that of the submission, which counts from 1.
+  VkResult submit(const VkSubmitInfo& info, VkFence fence, uint64_t& number) const;
+  /// Notes that a submission has ended, and with it all before it, because fences are signalled in order.
+  void noteEnd(uint64_t number) const;
+  /// Returns the number of submissions, up to this one, that are not known to have ended, and at least 1.
+  uint64_t unendedUpTo(uint64_t number) const { return std::max<uint64_t>(number, ended_ + 1) - ended_; }
+  /// The submissions that hang, see HangCount.
+  HangCount& hangs() const { return hangs_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
   /// Whether pipelines are made with the statistics of the driver's compiler, such as registers and code size.
@@ -78,6 +85,7 @@ class Device {
  private:
   void makeOwn();
 
+  mutable HangCount hangs_ = 0;  // first member, because the handles of the others read it
   bool statistics_ = false;
   std::shared_ptr<const AdoptedDevice> adopted_;
   std::unique_ptr<ApiInstance> instance_;  // null with an adopted device
@@ -88,7 +96,9 @@ class Device {
   Handle<VkDevice> device_;
   DeviceFunctions vk_;
   VkQueue queue_ = VK_NULL_HANDLE;
-  mutable std::mutex queueMutex_;  // one thread at a time may use a queue
+  mutable std::mutex queueMutex_;     // one thread at a time may use a queue
+  mutable uint64_t submissions_ = 0;  // guarded by it
+  mutable std::atomic<uint64_t> ended_ = 0;
   std::unique_ptr<MemoryBlocks> blocks_;
 };
 

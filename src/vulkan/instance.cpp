@@ -195,7 +195,7 @@ ApiInstance::ApiInstance(bool validation) {
     throw Error(ErrorCode::device, "no Vulkan driver was found; " + driverRemedy());
   checkDrivers(result, "vkCreateInstance");
   functions_ = functionsOf(vulkanLoader().lookUp, instance);
-  instance_ = {instance, functions_.vkDestroyInstance};
+  instance_ = {instance, functions_.vkDestroyInstance, nullptr};
   if (!validation) return;
 
   const auto function = [&](const char* name) { return vulkanLoader().lookUp(instance, name); };
@@ -204,7 +204,7 @@ ApiInstance::ApiInstance(bool validation) {
       reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(function("vkDestroyDebugUtilsMessengerEXT"));
   VkDebugUtilsMessengerEXT made = VK_NULL_HANDLE;
   VK(make(instance, &messenger, nullptr, &made));
-  messenger_ = {made, destroy, instance};
+  messenger_ = {made, destroy, instance, nullptr};
 }
 
 // The loader lists a device once for each manifest of its driver, and containers often have two.

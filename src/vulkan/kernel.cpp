@@ -154,7 +154,7 @@ DeviceHandle<VkPipeline> makePipeline(const Device& device, const Variant& varia
   if (device.statistics()) create.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   VkPipeline pipeline = VK_NULL_HANDLE;
   VK(vk.vkCreateComputePipelines(device.handle(), cache, 1, &create, nullptr, &pipeline));
-  return {pipeline, vk.vkDestroyPipeline, device.handle()};
+  return {pipeline, vk.vkDestroyPipeline, device.handle(), &device.hangs()};
 }
 
 double valueOf(const VkPipelineExecutableStatisticKHR& statistic) {

@@ -95,7 +95,8 @@ VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible,
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult result = vk_.vkAllocateMemory(device_, &allocate, nullptr, &memory);
   if (result != VK_SUCCESS) return result;
-  auto block = std::make_unique<Block>(Block{{memory, vk_.vkFreeMemory, device_}, type, size, nullptr, {{0, size}}});
+  auto block =
+      std::make_unique<Block>(Block{{memory, vk_.vkFreeMemory, device_, &hangs_}, type, size, nullptr, {{0, size}}});
   if (visible) {
     void* mapped = nullptr;
     result = vk_.vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &mapped);

@@ -26,8 +26,9 @@ class MemoryBlocks {
   /// The alignment that kernels and copies need, and at least the largest size of atoms that a device may have.
   static constexpr VkDeviceSize kAlignment = 256;
 
-  /// `vk` must outlive the blocks, of which there are at most `most`.
-  MemoryBlocks(VkDevice device, const DeviceFunctions& vk, uint32_t most) : device_(device), vk_(vk), most_(most) {}
+  /// `vk` and `hangs` must outlive the blocks, of which there are at most `most`.
+  MemoryBlocks(VkDevice device, const DeviceFunctions& vk, uint32_t most, const HangCount& hangs)
+      : device_(device), vk_(vk), most_(most), hangs_(hangs) {}
   MemoryBlocks(const MemoryBlocks&) = delete;
   MemoryBlocks& operator=(const MemoryBlocks&) = delete;
 
@@ -62,6 +63,7 @@ class MemoryBlocks {
   VkDevice device_;
   const DeviceFunctions& vk_;
   uint32_t most_;
+  const HangCount& hangs_;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Block>> blocks_;
 };

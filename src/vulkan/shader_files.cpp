@@ -69,7 +69,7 @@ DeviceHandle<VkShaderEXT> ShaderFiles::make(const std::string& digest, const VkS
   const auto made = [&](const VkShaderCreateInfoEXT& info) {
     VkShaderEXT shader = VK_NULL_HANDLE;
     VK(vk.vkCreateShadersEXT(device_.handle(), 1, &info, nullptr, &shader));
-    return DeviceHandle<VkShaderEXT>(shader, vk.vkDestroyShaderEXT, device_.handle());
+    return DeviceHandle<VkShaderEXT>(shader, vk.vkDestroyShaderEXT, device_.handle(), &device_.hangs());
   };
   try {
     // Vulkan wants it aligned to 16 bytes, which memory of the heap is.

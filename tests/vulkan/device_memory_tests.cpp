@@ -95,7 +95,7 @@ TEST_CASE("no more memory is allocated than the device says it allows, and small
   CHECK(device.capabilities().mostAllocations == properties.limits.maxMemoryAllocationCount);
   heaps = {device.vk()};
   functionsOf(device).vkAllocateMemory = allocateFromHeaps;
-  vulkan::MemoryBlocks blocks(device.handle(), device.vk(), 3);
+  vulkan::MemoryBlocks blocks(device.handle(), device.vk(), 3, device.hangs());
   const VkMemoryRequirements large = {5 << 20, 256, 1}, small = {1000, 256, 1};
   std::vector<vulkan::MemoryBlocks::Piece> pieces(3);
   CHECK(blocks.take(small, 0, false, pieces[0]) == VK_SUCCESS);

@@ -169,12 +169,12 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
     commands.start();
     commands.finished("project");
     commands.submit();
-    device.waitForQueue();
     result = of;
     functionsOf(device).vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all,
                                              uint64_t timeout) {
       patience = timeout;
-      return result == VK_SUCCESS ? calls.real.vkWaitForFences(handle, count, fences, all, timeout) : result;
+      const VkResult real = calls.real.vkWaitForFences(handle, count, fences, all, UINT64_MAX);
+      return result == VK_SUCCESS ? real : result;
     };
     const std::string message = problemOf([&] { commands.wait(); }, ErrorCode::device);
     // The next recording waits for commands that may still run.
@@ -194,7 +194,69 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
   CHECK_NOTHROW(device.throwOnMessages());
 }
 
-TEST_CASE("a recording with cuts is several submissions, of which the last one has the fence") {
+TEST_CASE("each submission may take as long as any, and work that hangs is told after this time") {
+  needVulkan();
+  static vulkan::Device& device = *new vulkan::Device({}, vulkanOptions().validation);  // never destroyed: it "hangs"
+  static std::vector<uint64_t> waits;
+  static size_t hangingFrom;  // the number of waits that succeed
+  waits.clear();
+  hangingFrom = SIZE_MAX;
+  countCalls(functionsOf(device));
+  functionsOf(device).vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all,
+                                           uint64_t timeout) {
+    waits.push_back(timeout);
+    const VkResult real = calls.real.vkWaitForFences(handle, count, fences, all, UINT64_MAX);
+    return waits.size() <= hangingFrom ? real : VK_TIMEOUT;
+  };
+  const auto submit = [](vulkan::Commands& commands, int submissions) {
+    commands.begin(0);
+    for (int i = 1; i < submissions; ++i) commands.cut();
+    commands.submit();
+  };
+  const uint64_t longest = (device.capabilities().cpu ? 3600 : 60) * uint64_t{1'000'000'000};
+  {
+    vulkan::Commands first(device), second(device);
+    submit(first, 2);
+    submit(second, 2);
+    second.wait();
+    first.wait();
+    // The third submission waits for those before it, which nobody has waited for; then all are known to have ended.
+    CHECK(waits == std::vector<uint64_t>{3 * longest, longest, longest, longest});
+  }
+  CHECK(calls.alive == 0);
+  waits.clear();
+  hangingFrom = 2;
+  {
+    vulkan::Commands commands(device);
+    submit(commands, 34);
+    CHECK_THROWS_WITH(commands.wait(), ContainsSubstring("did not end its work in time"));
+    CHECK(waits == std::vector<uint64_t>(3, longest));
+    CHECK(device.hangs() == 1);
+    hangingFrom = SIZE_MAX;  // it ends after all
+  }
+  CHECK(waits == [&] {
+    std::vector<uint64_t> all(3 + 34);
+    std::fill_n(all.begin(), 3, longest);
+    return all;
+  }());
+  CHECK(calls.alive == 0);
+  CHECK(device.hangs() == 0);
+  waits.clear();
+  hangingFrom = 0;
+  int alive = 0;
+  {
+    const vulkan::Buffer buffer(device, "numbers", 12, MemoryKind::device);
+    vulkan::Commands commands(device);
+    submit(commands, 3);
+    CHECK_THROWS_WITH(commands.wait(), ContainsSubstring("did not end its work in time"));
+    alive = calls.alive;
+  }
+  CHECK(waits == std::vector<uint64_t>{longest, 0});
+  CHECK(calls.alive == alive);
+  CHECK(alive >= 7);  // the buffer, its memory, the pools of commands and of timestamps, and the fences
+}
+
+TEST_CASE("a recording with cuts is several submissions, each with a fence") {
   needVulkan();
   vulkan::Device device({}, vulkanOptions().validation);
   static std::vector<bool> fences;
@@ -217,7 +279,7 @@ TEST_CASE("a recording with cuts is several submissions, of which the last one h
     }
   };
   submit(100);
-  CHECK(fences == std::vector<bool>{false, false, true, true, false, false, false, true});
+  CHECK(fences == std::vector<bool>(8, true));
   CHECK_THROWS_WITH(submit(1), ContainsSubstring("was lost at its work"));
   CHECK_NOTHROW(device.throwOnMessages());
   // Other simulators do not notice.

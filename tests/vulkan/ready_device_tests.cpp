@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <functional>
@@ -86,6 +87,32 @@ TEST_CASE("a device that fails is not taken over") {
   simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
   simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
   CHECK(simulator.scan({}).counters.hits == 200);
+}
+
+TEST_CASE("a simulator whose device hangs ends at once, and leaves to the device what this may still use") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  static const vulkan::LentDevice& device = *new vulkan::LentDevice(vulkan::lendDevice(vulkanOptions()));
+  static std::vector<uint64_t> waits;
+  static int destroyed;
+  waits.clear();
+  vulkan::DeviceFunctions& vk = functionsOf(device->device);
+  waitForFences = vk.vkWaitForFences;
+  vk.vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 all, uint64_t timeout) {
+    waits.push_back(timeout);
+    waitForFences(handle, count, fences, all, UINT64_MAX);
+    return VK_TIMEOUT;
+  };
+  vk.vkDestroyBuffer = [](VkDevice, VkBuffer, const VkAllocationCallbacks*) { ++destroyed; };
+  vk.vkFreeMemory = [](VkDevice, VkDeviceMemory, const VkAllocationCallbacks*) { ++destroyed; };
+  {
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), vulkanOptions());
+    destroyed = 0;
+    CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("did not end its work in time"));
+  }
+  CHECK(destroyed == 0);
+  REQUIRE(waits.size() > 1);
+  CHECK(std::count(waits.begin() + 1, waits.end(), 0) == static_cast<ptrdiff_t>(waits.size()) - 1);
 }
 
 TEST_CASE("a simulator that was moved to another variable says so, and can get a new one") {
