@@ -118,7 +118,7 @@ void Commands::wait() {
   if (!pending_) return;
   const VkResult result = waitForAll();
   if (result == VK_ERROR_DEVICE_LOST) refuseLost();
-  if (result == VK_TIMEOUT) refuse("did not end its work in time", "");
+  if (result == VK_TIMEOUT) refuse("did not end its work in time", std::string("If it does not hang, ") + kLessWork);
   if (result != VK_SUCCESS) refuse(std::string("cannot be waited for, ") + resultName(result), "");
   for (size_t i = 0; i < used_; ++i) {
     const VkFence fence = submissions_[i].fence.get();
