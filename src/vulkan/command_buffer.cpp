@@ -74,4 +74,17 @@ void CommandBuffer::fullBarrier() {
   vk_->vkCmdPipelineBarrier(commands_, kAll, kAll | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
+void CommandBuffer::pass(const Buffer& buffer, uint32_t from, uint32_t to) {
+  VkBufferMemoryBarrier barrier = {VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER};
+  // Vulkan ignores the accesses of the side that is outside.
+  barrier.srcAccessMask = from == queueFamily_ ? VK_ACCESS_MEMORY_WRITE_BIT : 0;
+  barrier.dstAccessMask = to == queueFamily_ ? VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT : 0;
+  barrier.srcQueueFamilyIndex = from;
+  barrier.dstQueueFamilyIndex = to;
+  barrier.buffer = buffer.handle();
+  barrier.size = VK_WHOLE_SIZE;
+  constexpr VkPipelineStageFlags kAll = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+  vk_->vkCmdPipelineBarrier(commands_, kAll, kAll, 0, 0, nullptr, 1, &barrier, 0, nullptr);
+}
+
 }  // namespace gnosphere::vulkan

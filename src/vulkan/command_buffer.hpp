@@ -11,7 +11,10 @@ class CommandBuffer {
  public:
   CommandBuffer() = default;
   CommandBuffer(const Device& device, VkCommandBuffer commands)
-      : vk_(&device.vk()), commands_(commands), mostGroups_(device.capabilities().mostGroups) {}
+      : vk_(&device.vk()),
+        commands_(commands),
+        mostGroups_(device.capabilities().mostGroups),
+        queueFamily_(device.capabilities().queueFamily) {}
 
   VkCommandBuffer handle() const { return commands_; }
   /// More workgroups than a dispatch may have become several dispatches, whose first workgroups their constants name,
@@ -32,13 +35,18 @@ class CommandBuffer {
   void barrier();
   /// Puts the commands before and after it in order, whatever they are: those of the caller and ours.
   void fullBarrier();
+  /// Gives an exported buffer to whoever reads it outside this Vulkan device, and takes it back before it is written
+  /// again: a buffer belongs to one family of queues at a time, and those outside count as a family.
+  void giveAway(const Buffer& buffer) { pass(buffer, queueFamily_, VK_QUEUE_FAMILY_EXTERNAL); }
+  void takeBack(const Buffer& buffer) { pass(buffer, VK_QUEUE_FAMILY_EXTERNAL, queueFamily_); }
 
  private:
+  void pass(const Buffer& buffer, uint32_t from, uint32_t to);
   void bind(const KernelHandle& kernel, VkPipelineLayout layout, const PushConstants& constants);
 
   const DeviceFunctions* vk_ = nullptr;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
-  uint32_t mostGroups_ = 0;
+  uint32_t mostGroups_ = 0, queueFamily_ = 0;
 };
 
 }  // namespace gnosphere::vulkan

@@ -18,7 +18,9 @@ VulkanRing::VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint
 }
 
 void VulkanRing::begin(size_t buffer) {
-  ready_.watched([&] { slots_[buffer].commands.begin(0); });
+  Slot& slot = slots_[buffer];
+  ready_.watched([&] { slot.commands.begin(0); });
+  if (slot.givenAway) slot.commands.buffer().takeBack(slot.results);
 }
 
 void VulkanRing::submit(size_t buffer, uint64_t bytes) {
@@ -27,7 +29,10 @@ void VulkanRing::submit(size_t buffer, uint64_t bytes) {
     slot.commands.buffer().copy(slot.results, slot.copy, {0, 0, std::min(bytes, hostBytes_)});
     slot.commands.buffer().barrier();
   }
+  const bool giveAway = ready_.device.capabilities().exportsMemory;
+  if (giveAway) slot.commands.buffer().giveAway(slot.results);
   ready_.watched([&] { slot.commands.submit(); });
+  slot.givenAway = giveAway;
 }
 
 void VulkanRing::wait(size_t buffer) {

@@ -38,6 +38,7 @@ class VulkanRing final : public ResultRing {
     Slot(const Device& device, uint64_t bytes, uint64_t hostBytes);
     const Buffer& onHost() const { return copy.handle() ? copy : results; }
 
+    bool givenAway = false;            // the results belong to those outside who read them
     Buffer results, copy;              // `copy` is without a handle if the host sees the results themselves
     std::unique_ptr<CudaMemory> cuda;  // null until it is asked for
     Commands commands;                 // last member, destroyed first: its destructor waits for the device

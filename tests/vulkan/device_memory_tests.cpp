@@ -220,6 +220,38 @@ TEST_CASE("results of batches on a card are copied to the host as far as it asks
   device.throwOnMessages();
 }
 
+TEST_CASE(
+    "result buffers are given to readers outside the device with each batch, and taken back before the next one") {
+  needVulkan();
+  vulkan::ReadyDevice ready(vulkanOptions());
+  const vulkan::Capabilities& capabilities = ready.device.capabilities();
+  using Way = std::pair<uint32_t, uint32_t>;  // of ownership, from one family of queues to another
+  static std::vector<Way> ways;
+  static PFN_vkCmdPipelineBarrier real;
+  ways.clear();
+  real = ready.device.vk().vkCmdPipelineBarrier;
+  functionsOf(ready.device).vkCmdPipelineBarrier =
+      [](VkCommandBuffer commands, VkPipelineStageFlags before, VkPipelineStageFlags after, VkDependencyFlags flags,
+         uint32_t memories, const VkMemoryBarrier* memory, uint32_t buffers, const VkBufferMemoryBarrier* buffer,
+         uint32_t images, const VkImageMemoryBarrier* image) {
+        for (uint32_t i = 0; i < buffers; ++i)
+          ways.emplace_back(buffer[i].srcQueueFamilyIndex, buffer[i].dstQueueFamilyIndex);
+        real(commands, before, after, flags, memories, memory, buffers, buffer, images, image);
+      };
+  vulkan::VulkanRing ring(ready, 1, 4096, 4096);
+  for (int batch = 0; batch < 2; ++batch) {
+    ring.begin(0);
+    ring.commands(0).buffer().fill(ring.results(0), 0, VK_WHOLE_SIZE, 1);
+    ring.commands(0).cut();
+    ring.commands(0).buffer().fullBarrier();
+    ring.submit(0, 4096);
+    ring.wait(0);
+  }
+  const Way away = {capabilities.queueFamily, VK_QUEUE_FAMILY_EXTERNAL}, back = {away.second, away.first};
+  CHECK(ways == (capabilities.exportsMemory ? std::vector<Way>{away, back, away} : std::vector<Way>()));
+  ready.device.throwOnMessages();
+}
+
 TEST_CASE("a card whose visible memory is full gives the host's, and staging never takes the card's") {
   needVulkan();
   vulkan::Device device({}, false);
