@@ -238,7 +238,8 @@ struct SensorRequest {
       : sensor(std::move(scanner)), effects(std::move(simulated)), fields(std::move(reported)) {}
 };
 
-/// Bytes of device memory by purpose.
+/// Bytes of device memory by purpose. Arrays keep their greatest size until the simulator ends, also after what was in
+/// them is removed.
 struct MemoryUse {
   uint64_t scene = 0;   ///< meshes, instances, and lists whose size follows theirs
   uint64_t sensor = 0;  ///< tables of the beams
@@ -337,9 +338,9 @@ class GNOSPHERE_API Simulator {
   /// ranges; without any it has all that a Scan of the sensor has. The arrays of `result` are reused. The shots are
   /// submitted together as those of scanAll() are, in as many submissions as keep the work arrays and the lists of one
   /// within Tuning::maxBatchBytes. `progress`, if given, gets the number of views that are done after each of them, on
-  /// the calling thread; an exception of `progress` ends the batch and is passed on. Throws as scanAll() does, and
-  /// Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor does not report.
-  /// Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
+  /// the calling thread; it must not call this simulator, and its exception ends the batch and is passed on. Throws as
+  /// scanAll() does, and Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor
+  /// does not report. Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
   void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {},
                      const std::function<void(size_t views)>& progress = {}, size_t sensorOfNone = 0);
   Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {}, size_t sensorOfNone = 0);
@@ -363,7 +364,7 @@ class GNOSPHERE_API Simulator {
 
   /// Adds a mesh and returns its index. Its parts refer to materials by index.
   size_t addMesh(const Mesh& mesh);
-  /// Removes a mesh; no instance may place it.
+  /// Removes a mesh; no instance may place it. Its place is for meshes that are added later, see MemoryUse.
   void removeMesh(size_t mesh);
   /// Moves the vertices of a mesh: 3 values per vertex, in metres relative to Mesh::origin, for as many vertices as the
   /// mesh has. Its triangles do not change. The mesh must not be deformable.

@@ -56,7 +56,7 @@ void readMember(nb::class_<SharedBatch>& type, const char* name, T Batch::*membe
 
 void bindBatch(nb::module_& m) {
   nb::class_<SharedBatch> batch(
-      m, "Batch",
+      m, "Batch", nb::is_weak_referenceable(),
       "The results of many shots of one sensor. A shot of a batch is a view. Arrays have the shape (views, beams), or "
       "(views, beams, returns) if a beam may have several, and vectors have their components as a last dimension. An "
       "entry has the bytes that it has in the Scan of the shot. A batch always has ranges; it has the other fields if "

@@ -189,7 +189,7 @@ void bindBatchStream(nb::module_& m) {
               "Of the first byte, in the primary context, which PyTorch uses as well.")
       .def_ro("device", &CudaAddress::device, "The number by which CUDA knows the card.");
   nb::class_<Stream>(
-      m, "BatchStream", nb::type_slots(CollectedStream::slots),
+      m, "BatchStream", nb::type_slots(CollectedStream::slots), nb::is_weak_referenceable(),
       "Batches of a simulator whose results stay on its device (SimulatorOptions.results_on_device). Batches are "
       "submitted and waited for apart, so that the device works on one while the program works on the results of "
       "another. Others on the same card read the results where they are. A batch holds ranges and "

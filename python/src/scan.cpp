@@ -277,7 +277,7 @@ void bindScan(nb::module_& m) {
   bindCounters(m);
 
   nb::class_<SharedScan> scan(
-      m, "Scan",
+      m, "Scan", nb::is_weak_referenceable(),
       "The result of a scan. Every array and column has `returns` entries per beam: entry beam * returns + k is the "
       "beam's k-th return in order of range (k from 0), where beam = channel * columns + column. In an entry without a "
       "return `points` and `ranges` are NaN, and `triangles` and `instances` are NO_TRIANGLE.\n\nThe arrays are NumPy "

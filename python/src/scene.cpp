@@ -149,7 +149,7 @@ void bindScene(nb::module_& m) {
   bindAnimation(m);
 
   nb::class_<Scene> scene(
-      m, "Scene",
+      m, "Scene", nb::is_weak_referenceable(),
       "Everything that the sensor can see. Its lists keep their length; what is in them can be changed in "
       "place, for example scene.instances[3].class_id = 7, and counts for simulators that are made "
       "afterwards. Its animation is assigned whole. A scene must not be changed while another thread gives it to the "

@@ -401,7 +401,7 @@ std::vector<Shot> shotsOf(const ShotsLike& given, const Whole& ofSensor, const N
 
 void bindSimulator(nb::module_& m) {
   nb::class_<Self> simulator(
-      m, "Simulator", nb::type_slots(CollectedSimulator::slots),
+      m, "Simulator", nb::type_slots(CollectedSimulator::slots), nb::is_weak_referenceable(),
       "A scene and sensors on a device. Materials, meshes, instances and sensors can be added and removed between "
       "scans. Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; "
       "the index of a removed object is given to the next one added.\n\nA call that raises Error(invalid_argument) or "

@@ -5,6 +5,7 @@ import copy
 import enum
 import multiprocessing
 import pickle
+import weakref
 
 import numpy as np
 import pytest
@@ -177,6 +178,11 @@ def test_counters_are_values(simulator, pose, reference):
         hash(counters)
     with pytest.raises(gnosphere.Error, match="Counters: they were pickled by another version of gnosphere"):
         gnosphere.Counters.__new__(gnosphere.Counters).__setstate__(([1], []))
+
+
+def test_what_holds_memory_can_be_referenced_weakly(simulator, pose, square):
+    for thing in (simulator, simulator.scan(pose), simulator.scan_batch([pose]), gnosphere.Scene()):
+        assert weakref.ref(thing)() is thing
 
 
 def test_results_and_simulators_are_not_copied(simulator, pose):
