@@ -187,8 +187,8 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
   CHECK(text(VK_SUCCESS) == "nothing was wrong");
   CHECK(patience < UINT64_MAX);
   const std::string stages = device.capabilities().timestampBits > 0 ? "stages: project; the last one" : "";
-  for (const auto& [of, why] : {std::pair(VK_ERROR_DEVICE_LOST, "was lost at its work"),
-                                std::pair(VK_TIMEOUT, "did not end its work in time")})
+  for (const auto& [of, why] :
+       {std::pair(VK_ERROR_DEVICE_LOST, "was lost at its work"), std::pair(VK_TIMEOUT, "did not end its work in time")})
     CHECK_THAT(text(of), ContainsSubstring(why) && ContainsSubstring(stages) && ContainsSubstring("a new one may be") &&
                              ContainsSubstring("less work at a time may help (tuning.max_submission_work, "));
   CHECK_THAT(text(VK_ERROR_OUT_OF_HOST_MEMORY),
