@@ -160,18 +160,23 @@ def test_noise_of_a_lidar_of_sdf_names_the_lidar_and_the_effect_that_gives_it(tm
         assert list(robotics.load(tmp_path / "m.sdf").left_out) == [told]
 
 
-def test_a_sonar_of_sdf_and_of_urdf_is_told(tmp_path):
-    sonar = '<sensor name="us" type="sonar"><sonar><min>0.02</min><max>3</max><radius>0.5</radius></sonar></sensor>'
-    camera = '<sensor name="eye" type="camera"/>'
-    box = "<box><size>1 1 1</size></box>"
-    (tmp_path / "m.sdf").write_text(SDF.format(pose="", shape=box, sensor=sensor() + sonar + camera))
-    (tmp_path / "m.urdf").write_text(
-        f'<robot name="r"><link name="base"/><gazebo reference="base">{sonar}{camera}</gazebo></robot>'
-    )
-    for file, name in (("m.sdf", "m::us"), ("m.urdf", "us")):
-        told = f"the sonar '{name}', whose wide beam would be a list of beams: docs/limits.md"
-        with pytest.warns(UserWarning, match=told):
-            assert list(robotics.load(tmp_path / file).left_out) == [told]
+@pytest.mark.parametrize("form", ["sdf", "urdf"])
+def test_a_sonar_of_sdf_and_of_urdf_is_told(tmp_path, form):
+    if form == "urdf":
+        pytest.importorskip("yourdfpy")
+    inside = "<sonar><min>0.02</min><max>3</max><radius>0.5</radius></sonar>"
+    sonar = f'<sensor name="us" type="sonar">{inside}</sensor><sensor name="eye" type="camera"/>'
+    shape = "<box><size>1 1 1</size></box>"
+    text = {
+        "sdf": SDF.format(pose="", shape=shape, sensor=sensor() + sonar),
+        "urdf": f'<robot name="r"><link name="base"/><gazebo reference="base">{sonar}</gazebo></robot>',
+    }
+    file = tmp_path / f"m.{form}"
+    file.write_text(text[form])
+    name = {"sdf": "m::us", "urdf": "us"}[form]
+    told = f"the sonar '{name}', whose wide beam would be a list of beams: docs/limits.md"
+    with pytest.warns(UserWarning, match=told):
+        assert list(robotics.load(file).left_out) == [told]
 
 
 def test_a_column_of_sdf_that_is_twice_there_is_told(tmp_path):
