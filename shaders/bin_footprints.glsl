@@ -139,7 +139,7 @@ uint rangeOfAll(uint index, uvec2 rays, float farthest) {
     rays.y |= atomicOr(covers.at[beamEntry(index)].highRays, rays.y);
   }
   memoryBarrierBuffer();
-  // Of two that add the last bits each may have found the lower ones incomplete before the other added its own.
+  // Two lanes that add the last bits at once may each have found the lower bits incomplete.
   if (RAYS > 32) rays.x = covers.at[beamEntry(index)].lowRays;
   return rays == litRays ? covers.at[beamEntry(index)].farthest : kNone;
 }

@@ -19,12 +19,12 @@ float nextRange(float after) {
   return leastOfBeam(least);
 }
 
-// Returns the largest range of the hits that count; 0 if there is none.
-float lastRange() {
+// Returns the largest range below `before` of the hits that count; 0 if there is none.
+float lastBefore(float before) {
   float last = 0.0;
   [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
 #define LAST(s) \
-  last = max(last, ranges[layer * RAYS + s] < kNothing && energies[layer * RAYS + s] >= 0.0 ? ranges[layer * RAYS + s] : 0.0);
+  last = max(last, ranges[layer * RAYS + s] < before && energies[layer * RAYS + s] >= 0.0 ? ranges[layer * RAYS + s] : 0.0);
     if (IS_MET(layer)) {
       EACH_RAY(LAST)
     }
@@ -74,7 +74,7 @@ void addWithin(inout float sum, float low, float high, float halfWindow, float f
   sum = taken ? more : sum;
 }
 
-// Returns twice the energy of an echo that lies between two ranges.
+// Returns twice the energy that an echo has between two ranges.
 float energyWithin(float low, float high, float halfWindow, float first, float end) {
   float sum = 0.0;
   [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
@@ -114,19 +114,6 @@ float riseOf(float first, float end) {
     }
   }
   return rise;
-}
-
-// Returns the largest range of the hits before `before` that count, from `first` on.
-float lastBefore(float before, float first) {
-  float last = first;
-  [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
-#define LAST_BEFORE(s)                                                                                              \
-  if (ranges[layer * RAYS + s] < before && energies[layer * RAYS + s] >= 0.0) last = max(last, ranges[layer * RAYS + s]);
-    if (IS_MET(layer)) {
-      EACH_RAY(LAST_BEFORE)
-    }
-  }
-  return mostOfBeam(last);
 }
 
 void storeEcho(uint slot, vec3 echo, float light, uint projected) {
@@ -184,7 +171,7 @@ void addLayer(inout vec3 sums, inout float most, inout uint strongest, float fir
         metCandidates[layer * RAYS + s]);
 #define ADD_OF_LANES(s)                                                                                     \
   [[dont_unroll]] for (uint lane = 0; lane < lanesWithRay(s); ++lane)                                       \
-    addTo(sums, most, strongest, first, inverseFirst, end, subgroupShuffle(ranges[layer * RAYS + s], lane),               \
+    addTo(sums, most, strongest, first, inverseFirst, end, subgroupShuffle(ranges[layer * RAYS + s], lane), \
           subgroupShuffle(energies[layer * RAYS + s], lane), subgroupShuffle(metCandidates[layer * RAYS + s], lane));
   if (SPREAD_RAYS > 0) {
     EACH_RAY(ADD_OF_LANES)
@@ -221,10 +208,10 @@ float lightTo(float first) {
 
 void gatherEchoes(uint index, uint beam) {
   uint count = 0;
-  float first = nextRange(0.0), last = lastRange();
+  float first = nextRange(0.0), last = lastBefore(kNothing);
   while (first < kNothing) {
     float end = endOfEcho(first, last), rise = riseOf(first, end), most = -1.0, inverseFirst = inverseOfFirst(first);
-    if (rise < kNothing) end = lastBefore(rise, first);
+    if (rise < kNothing) end = lastBefore(rise);
     uint strongest = 0;
     vec3 sums = vec3(0.0);
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {

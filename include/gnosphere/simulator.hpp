@@ -364,7 +364,7 @@ class GNOSPHERE_API Simulator {
 
   /// Adds a mesh and returns its index. Its parts refer to materials by index.
   size_t addMesh(const Mesh& mesh);
-  /// Removes a mesh; no instance may place it. Its place is for meshes that are added later, see MemoryUse.
+  /// Removes a mesh; no instance may place it. Meshes that are added later reuse its memory, see MemoryUse.
   void removeMesh(size_t mesh);
   /// Moves the vertices of a mesh: 3 values per vertex, in metres relative to Mesh::origin, for as many vertices as the
   /// mesh has. Its triangles do not change. The mesh must not be deformable.
