@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "base/call.hpp"
 #include "base/limits.hpp"
-#include "base/maker_process.hpp"
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/recording.hpp"
@@ -31,7 +31,8 @@ uint64_t roundedUp(uint64_t value, uint64_t to) {
 
 class BatchStream::Impl {
  public:
-  const MakerProcess& maker() const { return maker_; }
+  const MakerProcess& maker() const { return calls_.maker; }
+  CallState& calls() { return calls_; }
 
   Impl(Simulator& simulator, const BatchStreamOptions& options) : simulator_(simulator), options_(options) {
     if (options.views == 0 || options.views > limits::kMostNumber)
@@ -180,7 +181,7 @@ class BatchStream::Impl {
 
   Simulator& simulator_;
   BatchStreamOptions options_;
-  const MakerProcess maker_;
+  CallState calls_;
   uint64_t bytes_ = 0;  // of a result buffer
   uint64_t next_ = 0;   // number of the next batch
   std::vector<Batch> batches_;
@@ -201,22 +202,22 @@ BatchStream& BatchStream::operator=(BatchStream&& other) noexcept {
 }
 
 uint64_t BatchStream::submit(std::span<const Shot> shots, size_t sensorOfNone) {
-  return ofThisProcess(impl_).submit(shots, sensorOfNone);
+  return Call(impl_)->submit(shots, sensorOfNone);
 }
 StreamedBatch BatchStream::wait(uint64_t number) {
-  return ofThisProcess(impl_).wait(number);
+  return Call(impl_)->wait(number);
 }
 const RecordLayout& BatchStream::layout(size_t sensor) const {
-  return ofThisProcess(impl_).layout(sensor);
+  return forReading(impl_).layout(sensor);
 }
 ResultPlaces BatchStream::places(size_t sensor) const {
-  return ofThisProcess(impl_).placesOf(sensor);
+  return forReading(impl_).placesOf(sensor);
 }
 ExportedMemory BatchStream::exportMemory(size_t buffer) const {
-  return ofThisProcess(impl_).exportMemory(buffer);
+  return forReading(impl_).exportMemory(buffer);
 }
 CudaAddress BatchStream::cudaAddress(size_t buffer) {
-  return ofThisProcess(impl_).cudaAddress(buffer);
+  return Call(impl_)->cudaAddress(buffer);
 }
 
 }  // namespace gnosphere

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/call.hpp"
 #include "base/clock.hpp"
 #include "base/index_pool.hpp"
-#include "base/maker_process.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -52,7 +52,8 @@ void checkFor(Result& result, const Check& check) {
 
 class Simulator::Impl {
  public:
-  const MakerProcess& maker() const { return maker_; }
+  const MakerProcess& maker() const { return calls_.maker; }
+  CallState& calls() { return calls_; }
 
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
       : options_(options), planner_(options_), kept_(scene, planner_) {
@@ -329,7 +330,7 @@ class Simulator::Impl {
     kept_.setPlanned();
   }
 
-  const MakerProcess maker_;
+  CallState calls_;
   const SimulatorOptions options_;
   SimulatorWarnings warnings_{options_};
   SensorPlanner planner_;
@@ -370,18 +371,18 @@ Scan Simulator::scan(const Pose& pose, size_t sensor) {
 }
 
 void Simulator::scanInto(const Shot& shot, Scan& result) {
-  ofThisProcess(impl_).run({&shot, 1}, result, [](size_t) {});
+  Call(impl_)->run({&shot, 1}, result, [](size_t) {});
 }
 
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
   if (!receive) throw Error(ErrorCode::invalidArgument, "scanAll() needs a function that receives the scans");
   Scan result;
-  ofThisProcess(impl_).run(shots, result, [&](size_t i) { receive(i, result); });
+  Call(impl_)->run(shots, result, [&](size_t i) { receive(i, result); });
 }
 
 void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields,
                               const std::function<void(size_t)>& progress, size_t sensorOfNone) {
-  ofThisProcess(impl_).runBatch(shots, fields, result, progress, sensorOfNone);
+  Call(impl_)->runBatch(shots, fields, result, progress, sensorOfNone);
 }
 
 Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields, size_t sensorOfNone) {
@@ -391,87 +392,87 @@ Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> f
 }
 
 std::shared_ptr<const void> Simulator::lendToRecorder() {
-  return ofThisProcess(impl_).lendToRecorder();
+  return Call(impl_)->lendToRecorder();
 }
 void Simulator::record(Recording& recording) {
-  ofThisProcess(impl_).record(recording);
+  Call(impl_)->record(recording);
 }
 void Simulator::abandon(size_t frame) {
-  ofThisProcess(impl_).abandon(frame);
+  Call(impl_)->abandon(frame);
 }
 const SensorPlans& Simulator::plans() const {
-  return ofThisProcess(impl_).plans();
+  return forReading(impl_).plans();
 }
 std::shared_ptr<ResultRing> Simulator::makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) {
-  return ofThisProcess(impl_).makeRing(buffers, bytes, hostBytes);
+  return Call(impl_)->makeRing(buffers, bytes, hostBytes);
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
-  ofThisProcess(impl_).kept().setVertices(mesh, buffer);
+  Call(impl_)->kept().setVertices(mesh, buffer);
 }
 void Simulator::setTransforms(const CallerTransforms& buffer) {
-  ofThisProcess(impl_).kept().setTransforms(buffer);
+  Call(impl_)->kept().setTransforms(buffer);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {
-  return ofThisProcess(impl_).addSensor(request);
+  return Call(impl_)->addSensor(request);
 }
 void Simulator::removeSensor(size_t sensor) {
-  ofThisProcess(impl_).removeSensor(sensor);
+  Call(impl_)->removeSensor(sensor);
 }
 size_t Simulator::addMaterial(const Material& material, const AlphaImage* image) {
-  return ofThisProcess(impl_).kept().addMaterial(material, image);
+  return Call(impl_)->kept().addMaterial(material, image);
 }
 void Simulator::setMaterial(size_t index, const Material& material, const AlphaImage* image) {
-  ofThisProcess(impl_).kept().setMaterial(index, material, image);
+  Call(impl_)->kept().setMaterial(index, material, image);
 }
 void Simulator::removeMaterial(size_t material) {
-  ofThisProcess(impl_).kept().removeMaterial(material);
+  Call(impl_)->kept().removeMaterial(material);
 }
 size_t Simulator::addMesh(const Mesh& mesh) {
-  return ofThisProcess(impl_).kept().addMesh(mesh);
+  return Call(impl_)->kept().addMesh(mesh);
 }
 void Simulator::removeMesh(size_t mesh) {
-  ofThisProcess(impl_).kept().removeMesh(mesh);
+  Call(impl_)->kept().removeMesh(mesh);
 }
 void Simulator::setDeformation(size_t mesh, const Deformation& deformation) {
-  ofThisProcess(impl_).kept().setDeformation(mesh, deformation);
+  Call(impl_)->kept().setDeformation(mesh, deformation);
 }
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
-  ofThisProcess(impl_).kept().setPositions(mesh, positions);
+  Call(impl_)->kept().setPositions(mesh, positions);
 }
 std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instances) {
-  return ofThisProcess(impl_).addInstances(instances);
+  return Call(impl_)->addInstances(instances);
 }
 size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
-  return ofThisProcess(impl_).addInstance(mesh, transform, classId, world);
+  return Call(impl_)->addInstance(mesh, transform, classId, world);
 }
 AddedScene Simulator::addScene(const Scene& scene, const Transform& transform) {
-  return ofThisProcess(impl_).addScene(scene, transform);
+  return Call(impl_)->addScene(scene, transform);
 }
 void Simulator::removeInstance(size_t instance) {
-  ofThisProcess(impl_).removeInstance(instance);
+  Call(impl_)->removeInstance(instance);
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
-  ofThisProcess(impl_).kept().setTransform(instance, transform);
+  Call(impl_)->kept().setTransform(instance, transform);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const double> values) {
-  ofThisProcess(impl_).kept().setTransforms(instances, values);
+  Call(impl_)->kept().setTransforms(instances, values);
 }
 void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const float> values) {
-  ofThisProcess(impl_).kept().setTransforms(instances, values);
+  Call(impl_)->kept().setTransforms(instances, values);
 }
 
 Plan Simulator::plan(size_t sensor, size_t views) const {
-  return ofThisProcess(impl_).plan(sensor, views);
+  return forReading(impl_).plan(sensor, views);
 }
 const DeviceInfo& Simulator::device() const {
   return ofThisProcess(impl_).backend().device();
 }
 MemoryUse Simulator::memory() const {
-  return ofThisProcess(impl_).memory();
+  return forReading(impl_).memory();
 }
 size_t Simulator::clusterCount() const {
-  return ofThisProcess(impl_).backend().clusterCount();
+  return forReading(impl_).backend().clusterCount();
 }
 
 }  // namespace gnosphere

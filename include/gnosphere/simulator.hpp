@@ -196,8 +196,7 @@ struct SimulatorOptions {
   /// Windows in %LOCALAPPDATA%; if "off", kernels are not kept.
   std::string cache;
   /// Receives a sentence about a problem that is no error, for example that compiled kernels cannot be kept. The
-  /// function is called on the thread that calls the simulator, and must not call the simulator. The library itself
-  /// prints nothing.
+  /// function is called on the thread that calls the simulator. The library itself prints nothing.
   std::function<void(const std::string& message)> warn;
   /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
   /// done. Each step is then timed by itself, so scans take a little longer. Batches of a BatchStream have no lines.
@@ -297,10 +296,13 @@ struct AddedScene {
 /// removed object is given to the next one added.
 ///
 /// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. So does one that
-/// throws std::bad_alloc, for want of host memory: any call may, wherever Error(outOfMemory) is named. One thread at a
-/// time may use a simulator; several simulators may be used by several threads at once. Simulators that one thread
-/// makes on one device share its queue and the kernels that are compiled for it. A simulator that was moved to another
-/// variable cannot be called any more: calls throw Error(invalidArgument).
+/// throws std::bad_alloc, for want of host memory: any call may, wherever Error(outOfMemory) is named. A simulator
+/// that was moved to another variable cannot be called any more: calls throw Error(invalidArgument).
+///
+/// One thread at a time may use a simulator: while a call is at work, calls by other threads throw
+/// Error(invalidArgument), and so do calls by the functions that it calls, such as `receive` and `warn`, except to
+/// const functions. Several simulators may be used by several threads at once. Simulators that one thread makes on one
+/// device share its queue and the kernels that are compiled for it.
 class GNOSPHERE_API Simulator {
  public:
   /// Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Throws
@@ -329,8 +331,7 @@ class GNOSPHERE_API Simulator {
   /// that `receive` took meanwhile. Shots of one sensor that follow each other are submitted together, unless meshes
   /// are deformed during a scan, or the sensor stands still and can reuse its hits. Their times, and their counters of
   /// triangles, are then equal shares of those of the whole submission. Throws as scanInto() does; all shots are
-  /// checked before the first scan. An exception of `receive` ends the run and is passed on. `receive` must not call
-  /// this simulator.
+  /// checked before the first scan. An exception of `receive` ends the run and is passed on.
   void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
   /// Makes the scans of many shots of one sensor, each with the same result as scanInto(), and collects them in arrays
@@ -338,9 +339,9 @@ class GNOSPHERE_API Simulator {
   /// ranges; without any it has all that a Scan of the sensor has. The arrays of `result` are reused. The shots are
   /// submitted together as those of scanAll() are, in as many submissions as keep the work arrays and the lists of one
   /// within Tuning::maxBatchBytes. `progress`, if given, gets the number of views that are done after each of them, on
-  /// the calling thread; it must not call this simulator, and its exception ends the batch and is passed on. Throws as
-  /// scanAll() does, and Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor
-  /// does not report. Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
+  /// the calling thread; its exception ends the batch and is passed on. Throws as scanAll() does, and
+  /// Error(invalidArgument) that names the first shot of another sensor, or a field that the sensor does not report.
+  /// Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
   void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {},
                      const std::function<void(size_t views)>& progress = {}, size_t sensorOfNone = 0);
   Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {}, size_t sensorOfNone = 0);

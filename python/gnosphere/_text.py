@@ -58,7 +58,7 @@ def _simulator(self: _gnosphere.Simulator) -> str:
     try:
         return f"Simulator(device={self.device().name!r})"
     except _gnosphere.Error:
-        return "Simulator(at work in another thread)"
+        return "Simulator(of another process)"
 
 
 for _module in (_gnosphere, _gnosphere.drive, _gnosphere._ros2):

@@ -12,11 +12,11 @@ namespace {
 struct Stream {
   Stream(nb::object owner, const BatchStreamOptions& options)
       : keeper(std::move(owner)),
-        simulator(nb::cast<SimulatorOfOneThread&>(keeper)),
+        simulator(nb::cast<SimulatorWithFunctions&>(keeper)),
         stream(simulator.use([&](Simulator& simulator) { return BatchStream(simulator, options); })),
         inFlight(options.inFlight) {}
   nb::object keeper;
-  SimulatorOfOneThread& simulator;
+  SimulatorWithFunctions& simulator;
   BatchStream stream;
   size_t inFlight;
   uint64_t submitted = 0;  // the number of batches
@@ -196,7 +196,7 @@ void bindBatchStream(nb::module_& m) {
       "SensorRequest.fields.")
       .def(
           "__init__",
-          [](Stream* self, nb::handle_t<SimulatorOfOneThread> simulator, size_t views, size_t inFlight, bool toHost) {
+          [](Stream* self, nb::handle_t<SimulatorWithFunctions> simulator, size_t views, size_t inFlight, bool toHost) {
             new (self) Stream(nb::borrow(simulator), {views, inFlight, toHost});
           },
           "simulator"_a, "views"_a, "in_flight"_a = 2, "to_host"_a = false,

@@ -12,7 +12,7 @@
 namespace gnosphere::python {
 namespace {
 
-using Self = SimulatorOfOneThread;
+using Self = SimulatorWithFunctions;
 
 // Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the
 // originals.
@@ -227,8 +227,8 @@ void bindScans(nb::class_<Self>& simulator) {
           "Makes many scans, each with the same result as scan_into(), pipelined: while Python receives one scan, the "
           "device works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling "
           "thread. Keep the scan or views of it, if you like; what is not kept is reused. All shots are checked before "
-          "the first scan. An exception of `receive` ends the run and is raised. `receive` must not call this "
-          "simulator.");
+          "the first scan. An exception of `receive` ends the run and is raised. `receive` can read from "
+          "this simulator, but neither change it nor scan.");
 }
 
 void setTransforms(Self& self, const ArrayLike& instances, const TransformsLike& transforms) {

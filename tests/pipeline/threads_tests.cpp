@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <chrono>
 #include <new>
 #include <string>
@@ -164,6 +165,42 @@ TEST_CASE("simulators in several threads give the same results as in one thread"
   for (std::thread& thread : threads) thread.join();
   for (const std::string& problem : problems) CHECK(problem == "");
   requireSame(reference, expected[0]);
+}
+
+TEST_CASE("a simulator at work refuses other calls, of its own functions and of other threads") {
+  const Scene scene = sceneOf(soup(8, 300, 30, 10));
+  SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  Simulator simulator(scene, gridSensor(60, 16, -20, 20), options);
+  const Scan expected = simulator.scan({});
+  const auto atWork = Catch::Matchers::StartsWith("the simulator is at work: one thread at a time may use it");
+  const auto refusesChanges = [&] {
+    CHECK_THROWS_WITH(simulator.scan({}), atWork);
+    CHECK_THROWS_WITH(simulator.setTransform(0, {}), atWork);
+    CHECK(simulator.device().type == "reference");
+  };
+  const auto refusesReaders = [&] {
+    CHECK_THROWS_WITH(simulator.plan(), atWork);
+    CHECK_THROWS_WITH(simulator.memory(), atWork);
+    refusesChanges();
+  };
+  const std::vector<Shot> shots(2);
+  const size_t effects = simulator.plan().effects.size();
+  std::vector<Scan> received;
+  simulator.scanAll(shots, [&](size_t shot, const Scan& scan) {
+    received.push_back(scan);
+    if (shot == 0) {
+      refusesChanges();
+      CHECK(simulator.plan().effects.size() == effects);
+    } else {
+      std::thread(refusesReaders).join();
+    }
+  });
+  REQUIRE(received.size() == 2);
+  for (const Scan& scan : received) CHECK(sameBytes(scan, expected));
+  Batch batch;
+  CHECK_THROWS_WITH(simulator.scanBatchInto(shots, batch, {}, [&](size_t) { simulator.scan({}); }), atWork);
+  CHECK(sameBytes(simulator.scan({}), expected));  // the call that failed is over
 }
 
 TEST_CASE("simulators that share a device scan and compile in several threads at the same time") {
