@@ -709,6 +709,10 @@ typedef struct gno_shot {
   size_t mesh_motion_count;
   const gno_weather* weather; /* may be null */
   uint32_t world; /* the shot sees the instances of this world and those of world 0, as if there were no others */
+  /* Instances that the shot does not see, beside those of gno_request::ignored_instances: of many robots in one world
+   * that share a sensor, the body of the one that carries it. Effects are planned as if it saw them. */
+  const uint32_t* ignored_instances;
+  size_t ignored_instance_count;
 } gno_shot;
 
 /* Bytes of device memory by purpose. */

@@ -309,6 +309,8 @@ class Simulator::Impl {
     validate(shot.pose, which);
     validate(shot.motion, which);
     kept_.checkMotions(shot, which);
+    for (const uint32_t instance : shot.ignoredInstances)
+      kept_.checkInstance(instance, which + "it ignores an instance, but ");
     sensors_.check(shot.sensor, which);
     checkTimes(shot.motion, plans_[shot.sensor]->sensor, shot.frame, which);
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);

@@ -284,6 +284,9 @@ struct Shot {
   std::vector<MeshMotion> meshMotions;
   /// If given, replaces the fog, rain, snow and volumes of the sensor's Effects.
   std::optional<Weather> weather;
+  /// Indices of instances that the shot does not see, beside those of SensorRequest::ignoredInstances: of many robots
+  /// in one world that share a sensor, the body of the one that carries it. Effects are planned as if it saw them.
+  std::vector<uint32_t> ignoredInstances;
 };
 
 /// The indices of what Simulator::addScene() has added, each list in the order of the scene's.

@@ -206,14 +206,16 @@ void bindBatchStream(nb::module_& m) {
           "Error(out_of_memory).")
       .def(
           "submit",
-          [](Stream& self, const ShotsLike& given, const Whole& sensor, const NumbersLike& worlds, const Whole& frame) {
-            const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame, "submit");
+          [](Stream& self, const ShotsLike& given, const Whole& sensor, const NumbersLike& worlds, const Whole& frame,
+             const IndexListsLike& ignored) {
+            const std::vector<Shot> shots = shotsOf(given, {sensor, worlds, frame, ignored}, "submit");
             const auto ofNone = sensor.of<size_t>("submit: sensor");
             const uint64_t number = self.simulator.use([&](Simulator&) { return self.stream.submit(shots, ofNone); });
             self.submitted = number + 1;
             return number;
           },
           "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
+          "ignored_instances"_a = IndexListsLike{nb::make_tuple()},
           "Starts the scans of shots of one sensor, given as for Simulator.scan_batch() with its frame numbers, and "
           "returns the number of the batch. Changes of the simulator before the call count, those after it do not. The "
           "call waits for the batch that has used the same result buffer; and for this one, so that lists can grow, if "

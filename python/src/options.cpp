@@ -106,7 +106,7 @@ void bindShot(nb::module_& m) {
       "__init__",
       [](Shot* self, const Pose& pose, const Whole& sensor, const Whole& frame, SensorMotion sensorMotion,
          std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather,
-         std::vector<MeshMotion> meshMotions, const Whole& world) {
+         std::vector<MeshMotion> meshMotions, const Whole& world, std::vector<uint32_t> ignoredInstances) {
         new (self) Shot{pose,
                         sensor.of<size_t>("Shot: sensor"),
                         frame.of<uint64_t>("Shot: frame"),
@@ -114,11 +114,12 @@ void bindShot(nb::module_& m) {
                         std::move(sensorMotion),
                         std::move(instanceMotions),
                         std::move(meshMotions),
-                        std::move(weather)};
+                        std::move(weather),
+                        std::move(ignoredInstances)};
       },
       "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
       "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
-      "world"_a = 0);
+      "world"_a = 0, "ignored_instances"_a = nb::make_tuple());
   readWriteWhole(shot, "sensor", &Shot::sensor, "Index of the sensor.");
   readWriteWhole(shot, "frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
   readWriteWhole(shot, "world", &Shot::world,
@@ -130,6 +131,10 @@ void bindShot(nb::module_& m) {
                 "If given, replaces the fog, rain, snow and volumes of the sensor's Effects.");
   readWriteTuple(shot, "instance_motions", &Shot::instanceMotions, "A tuple of copies, assigned whole.");
   readWriteTuple(shot, "mesh_motions", &Shot::meshMotions, "Of deformable meshes: a tuple of copies, assigned whole.");
+  readWriteTuple(shot, "ignored_instances", &Shot::ignoredInstances,
+                 "Indices of instances that the shot does not see, beside those of SensorRequest.ignored_instances: of "
+                 "many robots in one world that share a sensor, the body of the one that carries it. Effects are "
+                 "planned as if it saw them. A tuple, assigned whole.");
 }
 
 using Function = std::optional<nb::typed<nb::callable, nb::object(std::string)>>;

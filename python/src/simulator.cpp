@@ -91,6 +91,27 @@ std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const st
   return each.copy();
 }
 
+// A list of indices for each of `count` entries.
+std::vector<std::vector<uint32_t>> indexListsOf(const IndexListsLike& given, size_t count, const std::string& name) {
+  std::vector<std::vector<uint32_t>> lists;
+  if (isSequenceOfObjects(given.object)) {
+    for (size_t i = 0; i < nb::len(given.object); ++i) {
+      const nb::object list = given.object[nb::int_(i)];
+      lists.push_back(arrayOf<uint32_t>({list}, name + ": entry " + std::to_string(i)).copy());
+    }
+  } else {
+    const auto rows = arrayOf<uint32_t>({given.object}, name, kAnyWidth);
+    for (size_t i = 0; i < rows.rows(); ++i) {
+      const auto row = rows.values().subspan(i * rows.width(), rows.width());
+      lists.emplace_back(row.begin(), row.end());
+    }
+  }
+  if (!lists.empty() && lists.size() != count)
+    refuse(name + " has " + std::to_string(lists.size()) + " entries; it must have " + std::to_string(count));
+  lists.resize(count);
+  return lists;
+}
+
 /// Calls work(shots), which makes a batch. Throws Error(outOfMemory) if its results do not fit into the host's memory.
 template <typename Work>
 void withMemory(const std::vector<Shot>& shots, const Work& work) {
@@ -109,10 +130,10 @@ void withMemory(const std::vector<Shot>& shots, const Work& work) {
 }
 
 SharedBatch scanBatch(Self& self, const ShotsLike& given, const Whole& sensor, const NumbersLike& worlds,
-                      const Whole& frame, const FieldList& list) {
+                      const Whole& frame, const FieldList& list, const IndexListsLike& ignored) {
   SharedBatch result;
   const auto number = sensor.of<size_t>("scan_batch: sensor");
-  withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
+  withMemory(shotsOf(given, {sensor, worlds, frame, ignored}, "scan_batch"), [&](const std::vector<Shot>& shots) {
     self.use([&](Simulator& simulator) {
       simulator.scanBatchInto(shots, *result.value, list.fields, SeesSignals(), number);
     });
@@ -121,9 +142,10 @@ SharedBatch scanBatch(Self& self, const ShotsLike& given, const Whole& sensor, c
 }
 
 void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, const Whole& sensor,
-                   const NumbersLike& worlds, const Whole& frame, const FieldList& list) {
+                   const NumbersLike& worlds, const Whole& frame, const FieldList& list,
+                   const IndexListsLike& ignored) {
   const auto number = sensor.of<size_t>("scan_batch: sensor");
-  withMemory(shotsOf(given, sensor, worlds, frame, "scan_batch"), [&](const std::vector<Shot>& shots) {
+  withMemory(shotsOf(given, {sensor, worlds, frame, ignored}, "scan_batch"), [&](const std::vector<Shot>& shots) {
     Taken taken(result);
     self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, list.fields, SeesSignals(), number); });
   });
@@ -190,8 +212,9 @@ constexpr const char* kScanBatch =
     "orientation x, y, z, w (MuJoCo puts w first); or of shape (n, 4, 4) or (n, 3, 4): rotations and shifts that map "
     "to "
     "the world. Poses are completed by `sensor`, `worlds` (one number, or one for "
-    "each view) and `frame`: the frame number of the first view, which those of the others follow. Random numbers "
-    "depend on the frame number. "
+    "each view), `frame`: the frame number of the first view, which those of the others follow, and "
+    "`ignored_instances`: the indices of instances that a view does not see, as an array of shape (n, m) or a sequence "
+    "of n lists. Random numbers depend on the frame number. "
     "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
     "of views from call to call to have other noise. A sensor of several patterns fires pattern `frame` modulo their "
     "number. `fields` are those that the batch has beside the ranges; without any it has all that a Scan of the sensor "
@@ -203,9 +226,9 @@ constexpr const char* kScanBatch =
 void bindScans(nb::class_<Self>& simulator) {
   simulator
       .def("scan_batch", &scanBatch, "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
-           "fields"_a = nb::make_tuple(), kScanBatch)
+           "fields"_a = nb::make_tuple(), "ignored_instances"_a = IndexListsLike{nb::make_tuple()}, kScanBatch)
       .def("scan_batch_into", &scanBatchInto, "shots"_a, "result"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
-           "fields"_a = nb::make_tuple(),
+           "fields"_a = nb::make_tuple(), "ignored_instances"_a = IndexListsLike{nb::make_tuple()},
            "As scan_batch(), into an existing Batch, whose memory is used again unless an array of it is still held. "
            "While "
            "the call works the Batch is empty for other threads.");
@@ -377,24 +400,28 @@ void bindAnswers(nb::class_<Self>& simulator) {
 
 }  // namespace
 
-std::vector<Shot> shotsOf(const ShotsLike& given, const Whole& ofSensor, const NumbersLike& worlds,
-                          const Whole& firstFrame, const std::string& name) {
-  const auto sensor = ofSensor.of<size_t>(name + ": sensor");
-  const auto frame = firstFrame.of<uint64_t>(name + ": frame");
+std::vector<Shot> shotsOf(const ShotsLike& given, const PoseArguments& arguments, const std::string& name) {
+  const auto sensor = arguments.sensor.of<size_t>(name + ": sensor");
+  const auto frame = arguments.firstFrame.of<uint64_t>(name + ": frame");
   if (firstIs<Shot>(given.object)) {
-    const uint32_t* const world = std::get_if<uint32_t>(&worlds);
-    if (sensor != 0 || frame != 0 || !world || *world != 0)
-      refuse(name + ": each Shot has its own sensor, world and frame; `sensor`, `worlds` and `frame` are for poses");
+    const uint32_t* const world = std::get_if<uint32_t>(&arguments.worlds);
+    if (sensor != 0 || frame != 0 || !world || *world != 0 || nb::len(arguments.ignoredInstances.object) > 0)
+      refuse(name +
+             ": each Shot has its own sensor, world, frame and ignored instances; `sensor`, `worlds`, `frame` and "
+             "`ignored_instances` are for poses");
     return entriesOf<Shot>(given.object, name + ": shots");
   }
   const std::vector<Pose> poses = posesOf(given.object, name);
-  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.size(), name + ": worlds");
+  const std::vector<uint32_t> numbers = numbersOf(arguments.worlds, poses.size(), name + ": worlds");
+  std::vector<std::vector<uint32_t>> ignored =
+      indexListsOf(arguments.ignoredInstances, poses.size(), name + ": ignored_instances");
   std::vector<Shot> shots(poses.size());
   for (size_t i = 0; i < shots.size(); ++i) {
     shots[i].pose = poses[i];
     shots[i].sensor = sensor;
     shots[i].frame = frame + i;
     shots[i].world = numbers[i];
+    shots[i].ignoredInstances = std::move(ignored[i]);
   }
   return shots;
 }

@@ -36,9 +36,19 @@ using ShotsLike = SequenceOrArray<Shot, Pose>;
 /// One number for all, or one for each.
 using NumbersLike = std::variant<uint32_t, ArrayLike>;
 
-/// Completes poses with a sensor, worlds and frame numbers that count up from `frame`; shots have their own. Throws
-/// Error(invalidArgument), or a TypeError, that begins with `name`.
-std::vector<Shot> shotsOf(const ShotsLike& given, const Whole& ofSensor, const NumbersLike& worlds,
-                          const Whole& firstFrame, const std::string& name);
+/// A list of indices for each of several, as an array of shape (n, m) or a sequence of n arrays; none if it is empty.
+using IndexListsLike = SequenceOrArray<ArrayLike>;
+
+/// What completes poses to shots. Frame numbers count up from the first one.
+struct PoseArguments {
+  const Whole& sensor;
+  const NumbersLike& worlds;
+  const Whole& firstFrame;
+  const IndexListsLike& ignoredInstances;
+};
+
+/// Completes poses; shots have their own sensors and so on. Throws Error(invalidArgument), or a TypeError, that begins
+/// with `name`.
+std::vector<Shot> shotsOf(const ShotsLike& given, const PoseArguments& arguments, const std::string& name);
 
 }  // namespace gnosphere::python

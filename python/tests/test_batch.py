@@ -235,9 +235,39 @@ def test_a_batch_that_does_not_fit_into_the_memory():
 
 
 def test_shots_have_their_own_sensor_world_and_frame(simulator):
-    for more in ({"sensor": 1}, {"worlds": 2}, {"worlds": [2]}, {"frame": 9}):
-        with pytest.raises(gnosphere.Error, match="scan_batch: each Shot has its own sensor, world and frame"):
+    for more in ({"sensor": 1}, {"worlds": 2}, {"worlds": [2]}, {"frame": 9}, {"ignored_instances": [[0]]}):
+        with pytest.raises(gnosphere.Error, match="scan_batch: each Shot has its own sensor, world, frame and ignored"):
             simulator.scan_batch([Shot()], **more)
+
+
+def test_views_ignore_instances(simulator):
+    """Each pose its own: an array, lists of several lengths, and those of a Shot."""
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1))
+    near = poses.copy()
+    near[:, 0] = [-4, -5, -6]
+    one, two, three = simulator.add_instances(0, near).tolist()
+    lists = [[one, two, three], [two], []]
+
+    def seen(batch):
+        return [set(of[hit].tolist()) for of, hit in zip(batch.instances, np.isfinite(batch.ranges))]
+
+    batch = simulator.scan_batch(poses, ignored_instances=lists)
+    assert seen(batch) == [{0}, {three}, {three}]
+    shots = [Shot(frame=view, ignored_instances=ignored) for view, ignored in enumerate(lists)]
+    assert simulator.scan_batch(shots).ranges.tobytes() == batch.ranges.tobytes()
+    assert shots[0].ignored_instances == (one, two, three)
+    for array in (np.array([[three], [two], [0]]), np.array([[three], [two], [0]], np.uint8).tolist()):
+        batch = simulator.scan_batch(poses, ignored_instances=array)
+        assert seen(batch) == [{two}, {three}, {three}]
+    for wrong, sentence in (
+        ([[0]], "scan_batch: ignored_instances has 1 entries; it must have 3"),
+        ([[0], [-1], []], "scan_batch: ignored_instances: entry 1 holds -1, which does not fit"),
+        (np.zeros((2, 1), int), "scan_batch: ignored_instances has 2 entries; it must have 3"),
+        ([0, 1, 2], "scan_batch: ignored_instances: entry 0 has the shape \\(\\); it must be \\(n,\\)"),
+        ([[0], [9], []], "shot 1: it ignores an instance, but instance 9 does not exist"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            simulator.scan_batch(poses, ignored_instances=wrong)
 
 
 def test_a_batch_shows_the_fields_that_it_has(simulator):

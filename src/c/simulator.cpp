@@ -141,6 +141,8 @@ Shot c::shotOf(const gno_shot* shot) {
     result.instanceMotions.push_back({motion.instance, transformOf(motion.end)});
   for (const gno_mesh_motion& motion : array(from.mesh_motions, from.mesh_motion_count, "gno_shot::mesh_motions"))
     result.meshMotions.push_back({motion.mesh, deformationOf(motion.end)});
+  const auto ignored = array(from.ignored_instances, from.ignored_instance_count, "gno_shot::ignored_instances");
+  result.ignoredInstances.assign(ignored.begin(), ignored.end());
   if (from.weather) {
     const gno_weather& weather = sized(from.weather, GNO_TYPE(gno_weather));
     result.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};

@@ -285,16 +285,41 @@ bool InstanceTable::isSeen(uint32_t instance, const glm::dvec3& sensor, double r
   return !(glm::dot(away, away) > limit * limit) && usableTriangles(instance) > 0;
 }
 
+// Notes the instances that a shot ignores, while this lives.
+class InstanceTable::Ignoring {
+ public:
+  Ignoring(InstanceTable& table, std::span<const uint32_t> instances) : marks_(table.ignored_), instances_(instances) {
+    if (!instances.empty()) marks_.resize(table.count());
+    mark(1);
+  }
+  ~Ignoring() { mark(0); }
+  Ignoring(const Ignoring&) = delete;
+  Ignoring& operator=(const Ignoring&) = delete;
+
+ private:
+  void mark(uint8_t as) {
+    for (const uint32_t instance : instances_) marks_[instance] = as;
+  }
+
+  std::vector<uint8_t>& marks_;
+  std::span<const uint32_t> instances_;
+};
+
+bool InstanceTable::isIgnored(uint32_t instance, std::span<const uint8_t> ofSensor) const {
+  return (instance < ofSensor.size() && ofSensor[instance]) || (instance < ignored_.size() && ignored_[instance]);
+}
+
 void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Selection& selection) {
   visibleStill_.clear();
   visibleMoving_.clear();
+  const Ignoring ignoring(*this, selection.ignored.ofShot);
   const World* const worlds[] = {find(0), selection.world == 0 ? nullptr : find(selection.world)};
   for (const World* world : worlds) {
     if (!world) continue;
     for (const uint32_t i : world->instances) {
       const bool moving = !selection.moving.empty() && selection.moving[i];
       if (!moving && !selection.still) continue;
-      if (i < selection.ignored.size() && selection.ignored[i]) continue;
+      if (isIgnored(i, selection.ignored.ofSensor)) continue;
       if (isSeen(i, sensor, reach)) (moving ? visibleMoving_ : visibleStill_).push_back(i);
     }
   }
@@ -353,8 +378,8 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     });
 }
 
-PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
-                                   InViews& inViews) {
+PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reach,
+                                   std::span<const uint8_t> ignoredBySensor, InViews& inViews) {
   number();
   moveSpheres();
   std::vector<InView>& entries = inViews.entries;
@@ -366,7 +391,7 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
     const auto first = static_cast<uint32_t>(entries.size());
     const std::span<const uint32_t> instances = world ? world->instances : std::span<const uint32_t>();
     for (const uint32_t instance : instances) {
-      if ((instance < ignored.size() && ignored[instance]) || !isSeen(instance, sensor, reach)) continue;
+      if (isIgnored(instance, ignoredBySensor) || !isSeen(instance, sensor, reach)) continue;
       const MeshSummary& mesh = meshOf(placements_[instance]);
       if (mesh.groups == 0) continue;  // no beam hits it, and the next instance may have the same number
       entries.push_back({view, instance, run.groups});
@@ -377,6 +402,7 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
   };
   for (uint32_t view = 0; view < views.size(); ++view) {
     const glm::dvec3 sensor = positionOf(views[view].pose);
+    const Ignoring ignoring(*this, views[view].ignored);
     see(view, sensor, common);
     see(view, sensor, views[view].world == 0 ? nullptr : find(views[view].world));
   }

@@ -25,19 +25,26 @@ struct MeshSummary {
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
 };
 
+/// The instances that a scan does not see.
+struct IgnoredInstances {
+  std::span<const uint8_t> ofSensor;  ///< by instance: 1 if it is ignored; instances beyond its end are not
+  std::span<const uint32_t> ofShot;   ///< indices
+};
+
 /// Which instances a scan places: of those of its world and of world 0, the moving ones, and the still ones if `still`
 /// is set, without the ignored ones.
 struct Selection {
   std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: no instance moves
   bool still = true;
-  std::span<const uint8_t> ignored = {};  ///< by instance: 1 if it is ignored; instances beyond its end are not
+  IgnoredInstances ignored = {};
   uint32_t world = 0;
 };
 
-/// From where a view is seen, and in which world.
+/// From where a view is seen, in which world, and the indices of instances that it does not see.
 struct ViewPlace {
   Pose pose;
   uint32_t world = 0;
+  std::span<const uint32_t> ignored = {};
 };
 
 /// Sums over the instances that a world and world 0 place.
@@ -124,9 +131,9 @@ class InstanceTable {
     std::vector<std::array<uint32_t, 2>> runs;  ///< per view and run: the first entry, the one after the last
   };
   /// Chooses, view by view, the instances of the view's world, all of them still ones, within reach (metres) of its
-  /// pose. The writers below write an entry for each of them, so that an instance which several views see has several
-  /// entries.
-  PlacedGroups choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
+  /// pose, without those that the view or the sensor ignores (see IgnoredInstances::ofSensor). The writers below write
+  /// an entry for each of them, so that an instance which several views see has several entries.
+  PlacedGroups choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignoredBySensor,
                       InViews& inViews);
   void writeViews(std::span<const ViewPlace> places, const InViews& inViews, gpu::Instance* instances, uint32_t* views,
                   uint32_t* pairs) const;
@@ -176,6 +183,8 @@ class InstanceTable {
   World& worldWithRoom(uint32_t number);
   const WorldContent& sumOf(const World& world) const;
   bool isSeen(uint32_t instance, const glm::dvec3& sensor, double reach) const;
+  class Ignoring;
+  bool isIgnored(uint32_t instance, std::span<const uint8_t> ofSensor) const;
   void number();
   void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
   PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
@@ -187,6 +196,7 @@ class InstanceTable {
   std::vector<Placement> placements_;
   std::vector<Sphere> spheres_;                         // bounding sphere of each instance, in the world
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan
+  std::vector<uint8_t> ignored_;  // by instance: 1 while those of a shot that ignores it are chosen; may be shorter
   TriangleNumbers numbers_;
   TransformSources transformSources_;
   uint64_t changes_ = 0, renumberedAt_ = 0;

@@ -70,10 +70,10 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   if (deformed()) placeDeformations(to);
 }
 
-void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, bool numbered,
-                        PlacedArrays& to) {
+void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignoredBySensor,
+                        bool numbered, PlacedArrays& to) {
   ArrayTable& own = to.arrays_;
-  to.groups_ = instances_.choose(views, reach, ignored, to.inViews_);
+  to.groups_ = instances_.choose(views, reach, ignoredBySensor, to.inViews_);
   const uint64_t count = to.inViews_.entries.size();
   to.numbering_ = 0;  // the entries are no longer those of a single scan, even if memory runs out below
   auto* placed = own.entries<uint32_t>(machine_, Array::placed, uint64_t{to.groups_.still.groups} * 2);

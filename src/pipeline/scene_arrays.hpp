@@ -44,7 +44,7 @@ class SceneArrays final : public SceneMemory {
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
   /// The same for a submission of several views, which see all instances of their worlds within reach of their poses.
   /// `numbered` tells whether kernels ask for the instances' numbers in the scene.
-  void place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored, bool numbered,
+  void place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignoredBySensor, bool numbered,
              PlacedArrays& to);
   /// The most bytes that a view of the world takes in lists of instances, groups and clusters, and of the instances'
   /// motions if something moves.

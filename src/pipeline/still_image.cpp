@@ -7,9 +7,10 @@ namespace gnosphere {
 
 StillImage::Use StillImage::next(const Shot& shot, const InstanceTable& instances) {
   if (!on_) return Use::none;
-  if (!pose_ || !samePose(shot.pose, *pose_) || shot.world != world_) {
+  if (!pose_ || !samePose(shot.pose, *pose_) || shot.world != world_ || shot.ignoredInstances != ignored_) {
     pose_ = shot.pose;
     world_ = shot.world;
+    ignored_ = shot.ignoredInstances;
     moving_.clear();
     seen_ = instances.changes();
     state_ = State::missing;

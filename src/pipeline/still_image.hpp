@@ -10,8 +10,9 @@
 namespace gnosphere {
 
 /// Decides when the hits on still instances (the words of the beams) are kept and reused. The hits are valid for one
-/// pose in one world and one set of still instances. The hits are kept only when both occur in a second scan, so single
-/// scans cost nothing extra. An instance that has moved counts as moving until the pose changes.
+/// pose, one world, one list of instances that shots ignore, and one set of still instances. The hits are kept only when
+/// all of these occur in a second scan, so single scans cost nothing extra. An instance that has moved counts as moving
+/// until the pose changes.
 class StillImage {
  public:
   enum class Use {
@@ -46,10 +47,11 @@ class StillImage {
   bool on_;
   State state_ = State::missing;
   size_t slot_ = 0;
-  std::optional<Pose> pose_;     // pose of the last scan
-  std::vector<uint8_t> moving_;  // by instance: 1 if it has moved since the first scan from that pose
-  uint64_t seen_ = 0;            // InstanceTable::changes() at the last scan
-  uint32_t world_ = 0;           // of the last scan
+  std::optional<Pose> pose_;       // pose of the last scan
+  std::vector<uint8_t> moving_;    // by instance: 1 if it has moved since the first scan from that pose
+  uint64_t seen_ = 0;              // InstanceTable::changes() at the last scan
+  uint32_t world_ = 0;             // of the last scan
+  std::vector<uint32_t> ignored_;  // by the last shot
   uint64_t triangles_ = 0;
 };
 

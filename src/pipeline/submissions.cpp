@@ -39,7 +39,8 @@ size_t shotsFrom(std::span<const Shot> shots, const SensorArrays& sensor, const 
   const bool moving = moves(plan, shots[0]);
   const auto bytesOf = [&](const Shot& shot) { return limits.scene.bytesOfView(shot.world, moving); };
   const auto standsStill = [&](const Shot& shot, const Shot& before) {
-    return sensor.keepsStill() && !moving && shot.world == before.world && samePose(shot.pose, before.pose);
+    return sensor.keepsStill() && !moving && shot.world == before.world && samePose(shot.pose, before.pose) &&
+           shot.ignoredInstances == before.ignoredInstances;
   };
   const auto deforms = [&](const Shot& shot) { return !shot.meshMotions.empty() && plan.has(gpu::kObjectMotion); };
   // A subgroup may work on several views, so the sensor must move in all views of a submission or in none.
@@ -112,14 +113,14 @@ InstanceEntries placeViews(SceneArrays& scene, const SensorArrays& sensor, std::
                            ShotMotions motions, Selection selection, PlacedArrays& to) {
   const double reach = sensor.reach() + reachOf(motions);
   if (shots.size() == 1) {
-    selection.ignored = sensor.sensorPlan().ignored;
+    selection.ignored = {sensor.sensorPlan().ignored, shots[0].ignoredInstances};
     selection.world = shots[0].world;
     scene.place(seenFrom(shots, 0, motions), reach, selection, to);
     return {scene.instances().count()};
   }
   std::vector<ViewPlace> places;
   for (size_t view = 0; view < shots.size(); ++view)
-    places.push_back({seenFrom(shots, view, motions), shots[view].world});
+    places.push_back({seenFrom(shots, view, motions), shots[view].world, shots[view].ignoredInstances});
   scene.place(places, reach, sensor.sensorPlan().ignored, sensor.keepsRecords(), to);
   return {scene.instances().count(), to.inViews()};
 }

@@ -87,9 +87,9 @@ void ReferenceBackend::build() {
   changed_ = false;
 }
 
-/// Builds the tree for a shot with motion, for one of a world with instances of its own, or of a sensor that ignores
-/// instances. Corners move in straight lines from the start to the end of a turn. For a world, `counters` becomes the
-/// counts of the world's triangles.
+/// Builds the tree for a shot with motion, for one of a world with instances of its own, or of a sensor or a shot
+/// that ignores instances. Corners move in straight lines from the start to the end of a turn. For a world, `counters`
+/// becomes the counts of the world's triangles.
 Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
   const SensorPlan& plan = sensors_[shot.sensor]->plan;
   const Sensor& sensor = plan.sensor;
@@ -105,8 +105,12 @@ Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
     for (const MeshMotion& motion : shot.meshMotions)
       movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
   }
-  std::vector<Triangle> triangles =
-      placeAll(scene_, shot.world, options_.faces, plan.ignored, movement, sweeps, counters);
+  std::vector<uint8_t> ignored = plan.ignored;
+  for (const uint32_t instance : shot.ignoredInstances) {
+    ignored.resize(std::max<size_t>(ignored.size(), size_t{instance} + 1));
+    ignored[instance] = 1;
+  }
+  std::vector<Triangle> triangles = placeAll(scene_, shot.world, options_.faces, ignored, movement, sweeps, counters);
   return Bvh(std::move(triangles), std::move(sweeps));
 }
 
@@ -197,7 +201,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   scan.counters = counters_;
   scan.timings = {};
   const bool moves = plan.has(gpu::kObjectMotion) && (!shot.instanceMotions.empty() || !shot.meshMotions.empty());
-  const bool ownTree = moves || shot.world != 0 || !plan.ignored.empty();
+  const bool ownTree = moves || shot.world != 0 || !plan.ignored.empty() || !shot.ignoredInstances.empty();
   const Bvh own = ownTree ? treeOf(shot, scan.counters) : Bvh({});
   View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);

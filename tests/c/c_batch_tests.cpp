@@ -98,6 +98,14 @@ TEST_CASE("C: a batch of worlds has the values of C++, and errors that name the 
   CHECK(counters.hits == expected.counters.hits);
   CHECK(counters.hits == 270);  // world 0 is empty
 
+  const uint32_t ignored[] = {0, 2};
+  shots[0].ignored_instances = ignored;  // the shot of instance 2
+  shots[0].ignored_instance_count = 2;
+  REQUIRE(gno_simulator_scan_batch(simulator, shots, 4, fields, 1, &batch) == GNO_OK);
+  REQUIRE(gno_batch_get_counters(batch, &counters) == GNO_OK);
+  CHECK(counters.hits == 180);
+  shots[0].ignored_instance_count = 0;
+
   // An instance that comes alone goes into its world, too.
   gno_instance near = gno_instance_init();
   near.transform.rows[3] = -2;

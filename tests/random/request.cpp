@@ -309,6 +309,9 @@ std::vector<Step> anySteps(Draw& draw, const Request& request, bool moving, bool
       if (changing) step.deformations.push_back({i, bend(random, mesh)});
       if (moving && turning && draw.often(50)) shot.meshMotions.push_back({i, bend(random, mesh)});
     }
+    if (draw.often(15))
+      for (int i = 0; i < 3; ++i)
+        shot.ignoredInstances.push_back(draw.below(static_cast<uint32_t>(scene.instances.size())));
     text << (shot.motion.stamps.empty() ? ", still" : ", driving") << " +" << shot.instanceMotions.size() << " +"
          << shot.meshMotions.size() << " +" << step.transforms.size() << " +" << step.deformations.size();
   }
