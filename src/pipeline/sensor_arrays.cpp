@@ -194,7 +194,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   variant.options.MAPPED = tables.mapped;
   variant.options.VIEWS = frame.views > 1;
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
-  variant.float64 = float64_ && motion == Motion::none;
+  variant.float64 = float64_;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
   StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views, shots};
   input.strays = plan_.has(gpu::kStrays);

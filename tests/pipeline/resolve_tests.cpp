@@ -144,4 +144,10 @@ TEST_CASE("exact counts how often integers were needed") {
   const Scan single = scanOf(scene, gridSensor(360, 37, -90, 90), {}, options);
   CHECK(single.counters.integerRanges >= single.counters.hits);
   CHECK(sameBytes(aligned, single));
+
+  // Lasers beside the axis of the head, too, need integers only where double precision cannot decide.
+  options.tuning.float64 = true;
+  const Scan head = scanOf(scene, builtinSensor("OS1-64"), {{0.3, 0.2, 0.1}, {}}, options);
+  CHECK(head.counters.hits > 10'000);
+  CHECK(head.counters.integerRanges * 100 < head.counters.hits);
 }
