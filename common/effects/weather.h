@@ -43,21 +43,21 @@ GNO_INLINE Echo noEcho() {
 }
 
 // The echo of a medium of given `extinction` between two ranges, by the lidar equation for single scattering. Its
-// depth is that of a returning photon, whose probability falls as exp(-2 extinction depth). Its energy is `scatter`,
-// the share of one pulse length at 1 m, times a gamma-distributed factor of shape 4 and mean 1 (speckle and
-// patchiness).
+// depth is that of a returning photon, whose probability falls as exp(-2 extinction depth). If this depth lies behind
+// `far`, there is no echo, so what ends the medium changes no echo before it. The energy is `scatter`, the share of one
+// pulse length at 1 m, times a gamma-distributed factor of shape 4 and mean 1 (speckle and patchiness).
 GNO_INLINE Echo scatterEcho(EffectParameters p, float extinction, float scatter, float near, float far, uvec4 words,
                             uvec4 more) {
   Echo echo = noEcho();
   if (!(far > near) || !(extinction > 0.0f)) return echo;
-  GNO_PRECISE float passed = exponential(-2.0f * extinction * (far - near));
-  GNO_PRECISE float left = 1.0f - uniform01(words.x) * (1.0f - passed);
-  GNO_PRECISE float depth = quotient(-naturalLog(left), 2.0f * extinction);
-  echo.range = min(near + depth, far);
+  GNO_PRECISE float depth = quotient(-naturalLog(1.0f - uniform01(words.x)), 2.0f * extinction);
+  GNO_PRECISE float range = near + depth;
+  if (!(range < far)) return echo;
+  echo.range = range;
   GNO_PRECISE float product = uniformAboveZero(more.x) * uniformAboveZero(more.y);
   GNO_PRECISE float other = uniformAboveZero(more.z) * uniformAboveZero(more.w);
   GNO_PRECISE float unevenness = -0.25f * (naturalLog(product) + naturalLog(other));
-  GNO_PRECISE float energy = scatter * unevenness * focus(echo.range);
+  GNO_PRECISE float energy = scatter * unevenness * focus(range);
   echo.energy = energy;
   echo.width = p.pulseWidth;
   return echo;

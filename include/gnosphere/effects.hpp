@@ -39,7 +39,7 @@ struct Effects {
       byte,  ///< 0..255, calibrated reflectivity: 0..100 for diffuse per cent, 101..255 logarithmic for
              ///< retro-reflectors
     } scale = Scale::unit;       ///< in which values the strength is reported
-    double wavelength = 905;     ///< nm; selects the column of a material table, and the extinction of snow
+    double wavelength = 905;     ///< nm; selects the column of a material table, and the extinction of fog and snow
     double attenuation = 0.004;  ///< 1/m; only for the model `carla`
   } intensity;
 
@@ -97,7 +97,7 @@ struct Effects {
     EffectUse use = EffectUse::automatic;
     uint32_t subRays = 19;  ///< lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings
     enum class Profile { uniform, gaussian } profile = Profile::gaussian;  ///< energy over the footprint
-    double horizontal = 0, vertical = 0;  ///< rad, full angle (to 1/e^2 if gaussian); both 0: the sensor's
+    double horizontal = 0, vertical = 0;  ///< rad, full angle (to 1/e^2 if gaussian); 0: the sensor's
     enum class Shape { ellipse, rectangle } shape = Shape::ellipse;  ///< in which the sub-rays lie
   } divergence;
 

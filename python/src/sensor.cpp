@@ -114,7 +114,7 @@ void bindSensorItself(nb::module_& m) {
   readWriteWhole(sensor, "columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.");
   sensor.def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
-      .def_rw("range_at10_percent", &Sensor::rangeAt10Percent,
+      .def_rw("range_at_10_percent", &Sensor::rangeAt10Percent,
               "Metres from which on a Lambertian target that reflects 10 % is no longer detected; 0 if not stated.")
       .def_rw(
           "divergence_horizontal", &Sensor::divergenceHorizontal,
@@ -182,7 +182,7 @@ void bindCatalogue(nb::module_& m) {
       .def_ro("product", &CatalogueHead::product, "Vendor and product.")
       .def_ro("source", &CatalogueHead::source, "Documents from which the figures are.")
       .def_ro("remarks", &CatalogueHead::remarks, "What the model simplifies, and what the source does not state.")
-      .def_ro("range_at10_percent", &CatalogueHead::rangeAt10Percent, "Metres, on a surface that reflects 10 %.");
+      .def_ro("range_at_10_percent", &CatalogueHead::rangeAt10Percent, "Metres, on a surface that reflects 10 %.");
   readTuple(head, "modes", &CatalogueHead::modes, "The first one is the default; none if the head has one mode only.");
   m.def(
       "sensor_catalogue", [] { return tupleOf(sensorCatalogue()); }, "Returns the real heads that are built in.");

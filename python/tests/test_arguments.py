@@ -183,7 +183,7 @@ def test_a_sensor_file_tells_what_it_leaves_open(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sensor = gnosphere.load_sensor(angles, head="AT128")
-        assert (sensor.azimuth_span_deg, sensor.range_at10_percent) == (-120, 200)
+        assert (sensor.azimuth_span_deg, sensor.range_at_10_percent) == (-120, 200)
         own = tmp_path / "own.json"
         own.write_text(gnosphere.to_json(gnosphere.builtin_sensor("VLP-16")))
         assert gnosphere.load_sensor(own).name == "VLP-16"

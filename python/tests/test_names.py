@@ -27,7 +27,7 @@ LEFT_OUT = {
     "add", "entries",  # results are read only; arrays have shapes
 }  # fmt: skip
 RENAMED = {
-    "in": "in_", "k_no_triangle": "NO_TRIANGLE", "k_no_image": "NO_IMAGE", "k_no_mesh": "NO_MESH",
+    "in": "in_", "range_at10_percent": "range_at_10_percent", "k_no_triangle": "NO_TRIANGLE", "k_no_image": "NO_IMAGE", "k_no_mesh": "NO_MESH",
     "k_no_node": "NO_NODE", "k_no_skin": "NO_SKIN",
 }  # fmt: skip
 

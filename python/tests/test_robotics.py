@@ -964,7 +964,7 @@ def test_what_a_usd_lidar_states_in_vain_or_not_at_all_is_told(tmp_path):
     assert found.assumed == ["that the head turns clockwise (the lidar /Head)"]
     channels = found.sensors[0].sensor.channels
     assert [(channel.range_min, channel.range_max) for channel in channels] == [(0.5, 30), (1, 80)]
-    assert abs(found.sensors[0].sensor.range_at10_percent - 60) < 1e-6  # 0.1 is single in USD
+    assert abs(found.sensors[0].sensor.range_at_10_percent - 60) < 1e-6  # 0.1 is single in USD
 
 
 @pytest.mark.parametrize("axis", "XYZ")

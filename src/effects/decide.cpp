@@ -65,6 +65,15 @@ void decideThreshold(const Question& q, std::vector<Plan::Decision>& decisions) 
   decision.reason = "needed by " + medium + ": " + answer.why;
 }
 
+/// Throws if the reflectance of detection is set without a range, and the range that the sensor states is one at 10 %.
+void checkReflectance(const Question& q) {
+  const Effects::Detection& detection = q.effects.detection;
+  const bool set = detection.reflectance != Effects::Detection().reflectance;
+  if (set && detection.range == 0 && q.sensor.rangeAt10Percent > 0)
+    refuseRequest("detection.reflectance is given without detection.range, but the range that sensor '" +
+                  q.sensor.name + "' states is one at 10 %; give detection.range, too");
+}
+
 Answer appliesIntensity(const Question& q, const std::vector<std::string>& needIt) {
   if (q.asksFor(Field::intensity)) return {true, "the field intensity asks for it"};
   if (needIt.empty()) return {false, "nothing asks for it"};
@@ -120,6 +129,7 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
       decideBy(info.applies(question), request.sensor, lenient, decision);
     }
   }
+  if (!lenient) checkReflectance(question);
   decideThreshold(question, decisions);
   const std::vector<std::string> needIt = needIntensity(effects, decisions);
   for (size_t i = 0; i < decisions.size(); ++i) {

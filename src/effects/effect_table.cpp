@@ -140,8 +140,8 @@ Answer appliesIntensityNoise(const Question& q) {
 Answer appliesDivergence(const Question& q) {
   const auto& d = q.effects.divergence;
   const bool asked = d.horizontal > 0 || d.vertical > 0;
-  const double horizontal = asked ? d.horizontal : q.sensor.divergenceHorizontal;
-  const double vertical = asked ? d.vertical : q.sensor.divergenceVertical;
+  const double horizontal = d.horizontal > 0 ? d.horizontal : q.sensor.divergenceHorizontal;
+  const double vertical = d.vertical > 0 ? d.vertical : q.sensor.divergenceVertical;
   if (!(horizontal > 0 || vertical > 0)) {
     return {false, "the sensor states no divergence", "give divergence.horizontal and divergence.vertical"};
   }
@@ -273,8 +273,8 @@ std::vector<EffectInfo> makeTable() {
                  "retro-reflectors."}},
                "In which values the strength is reported."),
            number<&E::intensity, &E::Intensity::wavelength>(
-               "wavelength", "nm", 905, 1550, "Selects the column of a material table, and the extinction of snow.",
-               true),
+               "wavelength", "nm", 905, 1550,
+               "Selects the column of a material table, and the extinction of fog and snow.", true),
            number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10,
                                                              "Only for the model `carla`.")}),
       effect<&E::detection>(
@@ -331,22 +331,21 @@ std::vector<EffectInfo> makeTable() {
                                  "Gaussian noise of the intensity. Automatic: on if a sigma is given.",
                                  {number<&E::intensityNoise, &E::IntensityNoise::sigma>(
                                      "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
-      effect<&E::divergence>(
-          "divergence", gpu::kDivergence, appliesDivergence, always,
-          "A footprint, sampled by sub-rays that share the candidate triangles of their beam.",
-          {count<&E::divergence, &E::Divergence::subRays>(
-               "sub_rays", "", 1, 1261,
-               "Lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings."),
-           choice<&E::divergence, &E::Divergence::profile>("profile", {{"uniform"}, {"gaussian"}},
-                                                           "Energy over the footprint."),
-           number<&E::divergence, &E::Divergence::horizontal>(
-               "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.", false,
-               limits::kWiderBeam),
-           number<&E::divergence, &E::Divergence::vertical>("vertical", "rad", 0, 0.1,
-                                                            "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.",
-                                                            false, limits::kWiderBeam),
-           choice<&E::divergence, &E::Divergence::shape>("shape", {{"ellipse"}, {"rectangle"}},
-                                                         "In which the sub-rays lie.")}),
+      effect<&E::divergence>("divergence", gpu::kDivergence, appliesDivergence, always,
+                             "A footprint, sampled by sub-rays that share the candidate triangles of their beam.",
+                             {count<&E::divergence, &E::Divergence::subRays>(
+                                  "sub_rays", "", 1, 1261,
+                                  "Lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings."),
+                              choice<&E::divergence, &E::Divergence::profile>("profile", {{"uniform"}, {"gaussian"}},
+                                                                              "Energy over the footprint."),
+                              number<&E::divergence, &E::Divergence::horizontal>(
+                                  "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); 0: the sensor's.",
+                                  false, limits::kWiderBeam),
+                              number<&E::divergence, &E::Divergence::vertical>(
+                                  "vertical", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); 0: the sensor's.",
+                                  false, limits::kWiderBeam),
+                              choice<&E::divergence, &E::Divergence::shape>("shape", {{"ellipse"}, {"rectangle"}},
+                                                                            "In which the sub-rays lie.")}),
       effect<&E::returns>(
           "returns", gpu::kReturns, appliesReturns, always,
           "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one, or a mode is given. "

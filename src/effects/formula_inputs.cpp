@@ -30,14 +30,12 @@ static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
               same(Cause::returned, gpu::kCauseReturned) && same(Cause::dead, gpu::kCauseDead) &&
               same(Cause::tooNear, gpu::kCauseTooNear) && same(Label::scatter, gpu::kLabelScatter));
 
-/// Full angles of the footprint in radians, from the request or else from the sensor.
+/// Full angles of the footprint in radians, each from the request or else from the sensor.
 double horizontalSpread(const Effects& effects, const Sensor& sensor) {
-  const auto& asked = effects.divergence;
-  return asked.horizontal > 0 || asked.vertical > 0 ? asked.horizontal : sensor.divergenceHorizontal;
+  return effects.divergence.horizontal > 0 ? effects.divergence.horizontal : sensor.divergenceHorizontal;
 }
 double verticalSpread(const Effects& effects, const Sensor& sensor) {
-  const auto& asked = effects.divergence;
-  return asked.horizontal > 0 || asked.vertical > 0 ? asked.vertical : sensor.divergenceVertical;
+  return effects.divergence.vertical > 0 ? effects.divergence.vertical : sensor.divergenceVertical;
 }
 
 uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
@@ -47,7 +45,7 @@ uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
 }
 
 void fillMedium(const Effects& effects, const Sensor& sensor, uint32_t planned, gpu::EffectParameters& p) {
-  const double fog = planned & gpu::kFog ? fogExtinction(effects.fog.visibility) : 0;
+  const double fog = planned & gpu::kFog ? fogExtinction(effects.fog.visibility, effects.intensity.wavelength) : 0;
   const double rain = planned & gpu::kRain ? rainExtinction(effects.rain.rate) : 0;
   const double snow = planned & gpu::kSnow ? snowExtinction(effects.snow.rate, effects.intensity.wavelength) : 0;
   p.extinction = float(fog + rain + snow);

@@ -30,8 +30,21 @@ constexpr double kPerMillimetre = 1e3;               // 1/m
 
 }  // namespace
 
-double fogExtinction(double visibility) {
-  return visibility > 0 ? -std::log(0.05) / visibility : 0;
+double fogExtinction(double visibility, double wavelength) {
+  if (!(visibility > 0)) return 0;
+  // The droplets of fog are larger than the wavelength, those of haze are not.
+  constexpr double kVisible = 550;  // nm
+  const double kilometres = visibility / 1000;
+  double exponent = 1.6;
+  if (kilometres < 0.5)
+    exponent = 0;
+  else if (kilometres < 1)
+    exponent = kilometres - 0.5;
+  else if (kilometres < 6)
+    exponent = 0.16 * kilometres + 0.34;
+  else if (kilometres < 50)
+    exponent = 1.3;
+  return -std::log(0.05) / visibility * std::pow(wavelength / kVisible, -exponent);
 }
 
 double rainExtinction(double rate) {

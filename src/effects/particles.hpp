@@ -7,9 +7,10 @@
 
 namespace gnosphere {
 
-/// Extinction in 1/m of fog with the meteorological optical range `visibility` in metres, at which contrast falls to 5
-/// % (Koschmieder 1924, WMO-No. 8).
-double fogExtinction(double visibility);
+/// Extinction in 1/m, at a wavelength in nm, of fog with the meteorological optical range `visibility` in metres, at
+/// which contrast falls to 5 % (Koschmieder 1924, WMO-No. 8). The extinction at 550 nm times (wavelength / 550)^-q, with
+/// q by Kim, McArthur and Korevaar, Proc. SPIE 4214 (2001).
+double fogExtinction(double visibility, double wavelength);
 /// Extinction in 1/m of rain in mm/h by ITU-R P.1814 (2007), after Carbonneau and Wisely (1998): 1.076 R^0.67 dB/km.
 double rainExtinction(double rate);
 /// Extinction in 1/m of dry snow in mm/h of water at a wavelength in nm by ITU-R P.1814: (0.0000542 nm + 5.4958776)

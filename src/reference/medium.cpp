@@ -44,8 +44,8 @@ double thresholdOf(const Effects& effects, const Sensor& sensor) {
 
 std::array<double, 2> fullAnglesOf(const SensorPlan& plan) {
   const Effects::Divergence& asked = plan.effects.divergence;
-  if (asked.horizontal > 0 || asked.vertical > 0) return {asked.horizontal, asked.vertical};
-  return {plan.sensor.divergenceHorizontal, plan.sensor.divergenceVertical};
+  return {asked.horizontal > 0 ? asked.horizontal : plan.sensor.divergenceHorizontal,
+          asked.vertical > 0 ? asked.vertical : plan.sensor.divergenceVertical};
 }
 
 double pulseLength(const Effects& effects) {
@@ -62,12 +62,20 @@ Medium::Medium(const SensorPlan& plan, const Shot& shot)
   for (const SensorMotion::Stamp& stamp : shot.motion.stamps)
     travel_ = std::max(travel_, 2 * lengthOf(stamp.pose.position - shot.motion.stamps.front().pose.position));
 
-  // Contrast falls to 5 % at the visibility: Koschmieder (1924), WMO-No. 8. Rain and dry snow: ITU-R P.1814 (2007).
+  // Contrast falls to 5 % at the visibility: Koschmieder (1924), WMO-No. 8. At other wavelengths than 550 nm: Kim,
+  // McArthur and Korevaar (2001). Rain and dry snow: ITU-R P.1814 (2007).
+  const double kilometres = effects.fog.visibility / 1000, wavelength = effects.intensity.wavelength;
+  const double kim = kilometres < 0.5  ? 0
+                     : kilometres < 1  ? kilometres - 0.5
+                     : kilometres < 6  ? 0.16 * kilometres + 0.34
+                     : kilometres < 50 ? 1.3
+                                       : 1.6;
   const double rain = effects.rain.rate, snow = effects.snow.rate;
-  if (plan.has(gpu::kFog) && effects.fog.visibility > 0) still_ = fog_ = std::log(20) / effects.fog.visibility;
+  if (plan.has(gpu::kFog) && effects.fog.visibility > 0)
+    still_ = fog_ = std::log(20) / effects.fog.visibility / std::pow(wavelength / 550, kim);
   const bool rains = plan.has(gpu::kRain) && rain > 0, snows = plan.has(gpu::kSnow) && snow > 0;
   if (rains) still_ += perMetre(1.076 * std::pow(rain, 0.67));
-  if (snows) still_ += perMetre((0.0000542 * effects.intensity.wavelength + 5.4958776) * std::pow(snow, 1.38));
+  if (snows) still_ += perMetre((0.0000542 * wavelength + 5.4958776) * std::pow(snow, 1.38));
   // Drops: Marshall and Palmer (1948), 8000 /m^3/mm and 4.1 R^-0.21 /mm; by geometric optics a water drop reflects
   // 0.024 of what a disc does. Flakes: Sekhon and Srivastava (1970), by melted diameter; a flake is 2.154 times as
   // wide, and as a sphere of snow that reflects 0.9 it gives 2/3 of a disc's echo.
@@ -205,17 +213,17 @@ Bounded Medium::depthTo(const Line& line, const Bounded& range) const {
   return depth;
 }
 
-/// Single scattering: the scattering depth of returning light is distributed as exp(-2 extinction depth). Its energy is
-/// pi * back-scatter * pulse length at 1 m, varied by a gamma distribution of shape 4 and mean 1.
+/// Single scattering: the scattering depth of returning light is distributed as exp(-2 extinction depth), and there is
+/// no echo if it is behind the medium. Its energy is pi * back-scatter * pulse length at 1 m, varied by a gamma
+/// distribution of shape 4 and mean 1.
 std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const Bounded& near, const Bounded& far,
                                     const std::array<uint32_t, 4>& words, const std::array<uint32_t, 4>& more,
                                     bool& doubt) const {
   if (!(extinction > 0) || !less(near, far, doubt)) return {};
   const Bounded twice = Bounded(2) * given(extinction);
-  const Bounded passed = exp(-(twice * (far - near)));
-  const Bounded left = Bounded(1) - Bounded((words[0] >> 8) * 0x1p-24) * (Bounded(1) - passed);
   Echo echo;
-  echo.range = min(near + -log(left) / twice, far);
+  echo.range = near + -log(Bounded(1 - (words[0] >> 8) * 0x1p-24)) / twice;
+  if (!less(echo.range, far, doubt)) return {};
   const Bounded product = Bounded(Draws::aboveZero(more[0])) * Bounded(Draws::aboveZero(more[1]));
   const Bounded other = Bounded(Draws::aboveZero(more[2])) * Bounded(Draws::aboveZero(more[3]));
   const Bounded unevenness = Bounded(-0.25) * (log(product) + log(other));

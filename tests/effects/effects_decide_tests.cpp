@@ -148,9 +148,9 @@ TEST_CASE("properties that the sensor states enable effects") {
   checkIn(asked, "returns", "the request takes up to 3 returns per beam");
   asked.effects.divergence.vertical = 2e-3;
   asked.effects.divergence.use = EffectUse::on;
-  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad" + why);
+  checkIn(asked, "divergence", "asked for: the request states 3 x 2 mrad" + why);
   asked.effects.divergence.subRays = 7;
-  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 7 sub-rays");
+  checkIn(asked, "divergence", "asked for: the request states 3 x 2 mrad, 7 sub-rays");
 }
 
 TEST_CASE("materials that are visible enable transmission and cut-outs") {
@@ -229,6 +229,11 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   asked.effects.detection.reflectance = 0.2;
   checkOut(asked, "detection", "no range is given");
   asked.sensor.rangeAt10Percent = 90;
+  checkRefused(
+      asked,
+      "detection.reflectance is given without detection.range, but the range that sensor 'plain' states is one "
+      "at 10 %; give detection.range, too");
+  asked.effects.detection.reflectance = 0.1;
   checkOut(asked, "detection",
            "the sensor states 10 % at 90 m, but the reflectances of 2 of 2 materials are not measured; if on, colours "
            "stand for them");
@@ -243,6 +248,7 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   CHECK_FALSE(asked.of("detection").in);
   asked.effects.intensity.wavelength = 905;
   asked.effects.detection.range = 50;
+  asked.effects.detection.reflectance = 0.2;
   checkIn(asked, "detection", "as strong as 20 % at 50 m");
   checkIn(asked, "intensity", "needed by detection, intensity-noise");
 }

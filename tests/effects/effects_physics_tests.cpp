@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole scans with effects compared with closed formulas of physics, on the device and on the reference.
+#include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
+#include <cmath>
 
 #include "effects/scan_support.hpp"
 
@@ -165,6 +167,50 @@ TEST_CASE("fog hides a wall beyond the range that Koschmieder's law gives") {
   CHECK((share < 1 ? solid : attenuated) > 9 * 21 / 4);
 }
 
+TEST_CASE("fog and dust scatter back as much light whatever stands behind, and in slices as in one box") {
+  const std::string device = ON_EVERY_DEVICE;
+  const Sensor sensor = fan(3600, 40, 0.2, 100);
+  const auto scanOf = [&](double wall, double visibility, const std::vector<Effects::Volume>& boxes) {
+    Setup setup(device, platesOf({{wall, 60, 0.5f}}), sensor);
+    setup.effects.fog = {visibility > 0 ? EffectUse::on : EffectUse::off, visibility};
+    setup.effects.volumes = {boxes.empty() ? EffectUse::off : EffectUse::on, boxes};
+    setup.effects.detection = {EffectUse::on, 0.001, 100000, 0};  // any light is enough
+    setup.effects.returns.use = EffectUse::on;
+    setup.effects.returns.mode = Effects::Returns::Mode::first;
+    setup.fields = {Field::label};
+    return setup.scan();
+  };
+  const auto scattered = [&](const Scan& scan, size_t beam, double before) {
+    return scan.column<uint8_t>(Field::label)[beam] == uint8_t(Label::scatter) && scan.ranges[beam] < before;
+  };
+  constexpr size_t kBeams = 40 * 101;
+  const auto countOf = [&](const auto& isCounted) {
+    size_t count = 0;
+    for (size_t channel = 0; channel < 40; ++channel)
+      for (size_t k = 0; k < 101; ++k) count += isCounted(ahead(sensor, channel) + k - 50);
+    return static_cast<double>(count);
+  };
+  const auto isNear = [](double count, double share) {
+    return std::abs(count - kBeams * share) < 4 * std::sqrt(kBeams * share * (1 - share));
+  };
+  const double visibility = 200, extinction = std::log(20.0) / visibility, least = sensor.rangeMin;
+  const Scan near = scanOf(20, visibility, {}), far = scanOf(90, visibility, {});
+  size_t different = 0;
+  const double fog = countOf([&](size_t beam) {
+    different += scattered(near, beam, 19) != scattered(far, beam, 19);
+    return scattered(near, beam, 19);
+  });
+  CHECK(different == 0);
+  CHECK(isNear(fog, 1 - std::exp(-2 * extinction * (19 - least))));
+
+  std::vector<Effects::Volume> slices;
+  for (int i = 0; i < 10; ++i) slices.push_back({{5.0 + i, -30, -30}, {6.0 + i, 30, 30}, 0.02});
+  for (const std::vector<Effects::Volume>& boxes : {{{{5, -30, -30}, {15, 30, 30}, 0.02}}, slices}) {
+    const Scan dust = scanOf(50, 0, boxes);
+    CHECK(isNear(countOf([&](size_t beam) { return scattered(dust, beam, 40); }), 1 - std::exp(-2 * 0.02 * 10)));
+  }
+}
+
 // The random draws of a beam are the same with and without what stands before the fog.
 TEST_CASE("behind glass or an edge fog scatters back what light they leave") {
   const std::string device = ON_EVERY_DEVICE;
@@ -268,6 +314,24 @@ TEST_CASE("a slanted plate makes an echo longer") {
   const double width = std::sqrt(pulse * pulse + std::pow(2 * std::sqrt(2 * std::log(2.0)) * deviation, 2));
   CHECK(scan.ranges[ahead(setup.sensor)] == Approx(20).margin(0.1));
   CHECK(scan.column<float>(Field::width)[ahead(setup.sensor)] == Approx(width).epsilon(0.03));
+}
+
+TEST_CASE("an axis of the divergence that the request leaves open is that of the sensor") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = platesOf({{0, 30, 0.5f}});
+  scene.instances[0].transform = translation(20, 0, 0) * rotationZ(1.2);
+  Sensor sensor = fan(3600, 1, 0, 60);
+  sensor.divergenceHorizontal = 0.02;
+  sensor.divergenceVertical = 0.004;
+  Setup setup(device, scene, sensor);
+  setup.fields = {Field::width};
+  setup.effects.divergence.use = EffectUse::on;
+  const Scan stated = setup.scan();
+  setup.effects.divergence.vertical = 0.004;  // the horizontal one counts on a plate that is turned about z
+  const Scan asked = setup.scan();
+  CHECK(std::ranges::equal(asked.column<float>(Field::width), stated.column<float>(Field::width),
+                           [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
+  CHECK(stated.column<float>(Field::width)[ahead(sensor)] > 0.5);
 }
 
 // The footprint is up to 7 m long on the ground, with sub-rays farther apart than the separation of echoes. Small
