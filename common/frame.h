@@ -97,6 +97,7 @@ struct Counters {
   uint hardBeams;                    // lines that meet a pane
   uint edgeBeams[kEffortClasses];    // by effort: beams whose footprint does not lie on one triangle and meets no pane
   uint paneBeams[kEffortClasses];    // by effort: beams whose footprint may meet a pane
+  uint boxedBeams;                   // with slabs: beams in the boxes of the triangles that are listed, summed
   uint tried;                        // triangles whose beams project has tried; they are on no list
   uint alive;                        // kAlive after project_groups: the device has done something
 };
@@ -138,7 +139,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 172 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 176 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68 && sizeof(Shells) == 1412);
 }  // namespace gnosphere::gpu
 #endif

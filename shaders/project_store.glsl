@@ -69,6 +69,10 @@ void storeKept(bool keep, Projected projected, Box box, uint material) {
     large = frame.projectedCapacity - 1 - slotAfter(large, largeOnes);
     if (!small) slot = large;
   }
+  if (BINNING == kBinningSlabs) {
+    uint sum = subgroupAdd(keep ? boxRowCount(box) * boxColumnCount(box) : 0);
+    if (isFirstLane() && sum > 0) atomicAdd(counters.boxedBeams, sum);
+  }
   if (keep && slot < frame.projectedCapacity) {
     store(slot, projected, box, material);
     if (BINNING == kBinningSlabs)

@@ -245,6 +245,11 @@ const InstanceTable::World* InstanceTable::find(uint32_t world) const {
   return found == worlds_.end() ? nullptr : &found->second;
 }
 
+std::span<const uint32_t> InstanceTable::instancesOf(uint32_t world) const {
+  const World* found = find(world);
+  return found ? found->instances : std::span<const uint32_t>();
+}
+
 const WorldContent& InstanceTable::sumOf(const World& world) const {
   if (world.summed) return world.content;
   world.content = {};
@@ -313,16 +318,16 @@ void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Se
   visibleStill_.clear();
   visibleMoving_.clear();
   const Ignoring ignoring(*this, selection.ignored.ofShot);
-  const World* const worlds[] = {find(0), selection.world == 0 ? nullptr : find(selection.world)};
-  for (const World* world : worlds) {
-    if (!world) continue;
-    for (const uint32_t i : world->instances) {
+  const auto choose = [&](uint32_t world) {
+    for (const uint32_t i : instancesOf(world)) {
       const bool moving = !selection.moving.empty() && selection.moving[i];
       if (!moving && !selection.still) continue;
       if (isIgnored(i, selection.ignored.ofSensor)) continue;
       if (isSeen(i, sensor, reach)) (moving ? visibleMoving_ : visibleStill_).push_back(i);
     }
-  }
+  };
+  choose(0);
+  if (selection.world != 0) choose(selection.world);
 }
 
 PlacedGroups::Run InstanceTable::runOf(const std::vector<uint32_t>& visible, uint32_t first) const {
@@ -386,10 +391,8 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
   entries.clear();
   inViews.runs.clear();
   PlacedGroups::Run run;
-  const World* const common = find(0);
-  const auto see = [&](uint32_t view, const glm::dvec3& sensor, const World* world) {
+  const auto see = [&](uint32_t view, const glm::dvec3& sensor, std::span<const uint32_t> instances) {
     const auto first = static_cast<uint32_t>(entries.size());
-    const std::span<const uint32_t> instances = world ? world->instances : std::span<const uint32_t>();
     for (const uint32_t instance : instances) {
       if (isIgnored(instance, ignoredBySensor) || !isSeen(instance, sensor, reach)) continue;
       const MeshSummary& mesh = meshOf(placements_[instance]);
@@ -403,8 +406,9 @@ PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reac
   for (uint32_t view = 0; view < views.size(); ++view) {
     const glm::dvec3 sensor = positionOf(views[view].pose);
     const Ignoring ignoring(*this, views[view].ignored);
-    see(view, sensor, common);
-    see(view, sensor, views[view].world == 0 ? nullptr : find(views[view].world));
+    const uint32_t world = views[view].world;
+    see(view, sensor, instancesOf(0));
+    see(view, sensor, world == 0 ? std::span<const uint32_t>() : instancesOf(world));
   }
   return {run, {run.groups}};
 }

@@ -99,9 +99,8 @@ class InstanceTable {
   WorldContent contentOf(uint32_t world) const;
   /// The largest number of triangles that a scan of any world can see.
   uint64_t mostTriangles() const;
-  bool isIn(size_t instance, uint32_t world) const {
-    return placements_[instance].world == world || placements_[instance].world == 0;
-  }
+  /// Returns the instances of a world, without those of world 0, in ascending order.
+  std::span<const uint32_t> instancesOf(uint32_t world) const;
 
   /// Goes up with every change of an instance or of a mesh's positions.
   uint64_t changes() const { return changes_; }

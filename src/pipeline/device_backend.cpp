@@ -66,6 +66,7 @@ class DeviceBackend final : public Backend {
 
   void record(Recording& recording) override {
     setDeformed(scene_.deformed());
+    followScene();
     recorded_.record(recording, sensorArrays());
     try {
       machine_->throwOnMessages();
@@ -155,7 +156,10 @@ class DeviceBackend final : public Backend {
     machine_->throwOnMessages();
   }
 
-  Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
+  Plan plan(size_t sensor) const override {
+    followScene();
+    return sensors_[sensor]->arrays.plan();
+  }
   Plan planOf(std::shared_ptr<const SensorPlan> plan, size_t views) const override {
     DryMachine machine(*machine_, options_.compileOnly);
     SensorArrays arrays(machine, *plan, options_, scene_.instances().mostTriangles(), scene_.deformed());
@@ -239,6 +243,16 @@ class DeviceBackend final : public Backend {
       if (sensor) sensor->arrays.setDeformed(deformed);
   }
 
+  // Tells the sensors how many triangles have come into the scene, or gone, since the last scan.
+  void followScene() const {
+    const InstanceTable& instances = scene_.instances();
+    if (followed_ == instances.renumberedAt()) return;
+    followed_ = instances.renumberedAt();
+    const uint64_t triangles = instances.mostTriangles();
+    for (const auto& sensor : sensors_)
+      if (sensor) sensor->arrays.setTriangles(triangles);
+  }
+
   std::vector<Part> partsOf(std::span<const Shot> shots, size_t mostViews) const {
     return gnosphere::partsOf(shots, sensorArrays(), {scene_, mostListBytes(options_, machine_->traits()), mostViews});
   }
@@ -253,6 +267,7 @@ class DeviceBackend final : public Backend {
   void scanParts(const std::vector<Part>& parts, const Destination& to) {
     waitForAll();
     setDeformed(scene_.deformed());
+    followScene();
     machine_->timeWork(parts.size() > 1 && !to.batch);
     if (!parts.empty()) submit(parts, 0);
     for (size_t i = 0; i < parts.size(); ++i) {
@@ -363,6 +378,7 @@ class DeviceBackend final : public Backend {
       machine_->wait(slot);
       sensor.checkAlive(ofSensor);
     }
+    sensor.learn(ofSensor);
     return retries;
   }
 
@@ -430,8 +446,9 @@ class DeviceBackend final : public Backend {
   SceneArrays scene_;
   std::vector<std::shared_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
-  Clock::time_point start_;  // of the scan that is being finished
-  double workMs_ = 0;        // of the device on this scan
+  mutable uint64_t followed_ = 0;  // InstanceTable::renumberedAt() of the scene that the sensors know
+  Clock::time_point start_;        // of the scan that is being finished
+  double workMs_ = 0;              // of the device on this scan
   Workers workers_;
   RecordedScans recorded_;
 };

@@ -73,8 +73,10 @@ void RecordedScans::readResults(Frame& frame, const std::vector<SensorArrays*>& 
     }
     own.scans.clear();
     if (own.replaced) continue;
-    for (const Run& run : std::span(own.runs).first(lastRun + 1))
+    for (const Run& run : std::span(own.runs).first(lastRun + 1)) {
+      sensor.learn(run.index);
       if (!sensor.cutShort(run.index)) sensor.noteEnough(run.index, run.views, run.moves);
+    }
     for (const Run& run : std::span(own.runs).first(lastRun + 1))
       if (sensor.cutShort(run.index)) sensor.growLists(run.index);
   }

@@ -50,8 +50,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       deformed_(deformed),
       options_(kernelOptions(options, plan)),
-      shells_(mostShells(options, machine.traits(), binning_, beams(), triangles)),
-      shellClusters_(shellClusters(options, machine.traits(), triangles)),
+      shells_(options, machine.traits(), binning_, beams()),
       raysPerLane_(raysPerLane(options, machine.traits(), placesFor(static_cast<uint32_t>(plan.subRays.size())))),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
@@ -59,6 +58,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       mostWork_(machine.submits() ? mostWork(options, machine.traits()) : 0),
       lists_(machine, plan, binning_, beams(), triangles) {
   options_.BINNING = binning_;
+  shells_.setTriangles(triangles);
   if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
   mostViews_ = findMostViews(mostListBytes(options, machine.traits()));
@@ -196,7 +196,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_, frame.views, shots};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits()), frame, shells_.count(), frame.views, shots};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -278,10 +278,10 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
   const DispatchSizes sizes = dispatchSizesOf(machine_.traits());
   content.cullWorkgroups = sizes.cullWorkgroups;
   content.triangleWorkgroups = sizes.triangleWorkgroups;
-  content.shellClusters = shellClustersOfViews(shellClusters_, count);
+  content.shellClusters = shells_.firstClusters(count);
   content.moments = motions.size() > 1 ? static_cast<uint32_t>(motions[0].tables.columns.size()) : 0;
   content.shellHint = shellHint_;
-  content.shellCount = shells_;
+  slot.shells = content.shellCount = shells_.count();
   load(slot, {arrayOf(Array::frame, std::array{content})});
   if (!plan_.bare()) load(slot, shotArrays(plan_, shots, motions, instances));
 

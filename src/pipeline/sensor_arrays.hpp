@@ -11,6 +11,7 @@
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
+#include "pipeline/shell_choice.hpp"
 #include "pipeline/triangle_lists.hpp"
 
 namespace gnosphere {
@@ -21,6 +22,8 @@ class SensorArrays {
   /// `deformed` tells whether it has deformable meshes.
   SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles,
                bool deformed);
+  /// Tells how many triangles the scene places now.
+  void setTriangles(uint64_t triangles) { shells_.setTriangles(triangles); }
   /// Tells whether the scene has deformable meshes now.
   void setDeformed(bool deformed);
 
@@ -69,6 +72,8 @@ class SensorArrays {
   void growLists(size_t slot) { lists_.grow(counters(slots_[slot])); }
   /// Grows the lists to those of a sensor with another plan of the same scene, whose scans they have held.
   void growListsAs(const SensorArrays& other) { lists_.growAs(other.lists_); }
+  /// Learns from the counters of the last submission of this slot, which has ended.
+  void learn(size_t slot) { shells_.learn(counters(slots_[slot]), slots_[slot].views.size(), slots_[slot].shells); }
   /// Tells that the lists were large enough for the last submission of this slot, of so many views, in which sensor or
   /// instances moved or none did.
   void noteEnough(size_t slot, size_t views, bool moved) { lists_.noteEnough(slots_[slot].capacities, views, moved); }
@@ -79,7 +84,7 @@ class SensorArrays {
   /// Returns the outputs of the shot of a view.
   DeviceResults results(size_t slot, uint32_t view);
   /// Whether the device chooses shells, for which it takes a hint.
-  bool choosesShells() const { return shells_ > 1; }
+  bool choosesShells() const { return shells_.count() > 1; }
   /// Whether the results stay on the device, as records.
   bool keepsRecords() const { return !plan_.layout.empty(); }
   /// The caller's memory for the records of a shot.
@@ -111,6 +116,7 @@ class SensorArrays {
   struct Slot {
     ArrayTable arrays;
     Capacities capacities;                  // of the lists when the scan was prepared
+    uint32_t shells = 1;                    // of the scan
     bool signsOfLife = false;               // whether kernels run that leave one
     std::vector<View> views;                // of the scan
     std::vector<const BeamTables*> tables;  // of each view
@@ -159,7 +165,7 @@ class SensorArrays {
   uint32_t binning_;
   bool leavesWords_, exact_, keepsStill_, float64_, deformed_;
   Options options_;
-  uint32_t shells_, shellClusters_;
+  ShellChoice shells_;
   uint32_t raysPerLane_;
   float shellHint_ = 0;
   double reach_;

@@ -33,12 +33,16 @@ bool StillImage::findMoving(const InstanceTable& instances) {
   moving_.resize(instances.count());
   bool found = false;
   triangles_ = 0;
-  for (size_t i = 0; i < moving_.size(); ++i) {
-    if (moving_[i]) continue;
-    moving_[i] = instances.changedAt(i) > seen_;
-    found |= moving_[i] != 0;
-    if (!moving_[i] && instances.isIn(i, world_)) triangles_ += instances.usableTriangles(i);
-  }
+  const auto look = [&](uint32_t world) {
+    for (const uint32_t i : instances.instancesOf(world)) {
+      if (moving_[i]) continue;
+      moving_[i] = instances.changedAt(i) > seen_;
+      found |= moving_[i] != 0;
+      if (!moving_[i]) triangles_ += instances.usableTriangles(i);
+    }
+  };
+  look(0);
+  if (world_ != 0) look(world_);
   seen_ = instances.changes();
   return found;
 }

@@ -10,24 +10,6 @@
 namespace gnosphere {
 namespace {
 
-// The occlusion test reads every beam; that pays from this many triangles per beam and in all.
-constexpr double kTrianglesPerBeam = 0.125;
-constexpr uint64_t kShellTriangles = 30'000;
-// The first shell has so many clusters. The farthest-range table that follows a shell costs time per beam, yet sensors
-// of more beams gain nothing from a larger first shell, which has no table: with 18,000 clusters, scans of 4.6 million
-// beams took 0.98 to 1.07 of the time in four scenes. With an HDL-64E, twice and half as many took the same time within
-// 3 %. Of a small scene the first shell holds at most one cluster in kFirstShare. Without that limit it would hold most
-// of the scene, and scans took 1.25 of the time in scenes of 50,000 to 500,000 triangles.
-constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
-// Each shell is four dispatches that wait for one another, and on a graphics card a scan is little but their latency.
-// On an H100 scans of an OS1-64 and an Alpha-Prime with two shells took 0.89 and 0.91 of the time with three in a town
-// of 300,000 triangles, and 0.92 and 0.90 in a street of 1.8 million, where four shells took 1.11 and 1.06 of it.
-constexpr uint32_t kShellsOfGpu = 2;
-// A CPU device has so many shells that the last one has room for a whole scene whose clusters are half full. One more
-// shell is spare, because the range of the last scan's returns ends one shell early. With 14 shells in place of 8 scans
-// of a forest of 300 million triangles took 0.54 of the time by an OS1-64 with its effects, and 0.67 without effects.
-constexpr uint32_t kLeastShells = 2;
-constexpr uint64_t kLeastTrianglesOfCluster = gpu::kClusterTriangles / 2;
 // EACH_RAY of each_ray.glsl has code for one and for two places, and then for seven.
 constexpr uint32_t kMostRaysPerLane = 2;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
@@ -49,9 +31,6 @@ constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8, kLinksPerBeam = 4;
 constexpr uint64_t kBeamsTogetherOnCpu = 1 << 18, kBeamsTogether = 1 << 23, kMostViews = 4096;
 // Bytes of the lists of instances, groups and clusters of one submission.
 constexpr uint64_t kListBytesOnCpu = uint64_t{256} << 20, kListBytes = uint64_t{1} << 30;
-// Shells cost several views no more than one, so the first shell may be small. With 128 clusters per view in that town
-// the scans took 0.93 of the time that they took with 590, a sixteenth of all clusters.
-constexpr uint32_t kFirstShellClustersOfView = 128;
 // Work of one submission of a device that draws a desktop, too. Not measured on a card: slow ones are thought to do a
 // hundred million lines of light a second, and drivers to wait for some seconds.
 constexpr uint64_t kMostWork = 1 << 26;
@@ -86,32 +65,6 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
   }
   // Footprints are chained with atomics anyway, and most of their boxes are too small for a subgroup.
   return slabs && !footprint ? gpu::kBinningSlabs : gpu::kBinningNearest;
-}
-
-// With lists every hit of a beam is needed, so no triangle may be skipped as hidden.
-uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
-                    uint64_t triangles) {
-  const bool pays =
-      triangles >= kShellTriangles && static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(beams);
-  const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
-  if (!possible || !(pays || options.tuning.culling.occlusion == Culling::Occlusion::always)) return 1;
-  if (!traits.cpu) return kShellsOfGpu;
-  uint64_t clusters = shellClusters(options, traits, triangles);
-  uint32_t shells = kLeastShells;
-  for (; clusters * kLeastTrianglesOfCluster < triangles && shells < gpu::kMostShells; ++shells)
-    clusters *= gpu::kShellGrowth;
-  return shells;
-}
-
-// The two shells of a graphics card do not grow from one cluster to a whole scene.
-uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles) {
-  if (options.tuning.culling.occlusion == Culling::Occlusion::always && traits.cpu) return 1;
-  return static_cast<uint32_t>(
-      std::clamp<uint64_t>(triangles / gpu::kClusterTriangles / kFirstShare, 1, kFirstShellClusters));
-}
-
-uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views) {
-  return views > 1 ? views * std::min(ofOne, kFirstShellClustersOfView) : ofOne;
 }
 
 uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays) {

@@ -20,16 +20,6 @@ DispatchSizes dispatchSizesOf(const Traits& traits);
 /// Returns the gpu::kBinning... value for the options and the device.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
 
-/// Returns the most shells of a scan, at most kMostShells. Triangles of nearer shells are binned first, so that they
-/// can hide those of farther shells.
-uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
-                    uint64_t triangles);
-/// Returns how many clusters the first shell should hold. Each further shell should hold kShellGrowth times as many as
-/// the shell before it.
-uint32_t shellClusters(const SimulatorOptions& options, const Traits& traits, uint64_t triangles);
-/// The same for a submission of several views, from the number for one.
-uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
-
 /// Returns how many sub-rays each lane of a subgroup computes if the lanes share the sub-rays of a beam; 0 if one
 /// invocation computes all sub-rays of its beam. `rays` is the number of places for sub-rays, placesFor().
 uint32_t raysPerLane(const SimulatorOptions& options, const Traits& traits, uint32_t rays);

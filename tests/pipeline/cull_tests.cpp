@@ -171,6 +171,48 @@ TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") 
   CHECK(sameBytes(scan, seen));
 }
 
+TEST_CASE("culling: shells are chosen after a scan of a small scene has found many triangles over each other") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.box({-3, -0.05, -1}, {3, 0.05, 1.5});
+  Scene scene = sceneOf(builder.take());
+  scene.instances.clear();
+  for (int i = 0; i < 600; ++i) {
+    const auto place = [&](double step) { return 20 * std::fmod(step * i, 1) - 10; };
+    scene.instances.push_back({"", 0, translation(place(0.618), place(0.755), 0) * rotationZ(2.4 * i)});
+  }
+  const Sensor sensor = gridSensor(1080, 4, -10, 10, 60);
+  Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
+  if (!onCpu(simulator)) return;
+  // The pose changes, so that no scan uses the hits of another one.
+  const auto scanOf = [&](int turn) { return simulator.scan({{0, 0, 0.01 * turn}, {}}); };
+  const Scan first = scanOf(0), second = scanOf(1), again = scanOf(0);
+  CHECK(second.counters.projected * 2 < first.counters.projected);
+  CHECK(again.counters.projected * 2 < first.counters.projected);
+  CHECK(sameBytes(again, first));
+  requireSame(referenceOf(scene, sensor, {}), again);
+  // Without the walls a scan has one shell again, and with them it needs to find out anew.
+  for (size_t i = 1; i < 600; ++i) simulator.removeInstance(i);
+  scanOf(2);
+  const std::vector<Instance> walls(scene.instances.begin() + 1, scene.instances.end());
+  simulator.addInstances(walls);
+  CHECK(scanOf(0).counters.projected * 2 > first.counters.projected);
+  CHECK(scanOf(1).counters.projected * 2 < first.counters.projected);
+}
+
+TEST_CASE("culling: what comes into a scene counts when shells are chosen, as if it had been there") {
+  needVulkan();
+  const Scene town = makeTown({.triangles = 60'000, .seed = 3});
+  const Sensor sensor = gridSensor(360, 16, -15, 15, 100);
+  Simulator whole = makeSimulator(town, sensor, vulkanOptions()),
+            filled = makeSimulator(Scene{}, sensor, vulkanOptions());
+  filled.addScene(town);
+  const Pose pose = {{0, 0, 1.8}, {}};
+  const Scan expected = whole.scan(pose), scan = filled.scan(pose);
+  CHECK(sameBytes(scan, expected));
+  CHECK(filled.plan().stages[0].dispatches == whole.plan().stages[0].dispatches);
+}
+
 TEST_CASE("culling: what triangles of the same shell hide is skipped") {
   needVulkan();
   // Mostly, stage project tries the small triangles of the near wall before it comes to those of the far one. The order

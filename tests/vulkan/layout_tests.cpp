@@ -71,7 +71,7 @@ const Layouts kShared = {
     STRUCT(Row, angles, channel, azimuths, first, lag, behind),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
-           causes, lostEchoes, ownLinks, hardBeams, edgeBeams, paneBeams, tried, alive),
+           causes, lostEchoes, ownLinks, hardBeams, edgeBeams, paneBeams, boxedBeams, tried, alive),
     STRUCT(RecordPlace, first, stride),
     STRUCT(InstanceClass, classId, firstRun, runs),
     STRUCT(ClassRun, firstTriangle, classId),
