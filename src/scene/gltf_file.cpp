@@ -383,7 +383,15 @@ class Tidying {
          {{"baseColorFactor", Kind::numbers, 4},
           {"metallicFactor", Kind::number},
           {"roughnessFactor", Kind::number},
+          {"metallicRoughnessTexture", Kind::object},
           {"baseColorTexture", Kind::object}});
+    if (o.contains("metallicRoughnessTexture")) {
+      // The texture multiplies the metallic factor, whose default is 1: that factor alone would make metals of most
+      // surfaces.
+      leftOut_.add(kTextureMetals);
+      o.erase("metallicRoughnessTexture");
+      o["metallicFactor"] = 0;
+    }
     if (!o.contains("baseColorTexture")) return;
     if (alphaMode != "MASK") {
       leftOut_.add(kTextureColours);

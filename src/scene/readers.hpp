@@ -53,6 +53,8 @@ class LeftOut {
 inline constexpr const char* kLinesAndPoints = "sets of lines or points, which have no area";
 inline constexpr const char* kVertexColours = "sets of vertex colours";
 inline constexpr const char* kTextureColours = "materials' colours of textures; the base colours alone count";
+inline constexpr const char* kTextureMetals =
+    "materials' metalness and roughness of textures; metalness 0 and the roughness factor count instead";
 inline constexpr const char* kTextureAlphas = "materials' alpha of textures; only glTF's alpha mode MASK makes holes";
 
 enum class SceneFormat { gltf, obj, ply, stl };

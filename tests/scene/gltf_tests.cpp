@@ -264,6 +264,27 @@ TEST_CASE("materials are read with their transmission, alpha and sides") {
         std::vector<std::string>{"1 materials' colours of textures; the base colours alone count"});
 }
 
+TEST_CASE("materials with a texture of metalness are read as no metals, and counted") {
+  GltfFileMaker file = triangleFile();
+  file.json["materials"] = Json::parse(R"([
+    {"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}},
+    {"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}, "metallicFactor": 0.5, "roughnessFactor": 0.25}},
+    {"pbrMetallicRoughness": {"metallicFactor": 0.5}},
+    {"pbrMetallicRoughness": {}}])");
+  const Scene scene = file.load();
+  std::vector<float> metallic, roughness;
+  for (const Material& material : scene.materials) {
+    metallic.push_back(material.metallic);
+    roughness.push_back(material.roughness);
+  }
+  // The fifth is glTF's default material, which the triangle has.
+  CHECK(metallic == Floats{0, 0, 0.5, 1, 1});
+  CHECK(roughness == Floats{1, 0.25, 1, 1, 1});
+  CHECK(scene.leftOut ==
+        std::vector<std::string>{
+            "2 materials' metalness and roughness of textures; metalness 0 and the roughness factor count instead"});
+}
+
 TEST_CASE("extras of nodes, meshes and materials state classes") {
   GltfFileMaker file = triangleFile();
   Json& json = file.json;
