@@ -112,7 +112,8 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   setDevice(simulatorOf(*contenders[0]).device());
   if (round.motion == Motion::none && round.beside == Beside::seen) {
     contenders.push_back(makeSeen(round.scene, request, settings, poses(round)));
-  } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper && !needsBeamList(round.sensor)) {
+  } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper &&
+             causeAgainstPaper(round.sensor).empty()) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, request, settings));
   }

@@ -120,6 +120,13 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
   return arrays;
 }
 
+void checkPaper(const Sensor& sensor) {
+  const std::string cause = causeAgainstPaper(sensor);
+  if (!cause.empty())
+    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' " + cause +
+                                                ", which the accuracy 'paper' does not know; choose another accuracy");
+}
+
 }  // namespace
 
 bool SensorPlan::onlyLines() const {
@@ -152,11 +159,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   }
   plan.origins = hasOrigins(sensor);
   plan.listed = needsBeamList(sensor) || (plan.motion() && hasTimeOffsets(sensor));
-  if (plan.listed && accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper)
-    throw Error(ErrorCode::invalidArgument,
-                "sensor '" + sensor.name +
-                    "': the accuracy 'paper' knows only grids of a full turn without masked beams, range windows and "
-                    "hidden near hits; choose another accuracy");
+  if (accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper) checkPaper(sensor);
   if ((plan.listed || hasAzimuthOffsets(sensor)) && !firesTooSlowly(plan)) plan.rows = rowGridOf(sensor);
   plan.listed = !plan.rows && (plan.listed || hasAzimuthOffsets(sensor));
   plan.looksAtMaterials = plan.has(gpu::kIntensity) && effects.intensity.model == Effects::Intensity::Model::physical;

@@ -24,7 +24,7 @@ struct NamedParts {
 std::vector<NamedParts> settingsFor(const Sensor& sensor) {
   std::vector<NamedParts> list;
   for (const AccuracySetting& setting : accuracySettings())
-    if (setting.parts.bounds != AccuracyParts::Bounds::paper || !needsBeamList(sensor))
+    if (setting.parts.bounds != AccuracyParts::Bounds::paper || causeAgainstPaper(sensor).empty())
       list.push_back({setting.name, setting.parts});
   return list;
 }
@@ -53,7 +53,10 @@ struct Subject {
 class Measurement {
  public:
   Measurement(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses, const AccuracyOptions& options)
-      : poses_(poses), options_(options), sample_(sampleOf(sensor, options.sample, options.seed)) {
+      : poses_(poses),
+        options_(options),
+        sample_(sampleOf(sensor, options.sample, options.seed)),
+        causeAgainstPaper_(causeAgainstPaper(sensor)) {
     std::vector<NamedParts> rows = settingsFor(sensor);
     settings_ = rows.size();
     const char* const standard = accuracySettings()[static_cast<size_t>(Accuracy::standard)].name;
@@ -85,9 +88,7 @@ class Measurement {
       finish(subjects_[i], timings_[i]);
       (i < settings_ ? report.settings : report.parts).push_back(subjects_[i].row);
     }
-    if (settings_ < accuracySettings().size())
-      report.withoutPaper =
-          "the sensor is no grid of a full turn, or has masked beams, range windows or hidden near hits";
+    if (!causeAgainstPaper_.empty()) report.withoutPaper = "the sensor " + causeAgainstPaper_;
     return report;
   }
 
@@ -132,6 +133,7 @@ class Measurement {
   const std::vector<Pose>& poses_;
   const AccuracyOptions& options_;
   BeamSample sample_;
+  std::string causeAgainstPaper_;              // empty if `paper` is among the settings
   std::vector<Subject> subjects_;              // the settings come first
   std::vector<std::vector<Timings>> timings_;  // by subject and run
   size_t settings_ = 0, standard_ = 0;         // number of settings, and the index of `standard`

@@ -36,6 +36,35 @@ bool turnsFully(const Sensor& sensor) {
   return sensor.azimuthStartDeg == -180 && sensor.azimuthSpanDeg == 360;
 }
 
+// Why the device must treat the sensor as a list of beams, as a predicate; null if it need not.
+const char* causeOfBeamList(const Sensor& sensor) {
+  const auto hasWindow = [](const Channel& channel) { return channel.rangeMin > 0 || channel.rangeMax > 0; };
+  if (!sensor.isGrid()) return "is a list of beams";
+  if (sensor.azimuthSpanDeg < 0) return "turns clockwise";
+  if (sensor.azimuthSpanDeg < 360) return "covers a sector";
+  if (!turnsFully(sensor)) return "does not start at -180 degrees";
+  if (!sensor.maskedBeams.empty()) return "has masked beams";
+  if (sensor.nearHits == NearHits::hide && sensor.rangeMin > 0) return "hides near hits";
+  if (std::any_of(sensor.channels.begin(), sensor.channels.end(), hasWindow))
+    return "has channels with range windows of their own";
+  return nullptr;
+}
+
+// Whether each elevation is less than a fiftieth of a step away from its place between the lowest and the highest one.
+// Files round elevations, and a box of the paper that is wrong by so little hardly loses a beam.
+bool hasEvenElevations(const Sensor& sensor) {
+  const size_t count = sensor.channels.size();
+  if (count < 2) return true;
+  const std::vector<uint32_t> channels = channelsByElevation(sensor);
+  const double first = sensor.channels[channels.front()].elevationDeg;
+  const double step = (sensor.channels[channels.back()].elevationDeg - first) / static_cast<double>(count - 1);
+  for (size_t i = 0; i < count; ++i) {
+    const double place = first + static_cast<double>(i) * step;
+    if (!(std::abs(sensor.channels[channels[i]].elevationDeg - place) < 0.02 * step)) return false;
+  }
+  return true;
+}
+
 // Degrees, reduced to one turn. Without a sector -180 + 360 i / columns is rounded once.
 double azimuthDegOf(const Sensor& sensor, size_t beam) {
   const auto column = static_cast<double>(beam % sensor.columns);
@@ -260,10 +289,12 @@ std::vector<bool> silentBeams(const Sensor& sensor) {
 }
 
 bool needsBeamList(const Sensor& sensor) {
-  const auto hasWindow = [](const Channel& channel) { return channel.rangeMin > 0 || channel.rangeMax > 0; };
-  return !sensor.isGrid() || !turnsFully(sensor) || !sensor.maskedBeams.empty() ||
-         (sensor.nearHits == NearHits::hide && sensor.rangeMin > 0) ||
-         std::any_of(sensor.channels.begin(), sensor.channels.end(), hasWindow);
+  return causeOfBeamList(sensor) != nullptr;
+}
+
+std::string causeAgainstPaper(const Sensor& sensor) {
+  if (const char* cause = causeOfBeamList(sensor)) return cause;
+  return hasEvenElevations(sensor) ? "" : "has elevations at uneven steps";
 }
 
 BeamList beamsOf(const Sensor& sensor, uint64_t frame) {

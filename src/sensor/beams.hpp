@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "gnosphere/sensor.hpp"
 
@@ -97,5 +98,8 @@ std::vector<bool> silentBeams(const Sensor& sensor);
 /// Whether the device must treat the sensor as a list of beams: if it is one, or if it is a grid with a sector, its own
 /// direction of rotation, range windows of channels, masked beams, or hidden near hits.
 bool needsBeamList(const Sensor& sensor);
+/// Returns why the accuracy `paper` cannot scan with a sensor, as a predicate such as "has masked beams"; empty if it
+/// can. Section 3 of the paper knows grids of a full turn, with the same step between all neighbouring elevations.
+std::string causeAgainstPaper(const Sensor& sensor);
 
 }  // namespace gnosphere

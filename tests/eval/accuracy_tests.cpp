@@ -108,6 +108,19 @@ TEST_CASE("paper loses returns on a ground of large quads") {
   CHECK(std::isinf(rowOf(report.settings, "paper").errorBound()));
 }
 
+TEST_CASE("accuracy leaves paper out for elevations at uneven steps, where paper would lose most beams") {
+  needVulkan();
+  Sensor sensor = gridSensor(90, 9, -25, -1, 120);
+  sensor.channels.back().elevationDeg = 15;
+  AccuracyOptions options = quick();
+  options.runs = 1;
+  options.parts = false;
+  const AccuracyReport report = measureAccuracy(makeTown({1'000, 1}), sensor, {kStreet}, options);
+  CHECK(report.withoutPaper == "the sensor has elevations at uneven steps");
+  REQUIRE(report.settings.size() == 3);
+  CHECK(report.settings[0].name == "draft");
+}
+
 TEST_CASE("a scan of ties alone bounds no error") {
   needVulkan();
   // All beams of one column meet the edge that two triangles share.

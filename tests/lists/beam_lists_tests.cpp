@@ -493,8 +493,38 @@ TEST_CASE("scan number n of a list fires pattern n, and columns tell its beams")
   }
 }
 
-TEST_CASE("the accuracy paper refuses lists") {
-  CHECK_THROWS_AS(scanOf(coveredTown(), listSensors()[0], {}, optionsWith(Accuracy::paper)), Error);
+TEST_CASE("the accuracy paper refuses what is no even grid of a full turn, and names the cause") {
+  const auto causeOf = [](const Sensor& sensor) -> std::string {
+    try {
+      scanOf(coveredTown(), sensor, {}, optionsWith(Accuracy::paper));
+    } catch (const Error& error) {
+      const std::string message = error.what(), start = "sensor '" + sensor.name + "' ";
+      CHECK(message.starts_with(start));
+      return message.substr(start.size(), message.find(", which the accuracy 'paper' does not know") - start.size());
+    }
+    return "";
+  };
+  const auto changed = [](auto change) {
+    Sensor sensor = gridSensor(60, 5, -20, 20, 80);
+    sensor.rangeMin = 0.5;
+    change(sensor);
+    return sensor;
+  };
+  CHECK(causeOf(listSensors()[0]) == "is a list of beams");
+  CHECK(causeOf(changed([](Sensor& s) { s.azimuthStartDeg = 180, s.azimuthSpanDeg = -360; })) == "turns clockwise");
+  CHECK(causeOf(changed([](Sensor& s) { s.azimuthSpanDeg = 90; })) == "covers a sector");
+  CHECK(causeOf(changed([](Sensor& s) { s.azimuthStartDeg = 0; })) == "does not start at -180 degrees");
+  CHECK(causeOf(changed([](Sensor& s) { s.maskedBeams = {7}; })) == "has masked beams");
+  CHECK(causeOf(changed([](Sensor& s) { s.nearHits = NearHits::hide; })) == "hides near hits");
+  CHECK(causeOf(changed([](Sensor& s) { s.channels[1].rangeMax = 9; })) ==
+        "has channels with range windows of their own");
+  // The steps are 10 degrees.
+  CHECK(causeOf(changed([](Sensor& s) { s.channels[1].elevationDeg = -9.7; })) == "has elevations at uneven steps");
+  CHECK(causeOf(changed([](Sensor& s) { s.channels[1].elevationDeg = -9.9; })) == "");
+  CHECK(causeOf(changed([](Sensor& s) { std::swap(s.channels[1], s.channels[4]); })) == "");
+  CHECK(causeOf(changed([](Sensor& s) { s.channels.resize(2), s.channels[1] = s.channels[0]; })) ==
+        "has elevations at uneven steps");
+  CHECK(causeOf(changed([](Sensor& s) { s.channels.resize(1); })) == "");
 }
 
 }  // namespace gnosphere::test

@@ -110,13 +110,13 @@ TEST_CASE("accuracy leaves paper out for sensors that the paper does not know, a
   const Result result = place.run("accuracy wide.obj --sensor Puck --sample 100 --poses 1 --runs 1 --json a.json");
   CHECK(result.err == "");
   REQUIRE(result.status == 0);
-  CHECK_THAT(result.out, ContainsSubstring("left out: the sensor is no grid of a full turn"));
+  CHECK_THAT(result.out, ContainsSubstring("left out: the sensor turns clockwise\n"));
   const auto json = place.json("a.json");
   REQUIRE(json.at("settings").size() == 3);
   CHECK(json.at("settings").at(0).at("name") == "draft");
   CHECK(json.at("settings").at(1).at("name") == "standard");
   CHECK_THAT(result.out, ContainsSubstring("ratio to standard"));
-  CHECK(json.contains("without_paper"));
+  CHECK(json.at("without_paper") == "the sensor turns clockwise");
 }
 
 TEST_CASE("accuracy --effects prints a table, JSON and a plot of footprints") {

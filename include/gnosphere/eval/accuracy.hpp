@@ -60,7 +60,7 @@ struct AccuracyReport {
   bool sampled = false;               ///< true if only a sample of the beams was compared
   uint32_t runs = 0;                  ///< number of timed runs per row
   std::vector<AccuracyRow> settings;  ///< paper (unless it is left out), draft, standard, exact
-  /// Why `paper` is not among the settings; empty if it is. The paper knows only grids of a full turn.
+  /// Why `paper` is not among the settings; empty if it is. The paper knows only even grids of a full turn.
   std::string withoutPaper;
   std::vector<AccuracyRow> parts;  ///< `standard` with one part replaced by a less accurate one
 };
