@@ -10,12 +10,18 @@ float wrapped(float value, uint wrap) {
   return (int(floor(value)) & 1) == 0 ? once : back;
 }
 
+bool isFinite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
+
+// Coordinates that are not finite lie in no texel. There the surface is as opaque as without a texture.
 float alphaAt(uint image, vec2 uv) {
+  bool isKnown = isFinite(uv.x) && isFinite(uv.y);
+  if (!isKnown) uv = vec2(0.0);
   uvec4 at = alphaImages.at[image];
   precise vec2 place = vec2(wrapped(uv.x, at.w & 0xff), wrapped(uv.y, at.w >> 8)) * vec2(at.xy);
   uvec2 texel = min(uvec2(place), at.xy - 1);
   uint number = at.z + texel.y * at.x + texel.x;
-  return float(texels.at[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
+  float alpha = float(texels.at[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
+  return isKnown ? alpha : 1.0;
 }
 
 // The coordinates of a triangle's corners in its texture.

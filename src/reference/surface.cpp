@@ -2,6 +2,7 @@
 #include "reference/surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gnosphere::reference {
 
@@ -14,9 +15,9 @@ double wrapped(double value, AlphaImage::Wrap wrap) {
   return turn > 1 ? 2 - turn : turn;
 }
 
-/// Alpha 0..1 of the pixel that contains the point.
+/// Alpha 0..1 of the pixel that contains the point; 1 if the coordinates are not finite, since they lie in no pixel.
 double alphaAt(const AlphaImage& image, double u, double v) {
-  if (image.alpha.empty()) return 1;
+  if (image.alpha.empty() || !std::isfinite(u) || !std::isfinite(v)) return 1;
   const auto pixel = [](double place, uint32_t count) {
     return std::min(static_cast<size_t>(place * count), size_t{count} - 1);
   };

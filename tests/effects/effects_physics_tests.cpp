@@ -4,6 +4,7 @@
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <limits>
 
 #include "effects/scan_support.hpp"
 
@@ -465,6 +466,32 @@ TEST_CASE("beams pass exactly the holes of a texture") {
   }
   CHECK(onPlate > 500);
   CHECK(through > 100);
+}
+
+TEST_CASE("texture coordinates that are not finite cut no holes") {
+  const std::string device = ON_EVERY_DEVICE;
+  using Wrap = AlphaImage::Wrap;
+  const Wrap wrap = GENERATE(Wrap::repeat, Wrap::mirror, Wrap::clamp);
+  const float odd = GENERATE(std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity());
+  Scene scene = platesOf({{10, 4, 0.5f}, {20, 20, 0.5f}});
+  scene.alphaImages.push_back({2, 2, {0, 0, 0, 0}, wrap, wrap});  // nothing but a hole
+  scene.materials[0].alphaMode = AlphaMode::mask;
+  scene.materials[0].alphaImage = 0;
+  scene.materials[0].alphaCutoff = 0.5f;
+  const bool isFinite = GENERATE(true, false);
+  CAPTURE(int(wrap), odd, isFinite);
+  scene.meshes[0].uvs = isFinite ? std::vector<float>{0, 0, 0, 1, 2, 0, 2, 1} : std::vector<float>(8, odd);
+  Setup setup(device, scene, fan(3600, 3, 5, 50));
+  setup.effects.cutOuts.use = EffectUse::on;
+  const Scan scan = setup.scan();
+  size_t onPlate = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const Vec3 d = setup.sensor.direction(i);
+    if (d.x <= 0 || std::abs(d.y / d.x) > 0.399 || std::abs(d.z / d.x) > 0.399) continue;
+    ++onPlate;
+    CHECK(scan.instances[i] == (isFinite ? 1 : 0));
+  }
+  CHECK(onPlate > 500);
 }
 
 TEST_CASE("errors of range and intensity are normal, with the requested moments") {
