@@ -24,6 +24,8 @@ bool mayTryAll(uint material, uint vertexCount) {
   bool possible = gl_SubgroupSize >= 4 && gl_SubgroupSize <= 32 && BINNING == kBinningSlabs && !MOTION;
   possible = possible && (EFFECTS & kStrays) == 0 && SHIFTS_TURNED;
   possible = possible && (CULLING & kCullRows) != 0 && (CULLING & kCullColumns) != 0;
+  // Triangles are not culled here, and the first-corner cull takes hits away.
+  possible = possible && CULL == kCullNearestPoint;
   if (!possible || !haveRoom(vertexCount)) return false;
   if (PANES && isPaneMaterial(material)) return false;
   return (EFFECTS & kCutOuts) == 0 || optics.at[material].passage.y == 0.0;

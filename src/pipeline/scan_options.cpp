@@ -15,10 +15,10 @@ static_assert(static_cast<uint32_t>(ReflectingFaces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-// With the paper's bounds only single triangles are culled, as in the paper.
+// With the paper's bounds only single triangles are culled, as in the paper. Otherwise either cull of triangles goes with
+// that of clusters, since a cluster that is out of range, hidden, between beams or turned away has no hits.
 uint32_t cullingBits(const SimulatorOptions& options) {
-  const AccuracyParts parts = accuracyPartsOf(options);
-  if (parts.bounds == AccuracyParts::Bounds::paper || parts.cull == AccuracyParts::Cull::firstCorner) return 0;
+  if (accuracyPartsOf(options).bounds == AccuracyParts::Bounds::paper) return 0;
   const Culling& culling = options.tuning.culling;
   return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
          (culling.columns ? gpu::kCullColumns : 0) | (culling.cones ? gpu::kCullCones : 0) |
