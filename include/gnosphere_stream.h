@@ -40,10 +40,15 @@ typedef struct gno_streamed_batch {
   size_t struct_size;
   uint64_t number; /* as gno_batch_stream_submit() has given it */
   size_t buffer;   /* the result buffer: number % in_flight */
-  size_t sensor, views;
+  size_t sensor;   /* its index when the batch was submitted; another sensor may have it by now */
+  size_t views;
   int32_t complete; /* 0 if a list was too small for some view, so that it may lack hits */
   const gno_record_header* headers;
   const void* records; /* those of the first view; null if the host does not have them */
+  /* Where the results are in the buffer, and how the records of a view lie in memory, also after the sensor has been
+   * removed or replaced. */
+  const gno_result_places* places;
+  const gno_layout* layout;
 } gno_streamed_batch;
 
 /* A file descriptor for the memory of a result buffer, which begins at byte 0 of that memory. */
@@ -70,9 +75,11 @@ GNO_API gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_sh
  * again; GNO_DEVICE. */
 GNO_API gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_streamed_batch* batch);
 /* The layout of a sensor's records: gno_request::layout, or columns of ranges and of gno_request::fields if that is
- * null. The values are valid until this function is called again for this stream. */
+ * null; that of a batch is gno_streamed_batch::layout. The values are valid until this function is called again for this
+ * stream. */
 GNO_API gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, gno_layout* layout);
-/* Where a sensor's results are in a result buffer. GNO_INVALID_ARGUMENT for an unknown sensor. */
+/* Where a sensor's results are in a result buffer; those of a batch are at gno_streamed_batch::places.
+ * GNO_INVALID_ARGUMENT for an unknown sensor. */
 GNO_API gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, gno_result_places* places);
 /* Hands out the memory of a result buffer, to be imported by Vulkan or CUDA as an opaque file descriptor. */
 GNO_API gno_status gno_batch_stream_export(gno_batch_stream stream, size_t buffer, gno_exported_memory* memory);

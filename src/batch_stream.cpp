@@ -64,7 +64,7 @@ class BatchStream::Impl {
     do {
       const ResultPlaces places = placesOf(sensor);
       mayOverflow = start(shots, places, buffer);
-      batch = {next_, sensor, shots.size(), places};
+      batch = {next_, sensor, shots.size(), places, simulator_.plans()[sensor]};
       if (mayOverflow) waitFor(buffer);
     } while (mayOverflow && !complete(batch));
     return next_++;
@@ -83,6 +83,8 @@ class BatchStream::Impl {
     result.buffer = buffer;
     result.sensor = batch.sensor;
     result.views = batch.views;
+    result.places = batch.places;
+    result.layout = batch.plan->layout;
     result.headers = headersOf(batch);
     result.complete = complete(batch);
     if (ring_->hostHasAll(buffer))
@@ -121,6 +123,7 @@ class BatchStream::Impl {
     size_t sensor = 0;
     size_t views = 0;
     ResultPlaces places = {};
+    std::shared_ptr<const SensorPlan> plan = {};  // of the sensor, which may have been removed meanwhile
   };
 
   const SensorPlan& planOf(size_t sensor) const {

@@ -20,21 +20,6 @@ struct BatchStreamOptions {
   bool toHost = false;
 };
 
-/// The results of a batch that has been waited for, until the stream needs the buffer again: for the batch that is
-/// submitted BatchStreamOptions::inFlight later.
-struct StreamedBatch {
-  uint64_t number = 0;  ///< as submit() has returned it
-  size_t buffer = 0;    ///< the result buffer: number % BatchStreamOptions::inFlight
-  size_t sensor = 0;
-  size_t views = 0;
-  /// False if a list was too small for some view, so that it may lack hits; see RecordHeader::incomplete. The list has
-  /// grown when the next batch in the same buffer begins.
-  bool complete = true;
-  std::span<const RecordHeader> headers;  ///< one per view
-  /// The records of all views, ResultPlaces::bytesPerView bytes for each; empty if the host does not have them.
-  std::span<const std::byte> records;
-};
-
 /// Where the results are in a result buffer.
 struct ResultPlaces {
   uint64_t headers = 0;       ///< bytes from the start of the buffer to the headers, one RecordHeader per view
@@ -43,6 +28,23 @@ struct ResultPlaces {
   uint64_t rowsPerView = 0;   ///< entries of a view: beams * returns
   uint32_t returns = 1;       ///< entries per beam
   uint64_t bytes = 0;         ///< of the whole buffer
+};
+
+/// The results of a batch that has been waited for, until the stream needs the buffer again: for the batch that is
+/// submitted BatchStreamOptions::inFlight later.
+struct StreamedBatch {
+  uint64_t number = 0;  ///< as submit() has returned it
+  size_t buffer = 0;    ///< the result buffer: number % BatchStreamOptions::inFlight
+  size_t sensor = 0;    ///< its index when the batch was submitted; another sensor may have it by now
+  size_t views = 0;
+  /// False if a list was too small for some view, so that it may lack hits; see RecordHeader::incomplete. The list has
+  /// grown when the next batch in the same buffer begins.
+  bool complete = true;
+  std::span<const RecordHeader> headers;  ///< one per view
+  /// The records of all views, ResultPlaces::bytesPerView bytes for each; empty if the host does not have them.
+  std::span<const std::byte> records;
+  ResultPlaces places;  ///< where the results are in the buffer, also after the sensor has been removed or replaced
+  RecordLayout layout;  ///< how the records of a view lie in memory
 };
 
 /// A file descriptor for the memory of a result buffer, which begins at byte 0 of that memory.
@@ -83,9 +85,11 @@ class GNOSPHERE_API BatchStream {
   /// been used again, and Error(device).
   StreamedBatch wait(uint64_t number);
 
-  /// The layout of a sensor's records. Throws Error(invalidArgument) for an unknown sensor.
+  /// The layout of a sensor's records; that of a batch is StreamedBatch::layout. Throws Error(invalidArgument) for an
+  /// unknown sensor.
   const RecordLayout& layout(size_t sensor = 0) const;
-  /// Where a sensor's results are in a result buffer. Throws Error(invalidArgument) for an unknown sensor.
+  /// Where a sensor's results are in a result buffer; those of a batch are at StreamedBatch::places. Throws
+  /// Error(invalidArgument) for an unknown sensor.
   ResultPlaces places(size_t sensor = 0) const;
   /// Hands out the memory of a result buffer, to be imported by Vulkan or CUDA as an opaque file descriptor. Its
   /// content is a batch's as soon as wait() has returned for the batch. Throws Error(device) if the device exports

@@ -184,6 +184,11 @@ Rows<T, width> ownedRows(std::vector<T> values) {
   auto* own = new std::vector<T>(std::move(values));
   return Rows<T, width>(own->data(), {own->size() / width, width}, ownerOf(own));
 }
+template <typename T>
+Column<T> ownedColumn(std::vector<T> values) {
+  auto* own = new std::vector<T>(std::move(values));
+  return Column<T>(own->data(), {own->size()}, ownerOf(own));
+}
 /// A read-only array with a copy of the values.
 template <typename T>
 Column<const T> copiedColumn(const std::vector<T>& values) {

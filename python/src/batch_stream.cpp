@@ -25,8 +25,6 @@ struct Stream {
 /// A batch, with the Python object of its stream, which keeps the memory.
 struct Streamed {
   StreamedBatch batch;
-  ResultPlaces places;
-  RecordLayout layout;
   std::vector<uint32_t> hits;
   nb::object stream;
 };
@@ -45,8 +43,6 @@ Streamed wait(nb::handle self, uint64_t number) {
   result.stream = nb::borrow(self);
   of.simulator.use([&](Simulator&) {
     result.batch = of.stream.wait(number);
-    result.places = of.stream.places(result.batch.sensor);
-    result.layout = of.stream.layout(result.batch.sensor);
     for (const RecordHeader& header : result.batch.headers) result.hits.push_back(header.hits);
   });
   return result;
@@ -63,8 +59,9 @@ void requireCurrent(const Streamed& self) {
 }
 
 const RecordLayout::Value& valueOf(const Streamed& self, Field field) {
-  const auto found = std::ranges::find(self.layout.values, field, &RecordLayout::Value::field);
-  if (found == self.layout.values.end())
+  const std::vector<RecordLayout::Value>& values = self.batch.layout.values;
+  const auto found = std::ranges::find(values, field, &RecordLayout::Value::field);
+  if (found == values.end())
     refuse(std::string("the batch does not have the field '") + fieldInfo(field).name +
            "'; add it to the fields of the sensor");
   return *found;
@@ -74,16 +71,17 @@ const RecordLayout::Value& valueOf(const Streamed& self, Field field) {
 template <typename T>
 nb::object arrayOf(const Streamed& self, const RecordLayout::Value& first, size_t components, Where where) {
   requireCurrent(self);
-  std::vector<size_t> shape = {self.batch.views, self.places.rowsPerView / self.places.returns};
+  const ResultPlaces& places = self.batch.places;
+  std::vector<size_t> shape = {self.batch.views, places.rowsPerView / places.returns};
   const auto stride = static_cast<int64_t>(first.stride / sizeof(T));
-  std::vector<int64_t> strides = {static_cast<int64_t>(self.places.bytesPerView / sizeof(T)),
-                                  stride * static_cast<int64_t>(self.places.returns)};
-  if (self.places.returns > 1) shape.push_back(self.places.returns), strides.push_back(stride);
+  std::vector<int64_t> strides = {static_cast<int64_t>(places.bytesPerView / sizeof(T)),
+                                  stride * static_cast<int64_t>(places.returns)};
+  if (places.returns > 1) shape.push_back(places.returns), strides.push_back(stride);
   if (components > 1) shape.push_back(components), strides.push_back(1);
   if (where == Where::cuda) {
     auto& of = nb::cast<Stream&>(self.stream);
     const CudaAddress start = of.simulator.use([&](Simulator&) { return of.stream.cudaAddress(self.batch.buffer); });
-    auto* const data = reinterpret_cast<T*>(start.address + self.places.records + first.offset);
+    auto* const data = reinterpret_cast<T*>(start.address + places.records + first.offset);
     return nb::cast(nb::ndarray<nb::array_api, T>(data, shape.size(), shape.data(), self.stream, strides.data(),
                                                   nb::dtype<T>(), nb::device::cuda::value, start.device));
   }
@@ -101,7 +99,7 @@ nb::object column(const Streamed& self, Field field, Where where) {
 }
 
 bool streamedHasField(const Streamed& self, Field field) {
-  return std::ranges::count(self.layout.values, field, &RecordLayout::Value::field) > 0;
+  return std::ranges::count(self.batch.layout.values, field, &RecordLayout::Value::field) > 0;
 }
 
 nb::object columnOfStreamed(const Streamed& self, Field field) {
@@ -121,22 +119,29 @@ void bindStreamed(nb::module_& m) {
   batch.def_prop_ro(
       "buffer", [](const Streamed& self) { return self.batch.buffer; }, "The result buffer that holds it.");
   batch.def_prop_ro(
-      "sensor", [](const Streamed& self) { return self.batch.sensor; }, "Index of the sensor.");
+      "sensor", [](const Streamed& self) { return self.batch.sensor; },
+      "Index of the sensor when the batch was submitted. Another sensor may have it by now.");
   batch.def_prop_ro(
       "views", [](const Streamed& self) { return self.batch.views; }, "The number of shots.");
   batch.def_prop_ro(
-      "beams", [](const Streamed& self) { return self.places.rowsPerView / self.places.returns; },
+      "beams", [](const Streamed& self) { return self.batch.places.rowsPerView / self.batch.places.returns; },
       "Beams of each view.");
   batch.def_prop_ro(
-      "returns", [](const Streamed& self) { return self.places.returns; }, "Entries per beam.");
+      "returns", [](const Streamed& self) { return self.batch.places.returns; }, "Entries per beam.");
+  batch.def_prop_ro(
+      "places", [](const Streamed& self) { return self.batch.places; },
+      "Where the results are in the buffer, also after the sensor has been removed or replaced.");
+  batch.def_prop_ro(
+      "layout", [](const Streamed& self) { return self.batch.layout; },
+      "How the records of a view lie in memory: a column per value.");
   batch.def_prop_ro(
       "complete", [](const Streamed& self) { return self.batch.complete; },
       "False if a list was too small for some view, so that it may lack hits. The list has grown when the next batch "
       "in the same buffer begins.");
   batch.def_prop_ro(
-      "hits", [](const Streamed& self) { return nb::cast(copiedColumn(self.hits)); },
+      "hits", [](const Streamed& self) { return nb::cast(ownedColumn(self.hits)); },
       nb::for_getter(nb::sig("def hits(self, /) -> numpy.typing.NDArray[numpy.uint32]")),
-      "uint32, shape (views,): the returns of each view.");
+      "uint32, shape (views,): the returns of each view; a copy.");
   batch.def_prop_ro(
       "ranges", [](const Streamed& self) { return column(self, Field::range, Where::host); },
       nb::for_getter(nb::sig("def ranges(self, /) -> numpy.typing.NDArray[numpy.float32]")),
@@ -231,8 +236,8 @@ void bindBatchStream(nb::module_& m) {
             return self.simulator.use([&](Simulator&) { return RecordLayout(self.stream.layout(number)); });
           },
           "sensor"_a = 0,
-          "How the records of a view lie in memory: a column per value. Raises Error(invalid_argument) for an unknown "
-          "sensor.")
+          "How the records of a view of a sensor lie in memory: a column per value; StreamedBatch.layout is that of a "
+          "batch. Raises Error(invalid_argument) for an unknown sensor.")
       .def(
           "places",
           [](Stream& self, const Whole& sensor) {
@@ -240,7 +245,8 @@ void bindBatchStream(nb::module_& m) {
             return self.simulator.use([&](Simulator&) { return self.stream.places(number); });
           },
           "sensor"_a = 0,
-          "Where the results of a sensor are in a result buffer. Raises Error(invalid_argument) for an unknown sensor.")
+          "Where the results of a sensor are in a result buffer; StreamedBatch.places is for those of a batch. Raises "
+          "Error(invalid_argument) for an unknown sensor.")
       .def(
           "export_memory",
           [](Stream& self, size_t buffer) {

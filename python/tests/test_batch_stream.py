@@ -79,6 +79,33 @@ def test_batches_in_flight_are_those_of_the_host(scene, request_of_normals, opti
         stream.wait(7).column(Field.intensity)
 
 
+def test_a_batch_has_the_shape_of_its_sensor_whichever_gets_the_index(scene, request_of_normals, options):
+    """The array of a sensor of 200,000 columns would reach far beyond the records of 40."""
+    simulator = gnosphere.Simulator(scene, request_of_normals, options)
+    stream = BatchStream(simulator, views=2, in_flight=2, to_host=True)
+    before = stream.wait(stream.submit(poses(2, 0)))
+    expected = {name: before[name].copy() for name in ("range", "normal")}
+    places = stream.places()
+
+    def check(batch):
+        assert (batch.sensor, batch.beams, batch.returns) == (0, 120, 1)
+        assert batch.places == places and len(batch.layout.values) == 1 + 1 + 3 + 3 + 1
+        assert "normal" in batch and batch.points.shape == (2, 120, 3)
+        for name, values in expected.items():
+            assert batch[name].tobytes() == values.tobytes() and batch[name].shape == values.shape
+
+    number = stream.submit(poses(2, 0))
+    simulator.remove_sensor(0)
+    check(stream.wait(number))
+    large = gnosphere.Sensor(range_max=9, columns=200000, channels=[gnosphere.Channel()])
+    assert simulator.add_sensor(SensorRequest(large, Effects.none())) == 0
+    batch = stream.wait(number)
+    check(batch)
+    assert stream.places().rows_per_view == 200000
+    batch.hits[0] = 7  # a copy, which can be written as every array of a batch
+    assert batch.hits.tolist() == np.isfinite(batch.ranges).sum(axis=1).tolist()
+
+
 def test_an_array_keeps_its_memory(scene, request_of_normals, options):
     stream = BatchStream(gnosphere.Simulator(scene, request_of_normals, options), views=2, to_host=True)
     ranges = stream.wait(stream.submit(poses(2, 0))).ranges

@@ -8,10 +8,29 @@ namespace gnosphere::c {
 
 namespace {
 
+/// The places and the layout that gno_streamed_batch points to. A second wait for a batch leaves both as the first one
+/// has written them, because another thread may be reading.
+struct Described {
+  uint64_t number = UINT64_MAX;  ///< of the batch
+  gno_result_places places = gno_result_places_init();
+  gno_layout layout = gno_layout_init();
+  std::vector<gno_layout_value> values;
+};
+
+void give(const ResultPlaces& places, gno_result_places& to) {
+  to.headers = places.headers;
+  to.records = places.records;
+  to.bytes_per_view = places.bytesPerView;
+  to.rows_per_view = places.rowsPerView;
+  to.returns = places.returns;
+  to.bytes = places.bytes;
+}
+
 /// A stream, and its simulator, which lives at least as long.
 struct StreamObject {
   Shared<gno_simulator> simulator;
   BatchStream stream;
+  std::vector<Described> described;      ///< by result buffer
   std::vector<gno_layout_value> layout;  ///< what gno_batch_stream_get_layout() last handed out
 };
 
@@ -31,8 +50,10 @@ gno_status gno_batch_stream_create(gno_simulator simulator, const gno_batch_stre
   return giveHandle(stream, "stream", [&] {
     const gno_batch_stream_options from = sized(options, GNO_TYPE(gno_batch_stream_options));
     Idle idle(simulator);
-    return make<gno_batch_stream>(
-        {find(simulator), BatchStream(idle.simulator(), {from.views, from.in_flight, from.to_host != 0}), {}});
+    return make<gno_batch_stream>({find(simulator),
+                                   BatchStream(idle.simulator(), {from.views, from.in_flight, from.to_host != 0}),
+                                   std::vector<Described>(from.in_flight),
+                                   {}});
   });
 }
 
@@ -63,6 +84,15 @@ gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_s
     to->complete = from.complete;
     to->headers = reinterpret_cast<const gno_record_header*>(from.headers.data());
     to->records = from.records.data();
+    Described& described = locked->described[from.buffer];
+    if (described.number != number) {
+      described.number = UINT64_MAX;
+      give(from.places, described.places);
+      give(from.layout, described.values, described.layout);
+      described.number = number;
+    }
+    to->places = &described.places;
+    to->layout = &described.layout;
   });
 }
 
@@ -80,13 +110,7 @@ gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, g
     const Out to(places, GNO_TYPE(gno_result_places));
     Locked locked(stream);
     const Idle idle(locked->simulator);
-    const ResultPlaces from = locked->stream.places(sensor);
-    to->headers = from.headers;
-    to->records = from.records;
-    to->bytes_per_view = from.bytesPerView;
-    to->rows_per_view = from.rowsPerView;
-    to->returns = from.returns;
-    to->bytes = from.bytes;
+    give(locked->stream.places(sensor), *to);
   });
 }
 

@@ -91,12 +91,17 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   CHECK(streamed.views == 3);
   CHECK(streamed.complete != 0);
   REQUIRE(streamed.records != nullptr);
-  gno_result_places places = gno_result_places_init();
-  REQUIRE(gno_batch_stream_get_places(stream, 0, &places) == GNO_OK);
+  const gno_result_places& places = *streamed.places;
   CHECK(places.rows_per_view == 90);
-  gno_layout layout = gno_layout_init();
-  REQUIRE(gno_batch_stream_get_layout(stream, 0, &layout) == GNO_OK);
+  const gno_layout& layout = *streamed.layout;
   REQUIRE(layout.value_count == 2);
+  gno_result_places ofSensor = gno_result_places_init();
+  REQUIRE(gno_batch_stream_get_places(stream, 0, &ofSensor) == GNO_OK);
+  CHECK((ofSensor.records == places.records && ofSensor.bytes_per_view == places.bytes_per_view));
+  CHECK((ofSensor.rows_per_view == 90 && ofSensor.bytes == places.bytes));
+  gno_layout layoutOfSensor = gno_layout_init();
+  REQUIRE(gno_batch_stream_get_layout(stream, 0, &layoutOfSensor) == GNO_OK);
+  CHECK(layoutOfSensor.value_count == 2);
   for (size_t value = 0; value < 2; ++value) {
     gno_column column = gno_column_init();
     REQUIRE(gno_batch_get_column(batch, layout.values[value].field, &column) == GNO_OK);
@@ -124,6 +129,45 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   CHECK(gno_batch_stream_destroy(stream) == GNO_OK);
   CHECK(gno_batch_stream_destroy(stream) == GNO_INVALID_ARGUMENT);
   CHECK(gno_simulator_destroy(host) == GNO_OK);
+}
+
+TEST_CASE("C: a streamed batch keeps its places and its layout, whatever sensor gets the index of its own") {
+  needVulkan();
+  gno_options options = gno_options_init();
+  options.cache = "off";
+  REQUIRE(gno_options_set(&options, "results_on_device=true") == GNO_OK);
+  const gno_simulator simulator = simulatorWith(options);
+  gno_batch_stream_options one = gno_batch_stream_options_init();
+  one.views = 1;
+  gno_batch_stream stream = nullptr;
+  REQUIRE(gno_batch_stream_create(simulator, &one, &stream) == GNO_OK);
+  const gno_shot shot = gno_shot_init();
+  gno_streamed_batch batches[3] = {gno_streamed_batch_init(), gno_streamed_batch_init(), gno_streamed_batch_init()};
+  for (uint64_t number = 0; number < 2; ++number) REQUIRE(gno_batch_stream_submit(stream, &shot, 1, nullptr) == GNO_OK);
+  REQUIRE(gno_batch_stream_wait(stream, 0, &batches[0]) == GNO_OK);
+  REQUIRE(gno_simulator_remove_sensor(simulator, 0) == GNO_OK);
+  REQUIRE(gno_batch_stream_wait(stream, 1, &batches[1]) == GNO_OK);
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_from_json(toJson(gridSensor(4, 2, -5, 5)).c_str(), &sensor) == GNO_OK);
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  size_t index = 9;
+  REQUIRE(gno_simulator_add_sensor(simulator, &request, &index) == GNO_OK);
+  CHECK(index == 0);
+  for (uint64_t number = 0; number < 2; ++number) {
+    REQUIRE(gno_batch_stream_wait(stream, number, &batches[number]) == GNO_OK);
+    CHECK(batches[number].places->rows_per_view == 90);
+    REQUIRE(batches[number].layout->value_count == 2);
+    CHECK(batches[number].layout->values[1].field == GNO_FIELD_INSTANCE);
+  }
+  REQUIRE(gno_batch_stream_submit(stream, &shot, 1, nullptr) == GNO_OK);
+  REQUIRE(gno_batch_stream_wait(stream, 2, &batches[2]) == GNO_OK);
+  CHECK(batches[2].places->rows_per_view % 8 == 0);
+  CHECK(batches[2].layout->value_count == 1);
+  CHECK(batches[1].layout->value_count == 2);
+  CHECK(gno_batch_stream_destroy(stream) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
 }
 
 }  // namespace gnosphere::test

@@ -317,14 +317,24 @@ TEST_CASE("a stream refuses what it cannot do, and goes on") {
     for (Shot& shot : shots) shot.sensor = 0;
     requireSame(host.scanBatch(shots), stream.wait(stream.submit(shots)), stream.places(), stream.layout());
     CHECK(stream.wait(stream.submit({})).views == 0);
-    // A batch keeps its results, whatever becomes of its sensor.
+    // A batch keeps its results, whatever becomes of its sensor and of the sensor's index.
     const Batch expected = host.scanBatch(shots);
     const uint64_t number = stream.submit(shots);
-    const ResultPlaces places = stream.places();
-    const RecordLayout layout = stream.layout();
+    const auto check = [&] {
+      const StreamedBatch streamed = stream.wait(number);
+      CHECK(streamed.sensor == 0);
+      CHECK(streamed.places.rowsPerView == 64);
+      CHECK(streamed.places.bytes == stream.places(1).bytes);
+      REQUIRE(streamed.layout.values.size() == 1);
+      requireSame(expected, streamed, streamed.places, streamed.layout);
+    };
     device.removeSensor(0);
-    requireSame(expected, stream.wait(number), places, layout);
+    check();
     CHECK_THROWS_WITH(stream.places(), ContainsSubstring("no sensor 0"));
+    CHECK(device.addSensor({gridSensor(8, 2, -10, 10), Effects::none(), {Field::x}}) == 0);
+    check();
+    CHECK(stream.places().rowsPerView == 16);
+    CHECK(stream.layout().values.size() == 4);  // the range and x, y, z
   }
   BatchStream another(device, {4, 2, true});  // has room for the larger sensor
   std::vector<Shot> shots = shotsFor(1, 4);
