@@ -769,6 +769,10 @@ GNO_API gno_status gno_simulator_add_instances(gno_simulator simulator, const gn
 GNO_API gno_status gno_simulator_add_scene(gno_simulator simulator, gno_scene scene, const gno_transform* transform,
                                            uint32_t* materials, uint32_t* meshes, uint32_t* instances);
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
+/* Removes many instances; the next ones that are added get their indices, in this order. Everything is checked before
+ * anything changes: the error names the first entry of `instances` that does not exist, or that an entry before it
+ * names, too. */
+GNO_API gno_status gno_simulator_remove_instances(gno_simulator simulator, const uint32_t* instances, size_t count);
 GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
                                                const gno_transform* transform);
 /* Moves many instances in one call. `values` holds `width` numbers per instance: 12, the rows of its gno_transform, or

@@ -292,6 +292,19 @@ void KeptScene::removeInstance(size_t index) {
   instances_.giveBack(index);
 }
 
+void KeptScene::removeInstances(std::span<const uint32_t> instances) {
+  std::vector<bool> named(instances_.size());
+  for (size_t i = 0; i < instances.size(); ++i) {
+    const std::string which = "entry " + std::to_string(i) + ": ";
+    instances_.check(instances[i], which);
+    if (named[instances[i]])
+      throw Error(ErrorCode::invalidArgument, which + "instance " + std::to_string(instances[i]) +
+                                                  " stands in an entry before it, too; name it once");
+    named[instances[i]] = true;
+  }
+  for (const uint32_t instance : std::views::reverse(instances)) removeInstance(instance);  // the last is taken first
+}
+
 void KeptScene::setTransform(size_t instance, const Transform& transform) {
   instances_.check(instance);
   validate(transform, instance);

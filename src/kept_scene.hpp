@@ -32,6 +32,7 @@ class KeptScene {
   void setStale() { stale_ = true; }
   void setPlanned() { stale_ = false; }
 
+  bool hasInstance(size_t instance) const { return instances_.has(instance); }
   /// Throw Error(invalidArgument), whose message begins with `which`, if an instance does not exist or a shot moves
   /// what cannot move.
   void checkInstance(size_t instance, const std::string& which) const { instances_.check(instance, which); }
@@ -50,6 +51,7 @@ class KeptScene {
   std::vector<uint32_t> addInstances(std::span<const Instance> instances);
   AddedScene addScene(const Scene& scene, const Transform& transform);
   void removeInstance(size_t index);
+  void removeInstances(std::span<const uint32_t> instances);
   void setTransform(size_t instance, const Transform& transform);
   void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);
   void setTransforms(std::span<const uint32_t> instances, std::span<const float> values);

@@ -232,11 +232,14 @@ class Simulator::Impl {
     return added;
   }
 
-  /// The index of the instance leaves the lists of sensors that ignore it, because another instance may get it.
   void removeInstance(size_t instance) {
     kept_.removeInstance(instance);
-    noteInstances();
-    for (SensorRequest& request : requests_) std::erase(request.ignoredInstances, instance);
+    noteRemoval();
+  }
+
+  void removeInstances(std::span<const uint32_t> instances) {
+    kept_.removeInstances(instances);
+    noteRemoval();
   }
 
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
@@ -278,6 +281,14 @@ class Simulator::Impl {
   void noteInstances() {
     const auto ignores = [](const SensorRequest& request) { return !request.ignoredInstances.empty(); };
     if (std::ranges::any_of(requests_, ignores)) kept_.setStale();
+  }
+
+  /// The indices of removed instances leave the lists of sensors that ignore them, because other instances may get
+  /// them.
+  void noteRemoval() {
+    noteInstances();
+    const auto isGone = [&](uint32_t instance) { return !kept_.hasInstance(instance); };
+    for (SensorRequest& request : requests_) std::erase_if(request.ignoredInstances, isGone);
   }
 
   void check(const SensorRequest& request) const {
@@ -453,6 +464,9 @@ AddedScene Simulator::addScene(const Scene& scene, const Transform& transform) {
 }
 void Simulator::removeInstance(size_t instance) {
   Call(impl_)->removeInstance(instance);
+}
+void Simulator::removeInstances(std::span<const uint32_t> instances) {
+  Call(impl_)->removeInstances(instances);
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
   Call(impl_)->kept().setTransform(instance, transform);

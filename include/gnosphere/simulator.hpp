@@ -388,6 +388,10 @@ class GNOSPHERE_API Simulator {
   AddedScene addScene(const Scene& scene, const Transform& transform = {});
   /// Removes an instance; the next one that is added gets its index.
   void removeInstance(size_t instance);
+  /// Removes many instances; the next ones that are added get their indices, in this order. Everything is checked
+  /// before anything changes: the error names the first entry of `instances` that does not exist, or that an entry
+  /// before it names, too.
+  void removeInstances(std::span<const uint32_t> instances);
   /// Moves an instance: `transform` maps the mesh frame to the world frame, in metres.
   void setTransform(size_t instance, const Transform& transform);
   /// Moves many instances, as setTransform() does one after another. `values` holds 12 numbers per instance, the rows

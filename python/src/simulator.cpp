@@ -358,6 +358,16 @@ void bindChanges(nb::class_<Self>& simulator) {
       "states. The scene must not be changed meanwhile.");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
+      "remove_instances",
+      [](Self& self, const ArrayLike& instances) {
+        const auto indices = arrayOf<uint32_t>(instances, "remove_instances: instances");
+        self.use([&](Simulator& of) { of.removeInstances(indices.values()); });
+      },
+      "instances"_a,
+      "Removes many instances in one call. `instances` has the shape (n,), integers. The next instances that are added "
+      "get their indices, in this order. Everything is checked before anything changes: the Error names the first "
+      "entry of `instances` that does not exist, or that an entry before it names, too.");
+  simulator.def(
       "set_transform",
       [](Self& self, const Whole& instance, const MapLike& transform) {
         const auto number = instance.of<size_t>("set_transform: instance");

@@ -270,6 +270,34 @@ def test_views_ignore_instances(simulator):
             simulator.scan_batch(poses, ignored_instances=wrong)
 
 
+def test_many_instances_are_removed_together_or_not_at_all(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1))
+    near = poses.copy()
+    near[:, 0] = [-4, -5, -6]
+
+    def seen():
+        return set(np.unique(simulator.scan(gnosphere.Pose()).instances).tolist()) - {gnosphere.NO_TRIANGLE}
+
+    added = simulator.add_instances(0, near)
+    one, two, three = added.tolist()
+    assert seen() == {three}
+    added = added[::-1]
+    for wrong, sentence in (
+        ([one, 99], "entry 1: instance 99 does not exist"),
+        ([one, two, one], f"entry 2: instance {one} stands in an entry before it, too; name it once"),
+        ([-1], "remove_instances: instances holds -1, which does not fit"),
+        ([[one]], "remove_instances: instances has the shape"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            simulator.remove_instances(wrong)
+    assert seen() == {three}
+    simulator.remove_instances([])
+    simulator.remove_instances(added[:2])  # three, two
+    assert seen() == {one}
+    assert simulator.add_instances(0, near[1:]).tolist() == [three, two]
+    assert seen() == {two}
+
+
 def test_a_batch_shows_the_fields_that_it_has(simulator):
     text = repr(simulator.scan_batch(np.array([[0, 0, 0, 0, 0, 0, 1.0]]), fields=[Field.range]))
     assert text.startswith("Batch(") and "ranges=<1 x 120 float32>" in text and "points" not in text

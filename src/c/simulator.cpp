@@ -307,6 +307,10 @@ gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index) 
   return guard([&] { Idle(simulator)->removeInstance(index); });
 }
 
+gno_status gno_simulator_remove_instances(gno_simulator simulator, const uint32_t* instances, size_t count) {
+  return guard([&] { Idle(simulator)->removeInstances(array(instances, count, "instances")); });
+}
+
 gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance, const gno_transform* transform) {
   return guard([&] { Idle(simulator)->setTransform(instance, transformOf(the(transform, "transform"))); });
 }

@@ -57,6 +57,14 @@ TEST_CASE("C: a batch of worlds has the values of C++, and errors that name the 
   uint32_t indices[3] = {};
   REQUIRE(gno_simulator_add_instances(simulator, instances, 3, indices) == GNO_OK);
   CHECK(indices[2] == 2);
+  const uint32_t gone[] = {2, 0, 2};
+  CHECK(gno_simulator_remove_instances(simulator, gone, 3) == GNO_INVALID_ARGUMENT);
+  CHECK(std::strcmp(gno_last_error(), "entry 2: instance 2 stands in an entry before it, too; name it once") == 0);
+  CHECK(gno_simulator_remove_instances(simulator, nullptr, 1) == GNO_INVALID_ARGUMENT);
+  CHECK(gno_simulator_remove_instances(simulator, gone, 2) == GNO_OK);
+  const gno_instance back[] = {instances[2], instances[0]};
+  REQUIRE(gno_simulator_add_instances(simulator, back, 2, indices + 1) == GNO_OK);
+  CHECK((indices[1] == 2 && indices[2] == 0));
   gno_shot shots[4] = {gno_shot_init(), gno_shot_init(), gno_shot_init(), gno_shot_init()};
   for (int i = 0; i < 4; ++i) shots[i].world = static_cast<uint32_t>(3 - i);
   const gno_field fields[] = {GNO_FIELD_INSTANCE};

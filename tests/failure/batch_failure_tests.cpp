@@ -156,6 +156,10 @@ TEST_CASE("without memory many instances are moved together or not at all", "[co
   };
   failEach(nameOf(kind, "addInstances"), Fails::memory,
            {[&] { added = simulator.addInstances(instances); }, remove, check});
+  const Scene scene = scatteredWorlds();
+  const std::vector<Instance> same(scene.instances.begin() + 1, scene.instances.begin() + 20);  // those of `moved`
+  failEach(nameOf(kind, "removeInstances"), Fails::memory,
+           {[&] { simulator.removeInstances(moved); }, [&] { CHECK(simulator.addInstances(same) == moved); }, check});
   failEach(nameOf(kind, "plan"), Fails::memory, {[&] { (void)simulator.plan(1); }, {}, check});
 }
 

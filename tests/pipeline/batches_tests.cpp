@@ -193,6 +193,18 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
   scene.instances[6].transform = translation(-4, 2, 0);
   scene.instances[6].world = 1;
   check();
+  const std::vector<uint32_t> gone = {6, 1, 3};
+  simulator.removeInstances(gone);
+  simulator.removeInstances({});
+  for (const uint32_t instance : gone) scene.instances[instance].world = 99;  // no shot sees it
+  check();
+  std::vector<Instance> others(4, more[0]);
+  for (size_t i = 0; i < others.size(); ++i) others[i].transform = translation(3, -double(i), 0);
+  // The indices are given out in the order in which they were removed.
+  CHECK(simulator.addInstances(others) == std::vector<uint32_t>{6, 1, 3, 7});
+  scene.instances.emplace_back();
+  for (size_t i = 0; i < others.size(); ++i) scene.instances[i < 3 ? gone[i] : 7] = others[i];
+  check();
 
   more[1].mesh = 9;
   CHECK_THROWS_WITH(simulator.addInstances(more), Catch::Matchers::ContainsSubstring("entry 1: mesh 9 does not exist"));

@@ -239,6 +239,10 @@ TEST_CASE("an invalid change is refused and has no effect") {
     CHECK_THROWS_WITH(simulator.addInstance(1, {}), "mesh 1 does not exist, there are 1");
     CHECK_THROWS_WITH(simulator.addInstance(0, bad), "instance 2: its transform is not finite");
     CHECK_THROWS_WITH(simulator.removeInstance(7), "instance 7 does not exist, there are 2");
+    CHECK_THROWS_WITH(simulator.removeInstances(std::vector<uint32_t>{0, 7}),
+                      "entry 1: instance 7 does not exist, there are 2");
+    CHECK_THROWS_WITH(simulator.removeInstances(std::vector<uint32_t>{1, 0, 1}),
+                      "entry 2: instance 1 stands in an entry before it, too; name it once");
     CHECK_THROWS_WITH(simulator.setPositions(1, {}), "mesh 1 does not exist, there are 1");
     const std::vector<float> few(3);
     CHECK_THROWS_WITH(simulator.setPositions(0, few), ContainsSubstring("150 vertices") && ContainsSubstring("; 3 "));
@@ -246,6 +250,7 @@ TEST_CASE("an invalid change is refused and has no effect") {
     simulator.removeInstance(0);
     CHECK_THROWS_WITH(simulator.setTransform(0, {}), "instance 0 has been removed");
     CHECK_THROWS_WITH(simulator.removeInstance(0), "instance 0 has been removed");
+    CHECK_THROWS_WITH(simulator.removeInstances(std::vector<uint32_t>{1, 0}), "entry 1: instance 0 has been removed");
     CHECK(simulator.scan({}).counters.triangles == 50);
     CHECK(simulator.addInstance(0, {}) == 0);
     CHECK(sameBytes(simulator.scan({}), before));
@@ -509,7 +514,8 @@ TEST_CASE("an instance that gets the index of a removed one is seen by a sensor 
       }
     };
     compare();
-    for (const size_t instance : {13, 2}) ignoring.removeInstance(instance);
+    ignoring.removeInstance(13);
+    ignoring.removeInstances(std::vector<uint32_t>{2});
     compare();
     for (Simulator* simulator : {&ignoring, &without}) {
       CHECK(simulator->addInstance(0, scene.instances[2].transform) == 2);

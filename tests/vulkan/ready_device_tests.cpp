@@ -122,9 +122,9 @@ TEST_CASE("a simulator that was moved to another variable says so, and can get a
   Simulator simulator = make();
   Simulator other(std::move(simulator));
   Scan scan;
-  const std::function<void()> calls[] = {[&] { simulator.scanInto({}, scan); }, [&] { (void)simulator.plan(); },
-                                         [&] { (void)simulator.memory(); }, [&] { simulator.removeInstance(0); },
-                                         [&] { simulator.removeSensor(0); }};
+  const std::function<void()> calls[] = {[&] { simulator.scanInto({}, scan); },  [&] { (void)simulator.plan(); },
+                                         [&] { (void)simulator.memory(); },      [&] { simulator.removeInstance(0); },
+                                         [&] { simulator.removeInstances({}); }, [&] { simulator.removeSensor(0); }};
   for (const auto& call : calls) CHECK_THROWS_WITH(call(), ContainsSubstring("was moved to another variable"));
   CHECK(other.scan({}).counters.hits == 200);
   simulator = make();
