@@ -91,7 +91,7 @@ std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const st
   return each.copy();
 }
 
-// A list of indices for each of `count` entries.
+// A list of indices for each of `count` entries, without the NO_TRIANGLE that pads it.
 std::vector<std::vector<uint32_t>> indexListsOf(const IndexListsLike& given, size_t count, const std::string& name) {
   std::vector<std::vector<uint32_t>> lists;
   if (isSequenceOfObjects(given.object)) {
@@ -106,6 +106,7 @@ std::vector<std::vector<uint32_t>> indexListsOf(const IndexListsLike& given, siz
       lists.emplace_back(row.begin(), row.end());
     }
   }
+  for (std::vector<uint32_t>& list : lists) std::erase(list, kNoTriangle);
   if (!lists.empty() && lists.size() != count)
     refuse(name + " has " + std::to_string(lists.size()) + " entries; it must have " + std::to_string(count));
   lists.resize(count);
@@ -166,7 +167,7 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsL
     instances[i].classId = static_cast<uint16_t>(ofClass[i]);
     instances[i].world = ofWorld[i];
   }
-  const std::vector<uint32_t> added = self.use([&](Simulator& of) {
+  std::vector<uint32_t> added = self.use([&](Simulator& of) {
     std::vector<uint32_t> indices = of.addInstances(instances);
     try {
       of.setTransforms(indices, rows.values());
@@ -176,7 +177,7 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsL
     }
     return indices;
   });
-  return nb::cast(copiedColumn(added));
+  return nb::cast(ownedColumn(std::move(added)));
 }
 
 /// The poses of a batch: a sequence of Pose, or an array of shape (n, 7), (n, 4, 4) or (n, 3, 4).
@@ -214,8 +215,9 @@ constexpr const char* kScanBatch =
     "the world. Poses are completed by `sensor`, `worlds` (one number, or one for "
     "each view), `frame`: the frame number of the first view, which those of the others follow, and "
     "`ignored_instances`: the indices of instances that a view does not see, as an array of shape (n, m) or a sequence "
-    "of n lists. Random numbers depend on the frame number. "
-    "Without `frame`, which is 0 then, a second call with the same poses has the same noise; count it up by the number "
+    "of n lists, in which NO_TRIANGLE is skipped: it fills up the rows of views that ignore fewer. Random numbers "
+    "depend on the frame number. Without `frame`, which is 0 then, a second call with the same poses has the same "
+    "noise; count it up by the number "
     "of views from call to call to have other noise. A sensor of several patterns fires pattern `frame` modulo their "
     "number. `fields` are those that the batch has beside the ranges; without any it has all that a Scan of the sensor "
     "has. Without shots the batch has no views, but the fields and the shape of `sensor`. Ctrl-C ends the batch. "
@@ -340,13 +342,14 @@ void bindChanges(nb::class_<Self>& simulator) {
       },
       "mesh"_a, "transform"_a, "class_id"_a = 0, "world"_a = 0,
       "Adds an instance to a world and returns its index, which Scan.instances uses. World 0 is everyone's.");
-  simulator.def("add_instances", &addInstances, "meshes"_a, "transforms"_a, "worlds"_a = 0, "class_ids"_a = 0,
-                nb::sig("def add_instances(self, meshes: int | numpy.typing.ArrayLike, transforms: "
-                        "collections.abc.Sequence[Transform] | numpy.typing.ArrayLike, worlds: int | "
-                        "numpy.typing.ArrayLike = 0, class_ids: int | "
-                        "numpy.typing.ArrayLike = 0) -> numpy.typing.NDArray[numpy.uint32]"),
-                "Adds many instances in one call and returns their indices. `transforms` are as those of "
-                "set_transforms(); the others are one number, or have the shape (n,).");
+  simulator.def(
+      "add_instances", &addInstances, "meshes"_a, "transforms"_a, "worlds"_a = 0, "class_ids"_a = 0,
+      nb::sig("def add_instances(self, meshes: int | numpy.typing.ArrayLike, transforms: "
+              "collections.abc.Sequence[Transform] | numpy.typing.ArrayLike, worlds: int | "
+              "numpy.typing.ArrayLike = 0, class_ids: int | "
+              "numpy.typing.ArrayLike = 0) -> numpy.typing.NDArray[numpy.uint32]"),
+      "Adds many instances in one call and returns their indices, uint32 of shape (n,). `transforms` are as those of "
+      "set_transforms(); the others are one number, or have the shape (n,).");
   simulator.def(
       "add_scene",
       [](Self& self, const Scene& scene, const MapLike& transform) {

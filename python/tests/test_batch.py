@@ -259,6 +259,10 @@ def test_views_ignore_instances(simulator):
     for array in (np.array([[three], [two], [0]]), np.array([[three], [two], [0]], np.uint8).tolist()):
         batch = simulator.scan_batch(poses, ignored_instances=array)
         assert seen(batch) == [{two}, {three}, {three}]
+    none = gnosphere.NO_TRIANGLE  # fills up rows
+    padded = [[one, two, three], [none, two, none], [none, none, none]]
+    for filled in (padded, np.array(padded), np.array(padded, np.uint32), [*padded[:2], [none]]):
+        assert seen(simulator.scan_batch(poses, ignored_instances=filled)) == [{0}, {three}, {three}]
     for wrong, sentence in (
         ([[0]], "scan_batch: ignored_instances has 1 entries; it must have 3"),
         ([[0], [-1], []], "scan_batch: ignored_instances: entry 1 holds -1, which does not fit"),
@@ -281,7 +285,7 @@ def test_many_instances_are_removed_together_or_not_at_all(simulator):
     added = simulator.add_instances(0, near)
     one, two, three = added.tolist()
     assert seen() == {three}
-    added = added[::-1]
+    added[:] = added[::-1].copy()  # an array of the caller's
     for wrong, sentence in (
         ([one, 99], "entry 1: instance 99 does not exist"),
         ([one, two, one], f"entry 2: instance {one} stands in an entry before it, too; name it once"),
