@@ -75,8 +75,8 @@ GNO_API gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_sh
  * again; GNO_DEVICE. */
 GNO_API gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_streamed_batch* batch);
 /* The layout of a sensor's records: gno_request::layout, or columns of ranges and of gno_request::fields if that is
- * null; that of a batch is gno_streamed_batch::layout. The values are valid until this function is called again for this
- * stream. */
+ * null; that of a batch is gno_streamed_batch::layout. The values are valid until this function is called again for
+ * this stream. */
 GNO_API gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, gno_layout* layout);
 /* Where a sensor's results are in a result buffer; those of a batch are at gno_streamed_batch::places.
  * GNO_INVALID_ARGUMENT for an unknown sensor. */

@@ -105,7 +105,7 @@ TEST_CASE("echoes of fog have depths distributed as exp(-2 extinction depth), an
                               gpu::draw(p, beam, 1, gpu::kFog));
     };
     const gpu::Echo echo = echoBefore(far), sooner = echoBefore(far / 2);
-    // What stands behind an echo does not change it.
+    // The end of the fog does not change an echo before it.
     CHECK(sooner.range == (echo.range < far / 2 ? echo.range : gpu::kNever));
     if (echo.range == gpu::kNever) continue;
     REQUIRE(echo.range >= near);
