@@ -15,8 +15,8 @@ static_assert(static_cast<uint32_t>(ReflectingFaces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-// With the paper's bounds only single triangles are culled, as in the paper. Otherwise either cull of triangles goes with
-// that of clusters, since a cluster that is out of range, hidden, between beams or turned away has no hits.
+// With the paper's bounds only single triangles are culled, as in the paper. Otherwise either cull of triangles goes
+// with that of clusters, since a cluster that is out of range, hidden, between beams or turned away has no hits.
 uint32_t cullingBits(const SimulatorOptions& options) {
   if (accuracyPartsOf(options).bounds == AccuracyParts::Bounds::paper) return 0;
   const Culling& culling = options.tuning.culling;

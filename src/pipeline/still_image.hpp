@@ -10,9 +10,9 @@
 namespace gnosphere {
 
 /// Decides when the hits on still instances (the words of the beams) are kept and reused. The hits are valid for one
-/// pose, one world, one list of instances that shots ignore, and one set of still instances. The hits are kept only when
-/// all of these occur in a second scan, so single scans cost nothing extra. An instance that has moved counts as moving
-/// until the pose changes.
+/// pose, one world, one list of instances that shots ignore, and one set of still instances. The hits are kept only
+/// when all of these occur in a second scan, so single scans cost nothing extra. An instance that has moved counts as
+/// moving until the pose changes.
 class StillImage {
  public:
   enum class Use {

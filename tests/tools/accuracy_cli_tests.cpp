@@ -61,6 +61,20 @@ TEST_CASE("a malformed trajectory is refused with the number of the line") {
   refused("# nothing\n", "no pose");
 }
 
+TEST_CASE("accuracy says so where most beams are ties, which its tables leave out") {
+  needVulkan();
+  const Workplace place;
+  putSmall(place);
+  place.put("huge.obj", "v -1e7 -1e7 -1.8\nv 1e7 -1e7 -1.8\nv 1e7 1e7 -1.8\nv -1e7 1e7 -1.8\nf 1 2 3 4\n");
+  const std::string words = "so many that the tables leave much out";
+  for (const bool huge : {true, false}) {
+    const Result result = place.run(std::string("accuracy ") + (huge ? "huge.obj" : "wide.obj") +
+                                    " --up z --pose 0.3,0.2,0 --poses 1 --runs 1" + kSmall);
+    REQUIRE(result.status == 0);
+    CHECK((result.out.find(words) != std::string::npos) == huge);
+  }
+}
+
 TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot of every setting") {
   needVulkan();
   const Workplace place;

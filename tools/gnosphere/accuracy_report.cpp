@@ -148,6 +148,10 @@ void printTables(const AccuracyStory& story) {
                       " with the double-precision reference; " + grouped(report.settings[0].error.hits) +
                       " of them hit, " + grouped(report.settings[0].error.ties) +
                       " are ties, which are counted separately");
+  if (const Comparison& first = report.settings[0].error; first.ties * 10 > first.hits)
+    say("ties",
+        "so many that the tables leave much out; triangles of many kilometres make a tie of every beam, and the "
+        "largest errors stand below, inside ties");
   if (!report.withoutPaper.empty()) say("paper", "left out: " + report.withoutPaper);
   say("timed", std::string(stamped(report.settings[0]) ? "device time" : "wall time") + ", median of " +
                    grouped(report.runs) + " runs of each, in turn; ratio to standard, run by run (10-90 %)");
