@@ -140,8 +140,7 @@ Answer appliesIntensityNoise(const Question& q) {
 Answer appliesDivergence(const Question& q) {
   const auto& d = q.effects.divergence;
   const bool asked = d.horizontal > 0 || d.vertical > 0;
-  const double horizontal = d.horizontal > 0 ? d.horizontal : q.sensor.divergenceHorizontal;
-  const double vertical = d.vertical > 0 ? d.vertical : q.sensor.divergenceVertical;
+  const double horizontal = horizontalSpread(q.effects, q.sensor), vertical = verticalSpread(q.effects, q.sensor);
   if (!(horizontal > 0 || vertical > 0)) {
     return {false, "the sensor states no divergence", "give divergence.horizontal and divergence.vertical"};
   }

@@ -30,14 +30,6 @@ static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
               same(Cause::returned, gpu::kCauseReturned) && same(Cause::dead, gpu::kCauseDead) &&
               same(Cause::tooNear, gpu::kCauseTooNear) && same(Label::scatter, gpu::kLabelScatter));
 
-/// Full angles of the footprint in radians, each from the request or else from the sensor.
-double horizontalSpread(const Effects& effects, const Sensor& sensor) {
-  return effects.divergence.horizontal > 0 ? effects.divergence.horizontal : sensor.divergenceHorizontal;
-}
-double verticalSpread(const Effects& effects, const Sensor& sensor) {
-  return effects.divergence.vertical > 0 ? effects.divergence.vertical : sensor.divergenceVertical;
-}
-
 uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
   using Mode = Effects::Returns::Mode;
   if (returns.mode == Mode::all) return returns.count > 0 ? returns.count : std::max(sensor.maxReturns, 1u);
@@ -59,6 +51,14 @@ void fillMedium(const Effects& effects, const Sensor& sensor, uint32_t planned, 
 }
 
 }  // namespace
+
+double horizontalSpread(const Effects& effects, const Sensor& sensor) {
+  return effects.divergence.horizontal > 0 ? effects.divergence.horizontal : sensor.divergenceHorizontal;
+}
+
+double verticalSpread(const Effects& effects, const Sensor& sensor) {
+  return effects.divergence.vertical > 0 ? effects.divergence.vertical : sensor.divergenceVertical;
+}
 
 gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sensor, uint32_t planned) {
   gpu::EffectParameters p = {};

@@ -23,6 +23,10 @@ struct WeakestTarget {
 };
 WeakestTarget weakestTarget(const Effects::Detection& detection, const Sensor& sensor);
 
+/// Return the full angles of a footprint in radians, each from the request or else from the sensor.
+double horizontalSpread(const Effects& effects, const Sensor& sensor);
+double verticalSpread(const Effects& effects, const Sensor& sensor);
+
 /// Returns the part of the key of the random numbers that the number of a scan gives: the number itself up to 32
 /// bits. Longer numbers share their keys with others, but not with those that differ in a single bit.
 uint32_t keyOfFrame(uint64_t frame);

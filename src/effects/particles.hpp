@@ -7,9 +7,9 @@
 
 namespace gnosphere {
 
-/// Extinction in 1/m, at a wavelength in nm, of fog with the meteorological optical range `visibility` in metres, at
-/// which contrast falls to 5 % (Koschmieder 1924, WMO-No. 8): that at 550 nm times (wavelength / 550)^-q, with q by
-/// Kim, McArthur and Korevaar (2001, SPIE 4214).
+/// Returns the extinction in 1/m of fog for a wavelength in nm. At 550 nm contrast falls to 5 % at the meteorological
+/// optical range `visibility`, in metres (Koschmieder 1924, WMO-No. 8). At other wavelengths the extinction is
+/// (wavelength / 550)^-q times as large, with q by Kim, McArthur and Korevaar (2001, SPIE 4214).
 double fogExtinction(double visibility, double wavelength);
 /// Extinction in 1/m of rain in mm/h by ITU-R P.1814 (2007), after Carbonneau and Wisely (1998): 1.076 R^0.67 dB/km.
 double rainExtinction(double rate);

@@ -99,7 +99,7 @@ class InstanceTable {
   WorldContent contentOf(uint32_t world) const;
   /// The largest number of triangles that a scan of any world can see.
   uint64_t mostTriangles() const;
-  /// Returns the instances of a world, without those of world 0, in ascending order.
+  /// Returns the instances that belong to a world, in ascending order. An instance of world 0 is in that list alone.
   std::span<const uint32_t> instancesOf(uint32_t world) const;
 
   /// Goes up with every change of an instance or of a mesh's positions.

@@ -60,7 +60,7 @@ std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows, uint32_t c
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables);
 /// Computes the table from elevation keys to rows that have one elevation each.
 void setRowLookup(BeamTables& tables);
-/// Computes what the paper's bounds need of the frame. The elevations must be at even steps.
+/// Computes the members of the frame that the paper's bounds read. The elevations must be at even steps.
 void setPaper(const Sensor& sensor, BeamTables& tables);
 /// Number of slabs of a turn.
 uint32_t slabsOf(const gpu::Frame& frame);

@@ -57,9 +57,11 @@ void ShellChoice::learn(const gpu::Counters& counters, size_t views, uint32_t sh
   if (!learns_) return;
   const double boxed = counters.boxedBeams,
                overlap = boxed / (static_cast<double>(beams_) * static_cast<double>(views));
-  const bool one = shells == 1;
-  if (one ? overlap < kOverlapThatPays || boxed * overlap < kOverlapInAll : overlap > kOverlapOfShells) return;
-  overlaps_ = one;
+  const bool pays = overlap >= kOverlapThatPays && boxed * overlap >= kOverlapInAll;
+  if (shells == 1 && pays)
+    overlaps_ = true;
+  else if (shells > 1 && overlap <= kOverlapOfShells)
+    overlaps_ = false;
   choose();
 }
 
@@ -70,13 +72,18 @@ void ShellChoice::choose() {
   firstClusters_ = always_ && cpu_ ? 1
                                    : static_cast<uint32_t>(std::clamp<uint64_t>(
                                          triangles_ / gpu::kClusterTriangles / kFirstShare, 1, kFirstShellClusters));
-  count_ = 1;
-  if (!possible_ || !(many || overlaps_ || always_)) return;
-  count_ = !cpu_ ? kShellsOfGpu : many || always_ ? kLeastShells : kShellsOfOverlap;
-  if (!cpu_ || !(many || always_)) return;
-  for (uint64_t clusters = firstClusters_;
-       clusters * kLeastTrianglesOfCluster < triangles_ && count_ < gpu::kMostShells; ++count_)
-    clusters *= gpu::kShellGrowth;
+  if (!possible_ || !(many || overlaps_ || always_)) {
+    count_ = 1;
+  } else if (!cpu_) {
+    count_ = kShellsOfGpu;
+  } else if (!(many || always_)) {
+    count_ = kShellsOfOverlap;
+  } else {
+    count_ = kLeastShells;
+    for (uint64_t clusters = firstClusters_;
+         clusters * kLeastTrianglesOfCluster < triangles_ && count_ < gpu::kMostShells; ++count_)
+      clusters *= gpu::kShellGrowth;
+  }
 }
 
 uint32_t ShellChoice::firstClusters(uint32_t views) const {

@@ -12,6 +12,7 @@ namespace gnosphere {
 
 struct Traits;
 
+/// Chooses the number of shells for each submission of a sensor.
 class ShellChoice {
  public:
   /// `binning` is a gpu::kBinning... value, and `beams` the number of beams that are projected at once.

@@ -50,8 +50,8 @@ const char* causeOfBeamList(const Sensor& sensor) {
   return nullptr;
 }
 
-// Whether each elevation is less than a fiftieth of a step away from its place between the lowest and the highest one.
-// Files round elevations, and a box of the paper that is wrong by so little hardly loses a beam.
+// Returns whether each elevation is less than a fiftieth of a step away from its place between the lowest and the
+// highest one. Files round elevations, and a box of the paper that is wrong by so little hardly loses a beam.
 bool hasEvenElevations(const Sensor& sensor) {
   const size_t count = sensor.channels.size();
   if (count < 2) return true;

@@ -212,7 +212,7 @@ TEST_CASE("culling: shells are chosen after a scan of a small scene has found ma
   const Sensor sensor = gridSensor(1080, 4, -10, 10, 60);
   Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
   if (!onCpu(simulator)) return;
-  // The pose changes, so that no scan uses the hits of another one.
+  // The sensor moves between scans, so that no scan reuses the hits of the one before.
   const auto scanOf = [&](int turn) { return simulator.scan({{0, 0, 0.01 * turn}, {}}); };
   const Scan first = scanOf(0), second = scanOf(1), again = scanOf(0);
   CHECK(second.counters.projected * 2 < first.counters.projected);

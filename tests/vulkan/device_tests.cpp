@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objects created on a device, and the work submitted to it.
+// The tests create objects on a device, and submit work to it.
 #include <unistd.h>
 
 #include <algorithm>
