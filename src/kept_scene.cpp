@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <ranges>
 #include <utility>
 
 #include "base/finite.hpp"
@@ -244,7 +243,8 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
     planner_.forgetTextures();
   };
   const auto giveBack = [&] {
-    for (const uint32_t material : std::views::reverse(added.materials)) materials_.giveBack(material);
+    std::for_each(added.materials.rbegin(), added.materials.rend(),
+                  [&](uint32_t material) { materials_.giveBack(material); });
   };
   try {
     for (size_t i = 0; i < materials.size(); ++i) {
@@ -270,7 +270,7 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
     added.instances = addInstances(instances);
   } catch (...) {
     try {
-      for (const uint32_t mesh : std::views::reverse(added.meshes)) removeMesh(mesh);
+      std::for_each(added.meshes.rbegin(), added.meshes.rend(), [&](uint32_t mesh) { removeMesh(mesh); });
       changeMaterials(exchange);
       giveBack();
     } catch (...) {
@@ -302,7 +302,8 @@ void KeptScene::removeInstances(std::span<const uint32_t> instances) {
                                                   " stands in an entry before it, too; name it once");
     named[instances[i]] = true;
   }
-  for (const uint32_t instance : std::views::reverse(instances)) removeInstance(instance);  // the last is taken first
+  // The last is taken first.
+  std::for_each(instances.rbegin(), instances.rend(), [&](uint32_t instance) { removeInstance(instance); });
 }
 
 void KeptScene::setTransform(size_t instance, const Transform& transform) {

@@ -39,6 +39,9 @@ inline Scan syntheticScan(const Sensor& sensor) {
   scan.sensor = sensor.name;
   scan.columns = sensor.columns;
   scan.channels = static_cast<uint32_t>(sensor.channels.size());
+  scan.firstRowOnTop =
+      !sensor.channels.empty() && sensor.channels[0].elevationDeg > sensor.channels.back().elevationDeg;
+  scan.firstColumnOnLeft = sensor.azimuthSpanDeg < 0;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
     const Vec3 d = sensor.direction(beam);

@@ -46,13 +46,14 @@ GNO_CONST uint kLabelSolid = 1;
 GNO_CONST uint kLabelScatter = 2;
 
 // A beam with more echoes than these keeps the nearest, the farthest, and the strongest ones between them. The smaller
-// number is enough for all sensors but those of surveys, and costs less memory.
+// number is enough for beams with few returns, as all but those of surveys have, and costs less memory.
+GNO_CONST uint kFewReturns = 3;
 GNO_CONST uint kFewEchoes = 6;
 GNO_CONST uint kMaxEchoes = 16;
 
 // Returns how many echoes a beam keeps that reports so many returns.
 GNO_INLINE uint keptEchoes(uint returns) {
-  return returns < kFewEchoes ? kFewEchoes : kMaxEchoes;
+  return returns <= kFewReturns ? kFewEchoes : kMaxEchoes;
 }
 
 // Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.

@@ -180,8 +180,9 @@ struct Effects {
     double sigma = 0;  ///< m/s; standard deviation of the Gaussian error of each return
   } radialSpeed;
 
-  /// Returns a value with every effect off: geometry alone. An effect that is off ignores its other values; give it a
-  /// `use`, too, or a new value: `effects.rangeNoise = {.sigma = 0.02}`.
+  /// Returns a value with every effect off: geometry alone. Nothing moves during a scan, so the motions of a shot are
+  /// ignored without a warning, unless SensorMotion or ObjectMotion is turned on. An effect that is off ignores other
+  /// values; give it a `use`, too, or a new value: `effects.rangeNoise = {.sigma = 0.02}`.
   GNOSPHERE_API static Effects none();
 };
 
@@ -216,8 +217,8 @@ GNOSPHERE_API Effects loadEffects(const std::filesystem::path& file, const std::
 GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& source);
 /// Writes effects as JSON that effectsFromJson() reads.
 GNOSPHERE_API std::string toJson(const Effects& effects);
-/// Applies one assignment of a command line: "fog.visibility=200" sets a parameter and turns the effect on;
-/// "divergence=off" sets the EffectUse. Throws Error(invalidArgument) if the effect, parameter or value is not known.
+/// Applies one assignment of a command line: "fog.visibility=200" sets a parameter and turns the effect on, and with 0,
+/// so nothing, leaves it to auto; "divergence=off" sets the EffectUse. Throws Error(invalidArgument) for unknown words.
 GNOSPHERE_API void assign(Effects& effects, const std::string& assignment);
 
 /// Optical properties of a material at the wavelength of Effects::Intensity.

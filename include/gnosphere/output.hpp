@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,10 +34,10 @@ GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::spa
 struct CloudOptions {
   std::vector<Field>
       fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns
-  /// If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If beams
-  /// have several returns, the file is always compact: one row per return, and no grid; with Field::tie also one for a
-  /// beam without a return that is a tie.
-  bool compact = false;
+  /// If true, only returns are written, one row each; with Field::tie and several returns per beam also one for a beam
+  /// without a return that is a tie. If false, every entry is written, with NaN (0xffffffff in indices) for one without
+  /// a return, as a grid of channels x columns (x returns). By default a file is compact if beams have several returns.
+  std::optional<bool> compact;
   bool ascii = false;  ///< writes PCD and PLY as text; CSV always is text
 };
 
@@ -55,10 +56,11 @@ GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& f
 /// Reads a PCD, PLY, NPY or CSV cloud that writeCloud() wrote. The scan gets the fields of the file except ring, beam,
 /// returnNumber and returnCount, which follow from the index of an entry. If the file has the field `beam`, entries are
 /// placed by it, and by `return` if beams have several returns; without `return` the rows of a beam are its returns in
-/// their order, unless the file states that beams have one; without `beam` they are points of one beam each. With
-/// several returns `cause` is left out, because such a file does not contain beams without returns; NPY and CSV do not
-/// tell of those behind the last one with a return. The pose is that of a PCD file, else the identity. Throws
-/// Error(file), Error(format), or Error(invalidArgument) for an extension that cannot be read.
+/// their order, unless the file states that beams have one; without `beam` they are points of one beam each, unless
+/// there is one for every entry of the grid that the file states. A compact file of several returns does not contain
+/// beams without returns, so its `cause` is left out; if it is NPY or CSV, it does not tell of those behind the last
+/// one with a return. The pose is that of a PCD file, else the identity. Throws Error(file), Error(format), or
+/// Error(invalidArgument) for an extension that cannot be read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// The differences between two clouds of the same beams, counted per beam, or per return if beams have several;
@@ -86,7 +88,7 @@ struct Comparison {
 /// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no
 /// tolerance of its own. If both clouds have points, these may be apart by the tolerance and the rounding of
 /// coordinates: a millionth of the range, or 2^-22 of the distance from the frame's origin if that is more. Throws
-/// Error(invalidArgument) if the clouds do not have the same beams.
+/// Error(invalidArgument) if the clouds do not have the same beams, or for a tolerance that is not a number from 0 on.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

@@ -38,7 +38,7 @@ enum class Field {
   tie,           ///< u8, 1 if a rounding error could change the owner or the hit of the beam, otherwise 0
   tolerance,     ///< f32 m, the range error that single precision may show on this beam
   intensity,     ///< f32, in the units of Effects::Intensity::scale
-  trueRange,     ///< f32 m, range of the surface without noise and without the medium
+  trueRange,     ///< f32 m, range without noise of what returned: a surface, or with the label scatter a particle
   cause,         ///< u8, see Cause
   label,         ///< u8, see Label
   returnNumber,  ///< u8, 1 for the first return of its beam, 0 for an entry without a return
@@ -201,6 +201,10 @@ struct Scan {
   /// True if the sensor moved during the scan, and points, normals and velocities are in the frames of their columns:
   /// they are not deskewed.
   bool skewed = false;
+  /// Whether the first row (channel 0) is on top, and the first column on the left, in an image of what the sensor
+  /// sees. The directions of all beams decide, whatever they hit. For a cloud of a file, which does not state all its
+  /// beams, the points decide.
+  bool firstRowOnTop = false, firstColumnOnLeft = false;
 
   std::vector<float> points;        ///< x, y, z per entry, in metres in the sensor frame
   std::vector<float> ranges;        ///< metres along the beam

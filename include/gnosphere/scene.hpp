@@ -221,8 +221,8 @@ GNOSPHERE_API void validate(const Scene& scene);
 
 /// Returns the scene with everything of `other` behind what it has, moved by `transform`: materials, alpha images,
 /// meshes, instances, skins and clips get the indices that follow, in their order; nodes do, too, behind one more,
-/// which moves them, if both scenes have nodes. Throws Error(invalidArgument) if `other` is wrong, see validate(), or
-/// the transform is not finite.
+/// which moves them, if both scenes have nodes. Throws Error(invalidArgument) that names the scene if one of the two is
+/// wrong, see validate(), and if the transform is not finite.
 GNOSPHERE_API Scene joined(Scene scene, const Scene& other, const Transform& transform = {});
 
 /// Which axis of a file points up.

@@ -371,7 +371,7 @@ class GNOSPHERE_API Simulator {
   /// Removes a mesh; no instance may place it. Meshes that are added later reuse its memory, see MemoryUse.
   void removeMesh(size_t mesh);
   /// Moves the vertices of a mesh: 3 values per vertex, in metres relative to Mesh::origin, for as many vertices as the
-  /// mesh has. Its triangles do not change. The mesh must not be deformable.
+  /// mesh has. Its triangles do not change. The mesh must not be deformable. Within a scan its shape stands still.
   void setPositions(size_t mesh, std::span<const float> positions);
   /// Moves the joints and morph targets of a deformable mesh, whose vertices then are at deformedPositions(). An empty
   /// deformation puts them back to Mesh::positions.

@@ -11,6 +11,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import numpy as np
+
 from . import _gnosphere
 from ._classes import classes_in
 
@@ -40,7 +42,7 @@ def _reduce(self: Any) -> tuple[Any, ...]:
 
 def _same(one: Any, other: Any) -> bool:
     if hasattr(one, "dtype"):
-        return bool(hasattr(other, "dtype") and one.shape == other.shape and one.tobytes() == other.tobytes())
+        return hasattr(other, "dtype") and np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(_same, one, other))
     return bool(one == other or (one != one and other != other))
@@ -58,6 +60,8 @@ def _key(value: Any) -> Any:
     if hasattr(value, "dtype"):
         if value.flags.writeable and value.size:
             raise TypeError("unhashable: its arrays can be written")
+        if value.dtype.kind == "f":
+            value = np.where(np.isnan(value), np.nan, value) + 0  # NaNs have many bytes, and 0 has those of -0, too
         return value.shape, value.tobytes()
     if isinstance(value, tuple):
         return tuple(map(_key, value))

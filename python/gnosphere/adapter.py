@@ -44,20 +44,36 @@ class Shapes:
         *,
         double_sided: bool = True,
         image: Optional[gno.AlphaImage] = None,
+        metallic: float = 0.0,
+        roughness: float = 1.0,
+        alpha_cutoff: Optional[float] = None,
     ) -> int:
         """The number of a material; equal ones are one. `color` is red, green, blue and, if it has it, alpha: less
         than 1 lets light pass. It is taken as linear reflectance, and a MaterialTable may say better by `name`.
-        `image` cuts holes; the mesh then needs texture coordinates."""
-        rgba = tuple(float(value) for value in np.clip([*color, 1.0][:4], 0, 1))
-        key = (rgba, name, double_sided, id(image) if image is not None else None)
+        `image` cuts holes; the mesh then needs texture coordinates. `metallic` and `roughness` lie in 0..1. With an
+        `image` or an `alpha_cutoff` no light passes, but there is a hole where the alpha is below the cut-off, which is
+        0.5 unless it is given. Raises ValueError for a colour of less than 3 numbers or more than 4."""
+        given = [*color]
+        if len(given) not in (3, 4):
+            raise ValueError(f"a colour is red, green, blue and perhaps alpha; {given} has {len(given)} numbers")
+        rgba = tuple(float(value) for value in np.clip([*given, 1.0][:4], 0, 1))
+        metallic, roughness = (float(value) for value in np.clip([metallic, roughness], 0, 1))
+        key = (
+            rgba, name, double_sided, id(image) if image is not None else None, metallic, roughness, alpha_cutoff,
+        )  # fmt: skip
         if key not in self._numbers:
-            mode = gno.AlphaMode.mask if image else gno.AlphaMode.blend if rgba[3] < 1 else gno.AlphaMode.opaque
+            masked = image is not None or alpha_cutoff is not None
+            mode = gno.AlphaMode.mask if masked else gno.AlphaMode.blend if rgba[3] < 1 else gno.AlphaMode.opaque
             if image:
                 self._images.append(image)
             number = len(self._images) - 1 if image else gno.NO_IMAGE
+            cutoff = 0.5 if alpha_cutoff is None else alpha_cutoff
             self._materials.append(
-                gno.Material(name, rgba, alpha_mode=mode, alpha_image=number, double_sided=double_sided)
-            )
+                gno.Material(
+                    name, rgba, metallic, roughness, alpha_mode=mode, alpha_cutoff=cutoff, alpha_image=number,
+                    double_sided=double_sided,
+                )
+            )  # fmt: skip
             self._numbers[key] = len(self._materials) - 1
         return self._numbers[key]
 
@@ -82,17 +98,18 @@ class Shapes:
     def instance(
         self,
         mesh: int,
-        transform: Optional[npt.ArrayLike] = None,
+        transform: Union[gno.Transform, npt.ArrayLike, None] = None,
         class_id: int = 0,
         name: str = "",
         class_name: str = "",
         world: int = 0,
     ) -> int:
-        """Places a mesh and returns the index of the instance. `transform` is a map of shape (3, 4) or (4, 4);
-        `class_name` is the class that a file states by its name; `world` is as in Instance."""
-        place = gno.Transform() if transform is None else gno.Transform(np.asarray(transform, np.float64)[:3])
-        made = gno.Instance(mesh, place, name=name, class_id=class_id)
-        made.class_name, made.world = class_name, world
+        """Places a mesh and returns the index of the instance. `transform` is a Transform, or a map of shape
+        (3, 4) or (4, 4); `class_name` is the class that a file states by its name; `world` is as in Instance. Raises
+        Error(invalid_argument) for a map of another shape, and for a last row that is not 0, 0, 0, 1."""
+        place = gno.Transform() if transform is None else transform
+        made = gno.Instance(mesh, place, class_id, name, world)
+        made.class_name = class_name
         self.instances.append(made)
         return len(self.instances) - 1
 
@@ -171,7 +188,10 @@ def _request(
 def pose_of(position: npt.ArrayLike, orientation: Optional[npt.ArrayLike] = None) -> gno.Pose:
     """A pose from a position and a quaternion x, y, z, w, by default 0, 0, 0, 1, or a rotation matrix (3, 3) that maps
     to the world; or from a rigid map (4, 4) or (3, 4) to the world alone: pose_of(matrix). Raises ValueError for arrays
-    of other shapes, and for a matrix that is no rotation within 0.001: one that scales, shears or mirrors."""
+    of other shapes or with masked entries, and for a matrix that is no rotation within 0.001: one that scales, shears or
+    mirrors."""
+    if np.ma.is_masked(position) or np.ma.is_masked(orientation):
+        raise ValueError("a pose has masked entries; numpy.ma.filled() gives them values")
     place = np.asarray(position, np.float64)
     if place.ndim == 2 and orientation is None:
         if place.shape not in ((3, 4), (4, 4)):
@@ -221,6 +241,61 @@ def rows_of(pose: gno.Pose) -> npt.NDArray[np.float64]:
     ]
     result[:3, 3] = pose.position
     return result
+
+
+def rays_of(sensor: gno.Sensor, shot: gno.Shot) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """The rays of all beams of a scan in the world: where they start, in metres, and their unit vectors, each of shape
+    (beams, 3), float64, in the order of the beams. A return at `range` is at origin + range * direction, also in a scan
+    that is not deskewed; noise of the angles is left out. Every beam leaves from where the motion of the shot has the
+    sensor when the beam fires: positions are linear between stamps, and orientations turn by slerp. Where a scan ignores
+    the motion, because sensor-motion is off, give a shot without one; sensors whose beams fire at once stand at its pose.
+    `shot.frame` chooses the pattern of a list of beams.
+    """
+    beams = gno.beams_of(sensor, shot.frame)
+    stamps = shot.motion.stamps if len(beams.times) else ()
+    if stamps:
+        positions, orientations = _poses_at(stamps, beams.times)
+    else:
+        positions, orientations = np.array([shot.pose.position]), _units(np.array([shot.pose.orientation]))
+    origins = np.broadcast_to(positions, beams.directions.shape).copy()
+    if len(beams.origins):
+        origins += _turned(orientations, beams.origins)
+    return origins, _turned(orientations, _units(beams.directions))
+
+
+def _units(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    units: npt.NDArray[np.float64] = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return units
+
+
+def _turned(quaternions: npt.NDArray[np.float64], vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The vectors (n, 3), each turned by a quaternion of length 1, or all by the same one."""
+    axes, w = quaternions[:, :3], quaternions[:, 3:]
+    across = 2 * np.cross(axes, vectors)
+    turned: npt.NDArray[np.float64] = vectors + w * across + np.cross(axes, across)
+    return turned
+
+
+def _poses_at(
+    stamps: Sequence[gno.SensorMotion.Stamp], times: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Positions (n, 3) and unit quaternions (n, 4) of a motion at times, as scans have them: constant before the first
+    and after the last stamp, and along the shorter arc between two."""
+    positions = np.array([stamp.pose.position for stamp in stamps])
+    orientations = _units(np.array([stamp.pose.orientation for stamp in stamps]))
+    places = np.interp(times, [stamp.time for stamp in stamps], np.arange(len(stamps)))
+    before = places.astype(np.int64)
+    after = np.minimum(before + 1, len(stamps) - 1)
+    share = (places - before)[:, None]
+    a, b = orientations[before], orientations[after]
+    b = np.where((a * b).sum(axis=1, keepdims=True) < 0, -b, b)
+    # The angle between both follows from their difference, because that is accurate for small angles.
+    angle = 2 * np.arcsin(np.minimum(np.linalg.norm(b - a, axis=1, keepdims=True) / 2, 1))
+    near = angle < 1e-9
+    sine = np.where(near, 1, np.sin(angle))
+    between = np.where(near, 1 - share, np.sin((1 - share) * angle) / sine) * a
+    between += np.where(near, share, np.sin(share * angle) / sine) * b
+    return (1 - share) * positions[before] + share * positions[after], _units(between)
 
 
 def upright(normal: npt.ArrayLike) -> npt.NDArray[np.float64]:

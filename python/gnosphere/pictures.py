@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._gnosphere import Field, Scan, field_info
+from ._gnosphere import Field, Scan, Sensor, field_info
 
 Pixels = NDArray[np.uint8]
 
@@ -38,32 +38,57 @@ def farthest_of(scan: Scan) -> float:
     return float(np.percentile(ranges, 98)) if len(ranges) else 1.0
 
 
-def starts_at_top(scan: Scan) -> bool:
-    """Whether channel 0 is the uppermost, as in Ouster's heads: hits of earlier channels are higher. So decides
-    write_picture(), too."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        height = (scan.points[:, 2] / scan.ranges).reshape(scan.channels, scan.columns * scan.returns)
-    places = np.arange(scan.channels) - (scan.channels - 1) / 2
-    return bool(np.nansum(places[:, None] * height) < 0)
+def field_image(scan: Scan, field: str | Field = "range", sensor: Sensor | None = None) -> NDArray[Any]:
+    """The values of a field of the first returns as an image of what the sensor sees, shape (channels, columns), or
+    (channels, columns, components) of a vector: a range image without resampling. The uppermost channel is on top, and
+    the columns are from left to right. Lists of beams without rows are one row.
+
+    `sensor`, that of the scan, is given to destagger: the rows of channels with azimuth offsets are rotated by whole
+    columns, so that all beams of a column of the image have the same azimuth within half a column. Raises ValueError
+    for a scan without beams, for a sensor with other beams, and for one to destagger that is no grid of a full turn.
+    """
+    _require_beams(scan)
+    values = scan[field]
+    image = values.reshape(scan.channels, scan.columns, scan.returns, *values.shape[1:])[:, :, 0]
+    if sensor is not None:
+        image = _destaggered(scan, image, sensor)
+    return _upright(scan, image)
 
 
-def starts_at_left(scan: Scan) -> bool:
-    """Whether column 0 is the leftmost, as of heads that turn clockwise: hits of later columns are further right. So
-    decides write_picture(), too."""
-    x, y = scan.points.reshape(scan.channels, scan.columns, scan.returns, 3)[:, :, 0, :2].astype(float).transpose(2, 0, 1)
-    cross = x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]
-    return bool(np.nansum(np.sign(cross)) < 0)
+def _destaggered(scan: Scan, image: NDArray[Any], sensor: Sensor) -> NDArray[Any]:
+    if (scan.columns, scan.channels) != (sensor.width(), sensor.height()):
+        raise ValueError(
+            f"the scan has {scan.channels} x {scan.columns} beams, and the sensor {sensor.name} has {sensor.height()} x "
+            f"{sensor.width()}: it is a scan of another sensor"
+        )
+    if not sensor.is_grid() or abs(sensor.azimuth_span_deg) != 360:
+        raise ValueError(f"the sensor {sensor.name} is no grid of a full turn, so its rows cannot be destaggered")
+    step = sensor.azimuth_span_deg / sensor.columns
+    shifts = [round(channel.azimuth_offset_deg / step) for channel in sensor.channels]
+    return np.stack([np.roll(row, shift, axis=0) for row, shift in zip(image, shifts)])
+
+
+def _upright(scan: Scan, image: NDArray[Any]) -> NDArray[Any]:
+    """The image of channels x columns with the uppermost channel on top and the leftmost column on the left."""
+    image = image if scan.first_row_on_top else image[::-1]
+    return image if scan.first_column_on_left else image[:, ::-1]
 
 
 def beam_image(scan: Scan, values: NDArray[Any]) -> NDArray[Any]:
-    """One value per beam as an image, the uppermost channel on top, the columns from left to right as the sensor sees
-    them. Lists of beams without rows are one row. Of columns that share a pixel the least value is shown; NaN gives way.
-    Raises ValueError for a scan without beams.
+    """One value per beam as an image to look at, the uppermost channel on top, the columns from left to right as the
+    sensor sees them: of more than 900 columns several share a pixel, which shows the least value that is not NaN, and of
+    fewer than 128 channels each is repeated in as many rows as reach 128. field_image() does not resample. Lists of
+    beams without rows are one row. Raises ValueError for a scan without beams, and if there is not one value per beam.
     """
     _require_beams(scan)
-    image = np.asarray(values).reshape(scan.channels, scan.columns)
-    image = image if starts_at_top(scan) else image[::-1]
-    image = image if starts_at_left(scan) else image[:, ::-1]
+    given = np.asarray(values)
+    if given.size != scan.beam_count():
+        first = f"; of {scan.returns} returns per beam the first are values.reshape(-1, {scan.returns})[:, 0]"
+        raise ValueError(
+            f"values has {given.size} values, and the scan {scan.beam_count()} beams, of which a picture shows one value "
+            f"each{first if scan.returns > 1 else ''}"
+        )
+    image = _upright(scan, given.reshape(scan.channels, scan.columns))
     step = -(-scan.columns // _WIDTH)
     if step > 1:
         starts = np.arange(0, scan.columns, step)
@@ -144,8 +169,8 @@ def show(scan: Scan, field: str | Field = "range") -> Any:
     values = np.where(returned, values, np.nan)
     figure, (beams, above) = plt.subplots(2, 1, figsize=(9, 9), height_ratios=(1, 3), layout="constrained")
     first = beam_image(scan, values.reshape(-1, scan.returns)[:, 0])
-    columns = (0, scan.columns) if starts_at_left(scan) else (scan.columns, 0)
-    rows = (scan.channels, 0) if starts_at_top(scan) else (0, scan.channels)
+    columns = (0, scan.columns) if scan.first_column_on_left else (scan.columns, 0)
+    rows = (scan.channels, 0) if scan.first_row_on_top else (0, scan.channels)
     shown = beams.imshow(first, aspect="auto", interpolation="nearest", extent=(*columns, *rows))
     beams.set(title=f"{scan.sensor}: {field}", xlabel="column", ylabel="channel")
     above.scatter(*scan.points[returned].T[:2], c=values[returned], s=0.5, norm=shown.norm)

@@ -14,10 +14,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
+
+from . import _gnosphere as gno
 
 Triangles = tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
 
@@ -176,8 +178,8 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
     """A block from z = -base up to heights in metres, shape (rows along y, columns along x), over a rectangle.
 
     A cell is divided from its corner of the least x and y to the opposite one. The sides have no corners below but those
-    of the base, so that the base has two triangles. Raises ValueError for heights that are not finite, and for fewer
-    than two rows or columns.
+    of the base, so that the base has two triangles. Raises ValueError for heights that are not finite or below the base,
+    and for fewer than two rows or columns.
     """
     _check("a height field", (half_x, half_y, base), 3)
     z = np.asarray(heights, np.float64)
@@ -185,6 +187,8 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
         raise ValueError(f"the heights of a height field must be two rows and columns or more, not of shape {z.shape}")
     if not np.all(np.isfinite(z)):
         raise ValueError("the heights of a height field must be finite")
+    if z.min() < -base:
+        raise ValueError(f"the heights of a height field must not be below its base, {-base} m, and {z.min()} m is")
     rows, columns = z.shape
     x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows))
     top = np.stack([x, y, z], axis=-1).reshape(-1, 3)
@@ -249,9 +253,10 @@ def ears(polygon: npt.ArrayLike) -> npt.NDArray[np.int64]:
     return np.array(found + [(left[0], b, c) for b, c in zip(left[1:], left[2:])], np.int64)
 
 
-def moved(triangles: Triangles, transform: Any) -> Triangles:
-    """The triangles after a map of shape (3, 4) or (4, 4)."""
-    rows = np.asarray(transform, np.float64)
+def moved(triangles: Triangles, transform: Union[gno.Transform, npt.ArrayLike]) -> Triangles:
+    """The triangles after a Transform, or a map of shape (3, 4) or (4, 4). Raises Error(invalid_argument) for another
+    shape, and for a last row that is not 0, 0, 0, 1."""
+    rows = (transform if isinstance(transform, gno.Transform) else gno.Transform(transform)).rows
     vertices, faces = triangles
     if np.linalg.det(rows[:3, :3]) < 0:
         faces = faces[:, ::-1]

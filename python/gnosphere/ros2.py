@@ -23,10 +23,12 @@ def cloud_of_array(points: np.ndarray, frame: str, stamp: int, dense: bool = Tru
     `stamp` is in nanoseconds. Raises ValueError for an array that has no fields or more than two dimensions, and for field
     types that a PointCloud2 lacks."""
     points = np.ascontiguousarray(points)
-    if points.dtype.fields is None or points.ndim not in (1, 2):
+    kinds = points.dtype.fields
+    if not kinds or not points.dtype.names or points.ndim not in (1, 2):
         raise ValueError("points: an array of records with one or two dimensions is needed")
     fields = []
-    for name, (dtype, offset, *_) in points.dtype.fields.items():
+    for name in points.dtype.names:  # the titles of fields are further names in `kinds`
+        dtype, offset = kinds[name][:2]
         base, shape = dtype.subdtype or (dtype, ())
         if base.str[1:] not in _TYPES or base.str[0] == ">":
             raise ValueError(f"points: the field {name} has the type {base}, which a PointCloud2 cannot have")

@@ -74,11 +74,16 @@ std::optional<Quaternion> rotationOf(const Transform& map) {
 
 }  // namespace
 
-bool hasMaskedEntries(nb::handle object) noexcept {
-  if (!nb::hasattr(object, "mask")) return false;
+bool hasMaskedEntries(nb::handle object) {
+  const nb::object mask = nb::steal(PyObject_GetAttrString(object.ptr(), "mask"));
+  if (!mask.is_valid()) {
+    forgetFault();
+    return false;
+  }
   try {
     return nb::cast<bool>(numpy().attr("ma").attr("is_masked")(object));
-  } catch (const std::exception&) {
+  } catch (const nb::python_error& error) {
+    if (isNoFault(error)) throw;
     return false;
   }
 }
@@ -97,6 +102,7 @@ nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::
   try {
     return asArray(object);
   } catch (const nb::python_error& error) {
+    if (isNoFault(error)) throw;
     refuse(name + " cannot be made an array" + wanted + ": " + lineOf(error));
   }
 }
@@ -170,7 +176,7 @@ Transform transformOf(const ArrayLike& argument, const std::string& name) {
 }
 
 MapLike mapLikeOf(nb::handle argument) {
-  if (nb::isinstance<Transform>(argument)) return {nb::cast<const Transform&>(argument)};
+  if (nb::isinstance<Transform>(argument)) return {complete<Transform>(argument)};
   if (!isSequenceOfObjects(argument) && !nb::hasattr(argument, "shape") && !isArray(argument.ptr()))
     throw nb::type_error(("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not a " +
                           nb::cast<std::string>(argument.type().attr("__name__")))

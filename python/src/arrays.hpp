@@ -101,7 +101,7 @@ std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
       throw nb::type_error((name + ": entry 0 is of the type " + nameOf(nb::type<T>()) + ", but entry " +
                             std::to_string(i) + " of the type " + nameOf(entry.type()) + "; all must be of one type")
                                .c_str());
-    entries.push_back(nb::cast<const T&>(entry));
+    entries.push_back(complete<T>(entry));
   }
   return entries;
 }

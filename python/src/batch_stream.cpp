@@ -37,8 +37,9 @@ using CollectedStream =
 using CollectedBatch =
     Collected<Streamed, [](const Streamed& of) { return std::vector<nb::handle>{of.stream}; }, kDropsNothing>;
 
-Streamed wait(nb::handle self, uint64_t number) {
+Streamed wait(nb::handle self, const Whole& batch) {
   auto& of = nb::cast<Stream&>(self);
+  const auto number = batch.of<uint64_t>("wait: number");
   Streamed result;
   result.stream = nb::borrow(self);
   of.simulator.use([&](Simulator&) {
@@ -201,8 +202,10 @@ void bindBatchStream(nb::module_& m) {
       "SensorRequest.fields.")
       .def(
           "__init__",
-          [](Stream* self, nb::handle_t<SimulatorWithFunctions> simulator, size_t views, size_t inFlight, bool toHost) {
-            new (self) Stream(nb::borrow(simulator), {views, inFlight, toHost});
+          [](Stream* self, nb::handle_t<SimulatorWithFunctions> simulator, const Whole& views, const Whole& inFlight,
+             bool toHost) {
+            new (self) Stream(nb::borrow(simulator), {views.of<size_t>("BatchStream: views"),
+                                                      inFlight.of<size_t>("BatchStream: in_flight"), toHost});
           },
           "simulator"_a, "views"_a, "in_flight"_a = 2, "to_host"_a = false,
           "Makes the result buffers: `in_flight` of them, each with room for batches of `views` shots of any sensor "
@@ -249,8 +252,9 @@ void bindBatchStream(nb::module_& m) {
           "Error(invalid_argument) for an unknown sensor.")
       .def(
           "export_memory",
-          [](Stream& self, size_t buffer) {
-            return self.simulator.use([&](Simulator&) { return self.stream.exportMemory(buffer); });
+          [](Stream& self, const Whole& buffer) {
+            const auto number = buffer.of<size_t>("export_memory: buffer");
+            return self.simulator.use([&](Simulator&) { return self.stream.exportMemory(number); });
           },
           "buffer"_a,
           "Hands out the memory of a result buffer, for whoever imports it with Vulkan or CUDA as an opaque file "
@@ -258,8 +262,9 @@ void bindBatchStream(nb::module_& m) {
           "the device exports none.")
       .def(
           "cuda_address",
-          [](Stream& self, size_t buffer) {
-            return self.simulator.use([&](Simulator&) { return self.stream.cudaAddress(buffer); });
+          [](Stream& self, const Whole& buffer) {
+            const auto number = buffer.of<size_t>("cuda_address: buffer");
+            return self.simulator.use([&](Simulator&) { return self.stream.cudaAddress(number); });
           },
           "buffer"_a,
           "Imports a result buffer in CUDA, once; it is valid as long as the stream. Raises Error(device) that gives "

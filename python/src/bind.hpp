@@ -4,18 +4,21 @@
 // Two rules keep Python from reading memory that C++ has given back. An object that stands in a list (a Channel, a
 // Stamp, a Volume) is never changed after it is made, and lists are read as tuples of copies and assigned whole. A
 // Scene's lists keep their length, so their elements are handed out by reference and can be changed in place.
+//
+// A call that works without the GIL first copies its arguments, or shares the results among them, while it has the GIL;
+// then it makes a ReleasedGil. A Scene is too large for that, so its users must not change it meanwhile.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include <gnosphere/gnosphere.hpp>
 
 #include "gil.hpp"
+#include "text.hpp"
 #include "vectors.hpp"
 
 namespace nb = nanobind;
@@ -43,15 +46,23 @@ void bindDrive(nb::module_& m);
 void bindRos2(nb::module_& m);
 void bindCommandLine(nb::module_& m);
 
-using WithoutGil = nb::call_guard<ReleasedGil>;
-
 [[noreturn]] inline void refuse(const std::string& sentence) {
   throw Error(ErrorCode::invalidArgument, sentence);
 }
 
+/// What an object of a class of ours, or of one derived from it, holds. Throws a TypeError if it was not made.
+template <typename T>
+const T& complete(nb::handle object) {
+  if (nb::inst_ready(object)) return nb::cast<const T&>(object);
+  const auto name = nb::cast<std::string>(object.type().attr("__name__"));
+  throw nb::type_error(
+      ("an object of the class " + name + " was not made: " + name + ".__init__() must call super().__init__()")
+          .c_str());
+}
+
 /// Gives a UserWarning at the line of Python that calls. Where warnings are made errors, it throws.
 inline void warnUser(const std::string& sentence) {
-  if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) != 0) throw nb::python_error();
+  if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%U", nb::cast(sentence).ptr()) != 0) throw nb::python_error();
 }
 
 /// tuple[T, ...]

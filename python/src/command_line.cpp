@@ -12,10 +12,10 @@ void bindCommandLine(nb::module_& m) {
         std::vector<char*> pointers;
         for (std::string& word : words) pointers.push_back(word.data());
         pointers.push_back(nullptr);
+        const ReleasedGil released;
         return cli::runCommandLine(static_cast<int>(words.size()), pointers.data());
       },
-      "words"_a, WithoutGil(),
-      "Runs the command line of these words, the program's name first; returns its exit status.");
+      "words"_a, "Runs the command line of these words, the program's name first; returns its exit status.");
 }
 
 }  // namespace gnosphere::python

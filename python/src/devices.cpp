@@ -28,7 +28,8 @@ void bindAccuracy(nb::module_& m) {
   for (const AccuracySetting& setting : accuracySettings())
     names += (names.empty() ? "'" : ", '") + std::string(setting.name) + "'";
   m.def(
-      "name_of", [](Accuracy accuracy) { return std::string(nameOf(accuracy)); }, "accuracy"_a, (names + ".").c_str());
+      "name_of", [](Accuracy accuracy) { return std::string(nameOf(accuracy)); }, "accuracy"_a.noconvert(),
+      (names + ".").c_str());
 
   using Parts = AccuracyParts;
   nb::class_<Parts> parts(m, "AccuracyParts",
@@ -52,7 +53,7 @@ void bindAccuracy(nb::module_& m) {
       .def_ro("cull", &Parts::cull, "Which point of a triangle must be in range.")
       .def_ro("inside", &Parts::inside, "How the inside test decides.")
       .def_ro("range", &Parts::range, "How the range of a hit is computed.");
-  m.def("accuracy_parts_of", &accuracyPartsOf, "accuracy"_a, "Returns the parts of a named setting.");
+  m.def("accuracy_parts_of", &accuracyPartsOf, "accuracy"_a.noconvert(), "Returns the parts of a named setting.");
   bindWords<ReflectingFaces>(m, "ReflectingFaces", optionNamed("faces"));
 }
 

@@ -52,7 +52,9 @@ void bindDrive(nb::module_& parent) {
   nb::module_ m = parent.def_submodule("drive", "Makes data sets of drive files, as `gnosphere drive` does.");
 
   nb::class_<Drive> drive(m, "Drive", "What a drive file says, with every file that it names read.");
-  drive.def_ro("name", &Drive::name, "What the file calls the drive.")
+  drive
+      .def_ro("name", &Drive::name,
+              "The name of the drive in data sets: what the file or the caller calls it, or else that of the file.")
       .def_ro("seed", &Drive::seed, "Seed of the random numbers of all sensors whose effects state none.")
       .def_ro("rate", &Drive::rate, "Frames per second.")
       .def_ro("start", &Drive::start, "Time of frame 0, in seconds of the trajectories' clock.")
@@ -60,9 +62,15 @@ void bindDrive(nb::module_& parent) {
       .def_ro("fingerprint", &Drive::fingerprint, "Hash of the drive file and of everything that was read for it.")
       .def("frame_count", &Drive::frameCount, "Number of frames.");
   readTuple(drive, "warnings", &Drive::warnings, "What a user may want to know and is no mistake.");
-  m.def("read_drive", &drive::readDrive, "file"_a, "seed"_a = nb::none(), WithoutGil(),
-        "Reads a drive file and the files that it names. A `seed` replaces that of the file, as if the file stated it. "
-        "Raises Error(format) that lists the mistakes with their JSON paths, or Error(file).");
+  m.def(
+      "read_drive",
+      [](const std::filesystem::path& file, std::optional<uint64_t> seed, const std::optional<std::string>& name) {
+        const ReleasedGil released;
+        return drive::readDrive(file, seed, name);
+      },
+      "file"_a, "seed"_a = nb::none(), "name"_a = nb::none(),
+      "Reads a drive file and the files that it names. A `seed` and a `name` replace those of the file, as if the file "
+      "stated them. Raises Error(format) that lists the mistakes with their JSON paths, or Error(file).");
 
   nb::class_<RunOptions>(m, "RunOptions", "Which frames of a drive are made, where and how.",
                          nb::type_slots(CollectedRun::slots))

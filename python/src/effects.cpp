@@ -123,8 +123,11 @@ void bindEffects(nb::module_& m) {
   bindRow<[](Effects& all) -> Effects& { return all; }>(effects, "seed", seedParameter());
   effects.def_static(
       "none", &Effects::none,
-      "Returns a value with every effect off: geometry alone. An effect that is off ignores its other values; give "
-      "it a `use`, too, or a new value: effects.range_noise = Effects.RangeNoise(sigma=0.02).");
+      "Returns a value with every effect off: geometry alone. Nothing moves during a scan, so the motions of a shot "
+      "are "
+      "ignored without a warning, unless sensor_motion or object_motion is turned on. An effect that is off ignores "
+      "its "
+      "other values; give it a `use`, too, or a new value: effects.range_noise = Effects.RangeNoise(sigma=0.02).");
   bindSignal(effects);
   bindEchoes(effects);
   bindMotion(effects);
@@ -169,8 +172,8 @@ void bindEffects(nb::module_& m) {
       "to_json", [](const Effects& of) { return toJson(of); }, "effects"_a,
       "Writes effects as JSON that effects_from_json() reads.");
   m.def("assign", nb::overload_cast<Effects&, const std::string&>(&assign), "effects"_a, "assignment"_a,
-        "Applies one assignment of a command line: 'fog.visibility=200' sets a parameter and turns the effect on; "
-        "'divergence=off' sets the EffectUse. Raises Error(invalid_argument).");
+        "Applies one assignment of a command line: 'fog.visibility=200' sets a parameter and turns the effect on, and "
+        "with 0, so nothing, leaves it to auto; 'divergence=off' sets the EffectUse. Raises Error(invalid_argument).");
 }
 
 }  // namespace gnosphere::python

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/error.hpp: an Error becomes a Python exception.
-#include <cstring>
+#include <string>
 
 #include "bind.hpp"
 
@@ -34,10 +34,7 @@ void bindErrors(nb::module_& m) {
           std::rethrow_exception(thrown);
         } catch (const Error& error) {
           const nb::handle errors(static_cast<PyObject*>(errorType));
-          // Names of files may be no UTF-8; Python has their bytes as os.fsdecode() gives them.
-          const nb::object text = nb::steal(PyUnicode_DecodeUTF8(
-              error.what(), static_cast<Py_ssize_t>(std::strlen(error.what())), "surrogateescape"));
-          nb::object exception = errors(text);
+          nb::object exception = errors(std::string(error.what()));
           exception.attr("code") = nb::cast(error.code());
           PyErr_SetObject(errors.ptr(), exception.ptr());
         }

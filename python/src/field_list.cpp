@@ -13,12 +13,19 @@ std::string typeOf(nb::handle object) {
   return nb::cast<std::string>(object.type().attr("__name__"));
 }
 
+/// A text of Python, in which lone surrogates, which UTF-8 does not have, are escaped as in Python's source.
+std::string textOf(nb::handle object) {
+  const nb::object bytes = nb::steal(PyUnicode_AsEncodedString(object.ptr(), "utf-8", "backslashreplace"));
+  if (!bytes.is_valid()) throw nb::python_error();
+  return {PyBytes_AsString(bytes.ptr()), static_cast<size_t>(PyBytes_Size(bytes.ptr()))};
+}
+
 }  // namespace
 
 FieldList fieldListOf(nb::handle argument) {
   FieldList list;
   if (nb::isinstance<nb::str>(argument)) {
-    if (const auto names = nb::cast<std::string>(argument); !names.empty()) list.fields = parseFields(names);
+    if (const auto names = textOf(argument); !names.empty()) list.fields = parseFields(names);
     return list;
   }
   if (!PySequence_Check(argument.ptr()) || nb::isinstance<nb::bytes>(argument))
@@ -27,9 +34,9 @@ FieldList fieldListOf(nb::handle argument) {
                              .c_str());
   for (const nb::handle item : nb::borrow<nb::object>(argument)) {
     if (nb::isinstance<nb::str>(item)) {
-      const std::vector<Field> named = parseFields(nb::cast<std::string>(item));
+      const std::vector<Field> named = parseFields(textOf(item));
       list.fields.insert(list.fields.end(), named.begin(), named.end());
-    } else if (Field field = {}; nb::try_cast(item, field)) {
+    } else if (Field field = {}; nb::try_cast(item, field, false)) {
       list.fields.push_back(field);
     } else {
       throw nb::type_error(
@@ -41,14 +48,14 @@ FieldList fieldListOf(nb::handle argument) {
 
 FieldLike fieldLikeOf(nb::handle argument) {
   if (const std::optional<Field> field = findFieldOf(argument)) return {*field};
-  const auto name = nb::cast<std::string>(argument);
+  const std::string name = textOf(argument);
   const std::vector<Field> named = parseFields(name);  // which refuses a name that no field has
   if (named.size() != 1) refuse("one field is wanted, not " + std::to_string(named.size()) + ": '" + name + "'");
   return {named[0]};
 }
 
 std::optional<Field> findFieldOf(nb::handle object) {
-  if (nb::isinstance<nb::str>(object)) return findField(nb::cast<std::string>(object));
+  if (nb::isinstance<nb::str>(object)) return findField(textOf(object));
   if (nb::isinstance<Field>(object)) return nb::cast<Field>(object);
   throw nb::type_error(
       ("a field is a Field or the name of one, such as 'intensity', and not a " + typeOf(object)).c_str());

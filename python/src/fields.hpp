@@ -38,9 +38,10 @@ void bindNames(nb::class_<Result>& type, const char* what, const char* remedy) {
             if (field && kHas(self, *field)) return kColumn(self, *field);
             std::string known;
             for (const std::string& one : namesOf(fieldsOf(self))) known += (known.empty() ? "" : ", ") + one;
-            const auto wanted = field ? fieldInfo(*field).name : nb::cast<std::string>(name);
+            const auto wanted =
+                nb::cast<std::string>(nb::repr(field ? nb::cast(fieldInfo(*field).name) : nb::borrow(name)));
             throw nb::key_error(
-                (std::string(what) + " has no field '" + wanted + "'; it has " + known + ", and " + remedy).c_str());
+                (std::string(what) + " has no field " + wanted + "; it has " + known + ", and " + remedy).c_str());
           },
           "name"_a, nb::sig("def __getitem__(self, name: str | Field) -> numpy.typing.NDArray[typing.Any]"),
           (std::string("The column of a field, by its name, such as \"range\", or as a Field; see column() and keys(). "

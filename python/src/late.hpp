@@ -9,7 +9,7 @@
 namespace nanobind::detail {
 
 /// The caster of an argument that read() makes of an object. Errors are thrown when the called function takes it,
-/// because from_python() cannot throw.
+/// because nanobind does not let from_python() throw.
 template <typename T, T (*read)(handle)>
 struct late_caster {
   using Value = T;

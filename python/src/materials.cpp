@@ -40,9 +40,15 @@ void bindMaterials(nb::module_& m) {
       "rows"_a = nb::make_tuple());
   readTuple(table, "rows", &MaterialTable::rows, "The rows, in the order of the file.");
 
-  m.def("load_material_table", &loadMaterialTable, "file"_a, WithoutGil(),
-        "Reads a material table in the JSON format of GnoSphere or in ASAM OpenMATERIAL 3D (.xoma, .xomm or .xomp). "
-        "Raises Error(file) or Error(format).");
+  m.def(
+      "load_material_table",
+      [](const std::filesystem::path& file) {
+        const ReleasedGil released;
+        return loadMaterialTable(file);
+      },
+      "file"_a,
+      "Reads a material table in the JSON format of GnoSphere or in ASAM OpenMATERIAL 3D (.xoma, .xomm or .xomp). "
+      "Raises Error(file) or Error(format).");
   m.def(
       "optics_of", [](const Material& material) { return opticsOf(material); }, "material"_a,
       "Derives optics from the glTF properties base colour (red stands for near infrared), metallic, roughness, "

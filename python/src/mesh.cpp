@@ -118,8 +118,10 @@ void bindMeshItself(nb::module_& m) {
                        "A run of triangles of one mesh that share a material. It is never changed after it is made.")
       .def(
           "__init__",
-          [](MeshPart* self, uint32_t first, uint32_t count, uint32_t material) {
-            new (self) MeshPart{first, count, material};
+          [](MeshPart* self, const Whole& first, const Whole& count, const Whole& material) {
+            new (self)
+                MeshPart{first.of<uint32_t>("MeshPart: first_triangle"), count.of<uint32_t>("MeshPart: triangle_count"),
+                         material.of<uint32_t>("MeshPart: material")};
           },
           "first_triangle"_a = 0, "triangle_count"_a = 0, "material"_a = 0)
       .def_ro("first_triangle", &MeshPart::firstTriangle, "Index of the first triangle of the run.")

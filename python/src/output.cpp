@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
+#include <string_view>
+
 #include "base/text.hpp"
 #include "field_list.hpp"
 #include "output/cloud_format.hpp"
@@ -10,13 +12,31 @@
 namespace gnosphere::python {
 namespace {
 
+/// Whether the format of a buffer, in the syntax of PEP 3118, has references to Python objects. Names of fields stand
+/// between colons.
+bool hasObjects(std::string_view format) {
+  bool name = false;
+  for (const char c : format) {
+    if (c == ':') name = !name;
+    if (c == 'O' && !name) return true;
+  }
+  return false;
+}
+
 /// The bytes of a Python object that can be written.
 class WritableBytes {
  public:
   explicit WritableBytes(nb::handle object) {
-    if (PyObject_GetBuffer(object.ptr(), &buffer_, PyBUF_WRITABLE | PyBUF_C_CONTIGUOUS) == 0) return;
-    PyErr_Clear();
-    refuse("pack: `out` must be a contiguous array that can be written, such as numpy.empty(bytes, numpy.uint8)");
+    const bool given =
+        PyObject_GetBuffer(object.ptr(), &buffer_, PyBUF_WRITABLE | PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) == 0;
+    if (given && !(buffer_.format && hasObjects(buffer_.format))) return;
+    if (given)
+      PyBuffer_Release(&buffer_);
+    else
+      forgetFault();
+    refuse(
+        "pack: `out` must be a contiguous array of numbers that can be written, such as numpy.empty(bytes, "
+        "numpy.uint8)");
   }
   ~WritableBytes() { PyBuffer_Release(&buffer_); }
   WritableBytes(const WritableBytes&) = delete;
@@ -38,7 +58,7 @@ void bindLayout(nb::module_& m) {
           [](RecordLayout::Value* self, Field field, uint32_t component, size_t offset, ValueType type) {
             new (self) RecordLayout::Value{field, component, offset, type};
           },
-          "field"_a, "component"_a = 0, "offset"_a = 0, "type"_a = ValueType::f32)
+          "field"_a.noconvert(), "component"_a = 0, "offset"_a = 0, nb::arg("type").noconvert() = ValueType::f32)
       .def_ro("field", &RecordLayout::Value::field, "What the value is.")
       .def_ro("component", &RecordLayout::Value::component, "Which component of a vector, from 0 on.")
       .def_ro("offset", &RecordLayout::Value::offset, "Bytes from the start of the row; no alignment is needed.")
@@ -81,7 +101,8 @@ void bindLayout(nb::module_& m) {
       },
       "scan"_a, "layout"_a, "out"_a, nb::sig("def pack(scan: Scan, layout: RecordLayout, out: typing.Any) -> int"),
       "Writes the rows of the scan to the start of `out` and returns their number. `out` is a C-contiguous array that "
-      "can be written, of any type; len(scan.ranges) * layout.stride bytes always suffice. Raises "
+      "can be written, of numbers of any type or of records of them; len(scan.ranges) * layout.stride bytes always "
+      "suffice. Raises "
       "Error(invalid_argument), before anything is written, for a field that the scan does not have, a type that does "
       "not hold the field, values that overlap or reach beyond the stride, and an array that is too small (the message "
       "states the bytes needed).");
@@ -133,7 +154,9 @@ void bindComparison(nb::module_& m) {
       "Compares two clouds; `reference` is taken as the truth. `tolerance`, in metres, applies to beams for which the "
       "reference states no tolerance of its own. If both clouds have points, these may be apart by the tolerance and "
       "the rounding of coordinates: a millionth of the range, or 2^-22 of the distance from the frame's origin if that "
-      "is more. Raises Error(invalid_argument) if the clouds do not have the same beams.");
+      "is more. Raises Error(invalid_argument) if the clouds do not have the same beams, or for a tolerance that is "
+      "not "
+      "a number from 0 on.");
 }
 
 }  // namespace
@@ -152,14 +175,15 @@ void bindOutput(nb::module_& m) {
   options
       .def(
           "__init__",
-          [](CloudOptions* self, FieldList fields, bool compact, bool ascii) {
+          [](CloudOptions* self, FieldList fields, std::optional<bool> compact, bool ascii) {
             new (self) CloudOptions{std::move(fields.fields), compact, ascii};
           },
-          "fields"_a = nb::make_tuple(), "compact"_a = false, "ascii"_a = false)
+          "fields"_a = nb::make_tuple(), "compact"_a = nb::none(), "ascii"_a = false)
       .def_rw(
           "compact", &CloudOptions::compact,
-          "If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If "
-          "beams have several returns, the file is always compact: one row per return, and no grid.")
+          "If true, only returns are written, one row each. If false, every entry is, with NaN (0xffffffff in indices) "
+          "for one without a return, as a grid of channels x columns (x returns). None: true if beams have several "
+          "returns.")
       .def_rw("ascii", &CloudOptions::ascii, "Writes PCD and PLY as text; CSV always is text.");
   readWriteFields(options, &CloudOptions::fields,
                   "If empty: default_fields(), plus return_number and return_count if beams have several returns.");
@@ -195,8 +219,11 @@ void bindOutput(nb::module_& m) {
       },
       "file"_a,
       "Reads a PCD, PLY, NPY or CSV cloud that write_cloud() wrote. The scan gets the fields of the file except ring, "
-      "beam, return_number and return_count, which follow from the index of an entry. Raises Error(file), "
-      "Error(format), or Error(invalid_argument) for an extension that cannot be read.");
+      "beam, return_number and return_count, which follow from the index of an entry. With the field `beam` entries "
+      "are placed by it, and by `return` if beams have several; without it the points are of one beam each, unless "
+      "there is one for every entry of the grid that the file states. A compact file of several returns has no rows "
+      "for beams without any, so its `cause` is left out. The pose is that of a PCD file, else the identity. Raises "
+      "Error(file), Error(format), or Error(invalid_argument) for an extension that cannot be read.");
   bindComparison(m);
 }
 

@@ -3,7 +3,11 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/variant.h>
 
+#include <algorithm>
+#include <array>
 #include <gnosphere/ros2.hpp>
+#include <memory>
+#include <string>
 
 #include "arrays.hpp"
 #include "field_list.hpp"
@@ -56,7 +60,7 @@ void bindCloud(nb::module_& m) {
           [](PointField* self, std::string name, uint32_t offset, PointField::Type type, uint32_t count) {
             new (self) PointField{std::move(name), offset, type, count};
           },
-          "name"_a, "offset"_a, "type"_a = PointField::Type::f32, "count"_a = 1)
+          "name"_a, "offset"_a, nb::arg("type").noconvert() = PointField::Type::f32, "count"_a = 1)
       .def_ro("name", &PointField::name, "Such as x.")
       .def_ro("offset", &PointField::offset, "Bytes from the start of the point.")
       .def_ro("type", &PointField::type, "The type of its numbers.")
@@ -112,21 +116,44 @@ void bindLaserScan(nb::module_& m) {
       .def_rw("intensities", &LaserScan::intensities, "One per range, or none; a list that is assigned whole.");
 }
 
+/// The numbers of a covariance of `side` rows. Throws Error(invalidArgument) that begins with `name`.
+template <size_t side>
+std::array<double, side * side> covarianceOf(const std::optional<ArrayLike>& given, const std::string& name) {
+  std::array<double, side* side> covariance = {};
+  if (!given) return covariance;
+  nb::object array = arrayOrRefuse(given->object, name, "");
+  if (array.attr("shape").equal(nb::make_tuple(side, side))) array = array.attr("reshape")(-1);
+  const auto numbers = arrayOf<double>({array}, name);
+  if (numbers.rows() != covariance.size())
+    refuse(name + " has " + std::to_string(numbers.rows()) + " numbers; it must have " +
+           std::to_string(covariance.size()) + ", or the shape (" + std::to_string(side) + ", " + std::to_string(side) +
+           ")");
+  std::ranges::copy(numbers.values(), covariance.begin());
+  return covariance;
+}
+
 void bindImu(nb::module_& m) {
-  using Covariance = std::array<double, 9>;
+  using Covariance = std::optional<ArrayLike>;
   nb::class_<Imu>(m, "Imu",
-                  "sensor_msgs/Imu. A covariance has nine numbers, row by row; zeros mean that it is unknown.")
+                  "sensor_msgs/Imu. A covariance has nine numbers, row by row, or the shape (3, 3); zeros, and None, "
+                  "mean that it is unknown.")
       .def(
           "__init__",
           [](Imu* self, int64_t stamp, std::string frame, const Quaternion& orientation, const Vec3& angularVelocity,
              const Vec3& linearAcceleration, const Covariance& ofOrientation, const Covariance& ofVelocity,
              const Covariance& ofAcceleration) {
-            new (self) Imu{stamp,           std::move(frame), orientation,        ofOrientation,
-                           angularVelocity, ofVelocity,       linearAcceleration, ofAcceleration};
+            new (self) Imu{stamp,
+                           std::move(frame),
+                           orientation,
+                           covarianceOf<3>(ofOrientation, "Imu: orientation_covariance"),
+                           angularVelocity,
+                           covarianceOf<3>(ofVelocity, "Imu: angular_velocity_covariance"),
+                           linearAcceleration,
+                           covarianceOf<3>(ofAcceleration, "Imu: linear_acceleration_covariance")};
           },
           "stamp"_a, "frame"_a, "orientation"_a = Quaternion(), "angular_velocity"_a = Vec3(),
-          "linear_acceleration"_a = Vec3(), "orientation_covariance"_a = Covariance(),
-          "angular_velocity_covariance"_a = Covariance(), "linear_acceleration_covariance"_a = Covariance())
+          "linear_acceleration"_a = Vec3(), "orientation_covariance"_a = nb::none(),
+          "angular_velocity_covariance"_a = nb::none(), "linear_acceleration_covariance"_a = nb::none())
       .def_ro("stamp", &Imu::stamp, "Nanoseconds.")
       .def_ro("frame", &Imu::frame, "The frame of the unit.")
       .def_ro("orientation", &Imu::orientation, "Maps the frame of the unit to the world.")
@@ -138,19 +165,26 @@ void bindImu(nb::module_& m) {
 }
 
 void bindOdometry(nb::module_& m) {
-  using Covariance = std::array<double, 36>;
+  using Covariance = std::optional<ArrayLike>;
   nb::class_<Odometry>(m, "Odometry",
-                       "nav_msgs/Odometry. A covariance has 36 numbers, row by row: x, y, z, and about these axes.")
+                       "nav_msgs/Odometry. A covariance has 36 numbers, row by row, or the shape (6, 6): x, y, z, and "
+                       "about these axes. Zeros, and None, mean that it is unknown.")
       .def(
           "__init__",
           [](Odometry* self, int64_t stamp, std::string frame, std::string childFrame, const Pose& pose,
              const Vec3& linearVelocity, const Vec3& angularVelocity, const Covariance& ofPose,
              const Covariance& ofTwist) {
-            new (self) Odometry{stamp,  std::move(frame), std::move(childFrame), pose,
-                                ofPose, linearVelocity,   angularVelocity,       ofTwist};
+            new (self) Odometry{stamp,
+                                std::move(frame),
+                                std::move(childFrame),
+                                pose,
+                                covarianceOf<6>(ofPose, "Odometry: pose_covariance"),
+                                linearVelocity,
+                                angularVelocity,
+                                covarianceOf<6>(ofTwist, "Odometry: twist_covariance")};
           },
           "stamp"_a, "frame"_a, "child_frame"_a, "pose"_a = Pose(), "linear_velocity"_a = Vec3(),
-          "angular_velocity"_a = Vec3(), "pose_covariance"_a = Covariance(), "twist_covariance"_a = Covariance())
+          "angular_velocity"_a = Vec3(), "pose_covariance"_a = nb::none(), "twist_covariance"_a = nb::none())
       .def_ro("stamp", &Odometry::stamp, "Nanoseconds.")
       .def_ro("frame", &Odometry::frame, "The frame in which the pose is.")
       .def_ro("child_frame", &Odometry::childFrame, "The frame whose pose it is.")
@@ -196,15 +230,20 @@ void bindPublisher(nb::module_& m) {
             const ReleasedGil released;
             new (self) Publisher(type, topic, {qos, domain, localhostOnly});
           },
-          "type"_a, "topic"_a, "qos"_a = Qos(), "domain"_a = nb::none(), "localhost_only"_a = nb::none(),
+          "type"_a.noconvert(), "topic"_a, "qos"_a = Qos(), "domain"_a = nb::none(), "localhost_only"_a = nb::none(),
           "`topic` is a name of ROS, such as \"points\" or \"/front/points\"; the domain is that of ROS_DOMAIN_ID "
           "unless given. Raises Error(device) that says what is missing if GnoSphere was built without Cyclone DDS.")
       .def("publish", &Publisher::publish, "message"_a,
            "Hands over a copy of a message, to be sent. A sequence of StampedTransform is a message of transforms. "
            "Raises Error(invalid_argument) for a message of another type than the topic's, and for one whose sizes "
            "contradict each other.")
-      .def("flush", &Publisher::flush, "seconds"_a, WithoutGil(),
-           "Waits until all messages have been given to the network. Returns False if that takes longer.")
+      .def(
+          "flush",
+          [](Publisher& self, double seconds) {
+            const ReleasedGil released;
+            return self.flush(seconds);
+          },
+          "seconds"_a, "Waits until all messages have been given to the network. Returns False if that takes longer.")
       .def("counts", &Publisher::counts, "What has become of the messages.");
 }
 
@@ -246,9 +285,11 @@ void bindRos2(nb::module_& parent) {
   m.def(
       "cloud_of",
       [](const SharedScan& scan, const FieldList& list, const std::string& frame, int64_t stamp) {
-        return cloudOf(*scan.value, list.fields, frame, stamp);
+        const std::shared_ptr<Scan> shared = scan.value;
+        const ReleasedGil released;
+        return cloudOf(*shared, list.fields, frame, stamp);
       },
-      "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
+      "scan"_a, "fields"_a, "frame"_a, "stamp"_a,
       "The returns of a scan as a cloud with these fields and without gaps; `stamp` is in nanoseconds. Raises "
       "Error(invalid_argument) for a field that the scan does not have.");
   nb::enum_<Driver>(m, "Driver", "Drivers of ROS 2, whose point layouts nodes for localisation and mapping read.")
@@ -261,20 +302,29 @@ void bindRos2(nb::module_& parent) {
              "PointXYZIRCAEDT of Autoware: time_stamp in nanoseconds, azimuth in the sense in which the head turns");
   m.def(
       "driver_cloud_of",
-      [](const SharedScan& scan, Driver driver, const std::string& frame, int64_t stamp, const Effects& effects) {
-        return driverCloudOf(*scan.value, driver, frame, stamp, effects);
+      [](const SharedScan& scan, const Choice<Driver>& driver, const std::string& frame, int64_t stamp,
+         const Effects& effects) {
+        const std::shared_ptr<Scan> shared = scan.value;
+        const Driver layout = chosen(driver, "driver_cloud_of: driver");
+        const Effects copy = effects;
+        const ReleasedGil released;
+        return driverCloudOf(*shared, layout, frame, stamp, copy);
       },
-      "scan"_a, "driver"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(), WithoutGil(),
+      "scan"_a, "driver"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(),
       "The returns of a scan as a driver publishes them, in the order of their times, which count from `stamp` (in "
-      "nanoseconds). `effects` are those of the scan: the scale of its intensities, and the mode of its returns. "
-      "Raises Error(invalid_argument) for a scan without the field time, and for values that the driver's types do "
+      "nanoseconds). `driver` is an enumerator, or the name of one. `effects` are those of the scan: the scale of its "
+      "intensities, and the mode of its returns. Raises Error(invalid_argument) for a scan without the field time, and "
+      "for values that the driver's types do "
       "not hold.");
   m.def(
       "livox_custom_of",
       [](const SharedScan& scan, const std::string& frame, int64_t stamp, const Effects& effects) {
-        return livoxCustomOf(*scan.value, frame, stamp, effects);
+        const std::shared_ptr<Scan> shared = scan.value;
+        const Effects copy = effects;
+        const ReleasedGil released;
+        return livoxCustomOf(*shared, frame, stamp, copy);
       },
-      "scan"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(), WithoutGil(),
+      "scan"_a, "frame"_a, "stamp"_a, "effects"_a = Effects(),
       "The returns of a scan as Livox's driver publishes them in a message of its own (xfer_format 1), which FAST-LIO "
       "reads; otherwise as driver_cloud_of() with Driver.livox.");
   m.def("has_laser_scan", &hasLaserScan, "sensor"_a, "channel"_a = 0,
@@ -282,10 +332,14 @@ void bindRos2(nb::module_& parent) {
         "whose beams are evenly spaced in azimuth. Beams straight up or down have no azimuth.");
   m.def(
       "laser_scan_of",
-      [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
-        return laserScanOf(sensor, *scan.value, channel, frame, stamp);
+      [](const Sensor& sensor, const SharedScan& scan, const Whole& channel, const std::string& frame, int64_t stamp) {
+        const std::shared_ptr<Scan> shared = scan.value;
+        const auto row = channel.of<uint32_t>("laser_scan_of: channel");
+        const Sensor copy = sensor;
+        const ReleasedGil released;
+        return laserScanOf(copy, *shared, row, frame, stamp);
       },
-      "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
+      "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a,
       "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
       "a return is inf, as REP 117 wants it. A beam that the sensor masks is NaN. With the field cause, -inf is a beam "
       "that a surface nearer than its least range blocks (NearHits.hide), and NaN also one that is dead or whose "

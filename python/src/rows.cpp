@@ -109,7 +109,7 @@ std::string keywordsOf(nb::handle type, const std::vector<std::string>& position
 
 nb::object enumeratorNamed(const std::string& name, nb::handle any, const std::string& what) {
   const nb::object members = any.type().attr("__members__");
-  const nb::str word(pythonName(name).c_str());
+  const nb::object word = nb::cast(pythonName(name));
   if (!nb::cast<nb::mapping>(members).contains(word))
     refuse(what + " must be " + listedNames(members) + ", is " + nb::cast<std::string>(nb::repr(nb::cast(name))));
   return members[word];

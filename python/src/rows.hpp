@@ -45,18 +45,21 @@ void bindWords(nb::handle scope, const std::string& name, const Parameter<Owner>
   bindWords<Enum>(scope, name, std::get<ChoiceParameter<Owner>>(parameter.kind).words, parameter.doc);
 }
 
-/// An argument from Python that chooses an enumerator: the enumerator, or the name of it.
+/// An argument from Python that chooses an enumerator: the enumerator, or the name of it. The number of an enumerator,
+/// as those of other enums are, chooses none.
 template <typename Enum>
-using Choice = std::variant<Enum, std::string>;
+struct Choice {
+  std::variant<Enum, std::string> given;
+};
 
 /// Returns the enumerator of this name of the enum of which `any` is one. Throws Error(invalidArgument) with the known
 /// names, which begins with `what`.
 nb::object enumeratorNamed(const std::string& name, nb::handle any, const std::string& what);
 
 template <typename Enum>
-Enum chosen(const Choice<Enum>& given, const std::string& what) {
-  if (const Enum* const value = std::get_if<Enum>(&given)) return *value;
-  return nb::cast<Enum>(enumeratorNamed(std::get<std::string>(given), nb::cast(Enum()), what));
+Enum chosen(const Choice<Enum>& choice, const std::string& what) {
+  if (const Enum* const value = std::get_if<Enum>(&choice.given)) return *value;
+  return nb::cast<Enum>(enumeratorNamed(std::get<std::string>(choice.given), nb::cast(Enum()), what));
 }
 
 /// Defines a property that is a choice, to which a name can be assigned, too.
@@ -148,3 +151,23 @@ void bindKeywords(
 }
 
 }  // namespace gnosphere::python
+
+namespace nanobind::detail {
+
+template <typename Enum>
+struct type_caster<gnosphere::python::Choice<Enum>> {
+  NB_TYPE_CASTER(gnosphere::python::Choice<Enum>, make_caster<Enum>::Name + const_name(" | str"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    Enum enumerator = {};
+    std::string name;
+    if (try_cast(source, enumerator, false))
+      value.given = enumerator;
+    else if (try_cast(source, name))
+      value.given = std::move(name);
+    else
+      return false;
+    return true;
+  }
+};
+
+}  // namespace nanobind::detail

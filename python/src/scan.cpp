@@ -16,6 +16,7 @@
 #include "fields.hpp"
 #include "scan/coarse_points.hpp"
 #include "state.hpp"
+#include "whole.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -70,9 +71,11 @@ nb::object callPictures(const char* function, Arguments&&... arguments) {
   return nb::module_::import_("gnosphere.pictures").attr(function)(std::forward<Arguments>(arguments)...);
 }
 
-void checkEntry(const Scan& scan, size_t entry) {
+size_t entryOf(const Scan& scan, const Whole& given) {
+  const auto entry = given.of<size_t>("entry");
   if (entry >= scan.ranges.size())
     refuse("the scan has no entry " + std::to_string(entry) + "; it has " + std::to_string(scan.ranges.size()));
+  return entry;
 }
 
 void bindFields(nb::module_& m) {
@@ -92,7 +95,8 @@ void bindFields(nb::module_& m) {
       .value("tie", Field::tie, "uint8, 1 if a rounding error could change the owner or the hit of the beam")
       .value("tolerance", Field::tolerance, "float32, m, the range error that single precision may show on this beam")
       .value("intensity", Field::intensity, "float32, in the units of Effects.Intensity.scale")
-      .value("true_range", Field::trueRange, "float32, m, range of the surface without noise and without the medium")
+      .value("true_range", Field::trueRange,
+             "float32, m, range without noise of what returned: a surface, or with the label scatter a particle")
       .value("cause", Field::cause, "uint8, see Cause")
       .value("label", Field::label, "uint8, see Label")
       .value("return_number", Field::returnNumber,
@@ -127,7 +131,7 @@ void bindFields(nb::module_& m) {
           "name", [](const FieldInfo& self) { return std::string(self.name); }, "The name that parse_fields() takes.")
       .def_ro("type", &FieldInfo::type, "Type of the field's columns.")
       .def_ro("components", &FieldInfo::components, "3 for a vector, 2 for barycentrics, otherwise 1.");
-  m.def("field_info", &fieldInfo, "field"_a,
+  m.def("field_info", &fieldInfo, "field"_a.noconvert(),
         "Describes a field: the name and the type of its columns, and its number of components.");
 
   nb::enum_<Cause>(
@@ -295,6 +299,13 @@ void bindScan(nb::module_& m) {
   readMember(scan, "skewed", &Scan::skewed,
              "True if the sensor moved during the scan, and points, normals and velocities are in the frames of their "
              "columns: they are not deskewed.");
+  readMember(scan, "first_row_on_top", &Scan::firstRowOnTop,
+             "Whether the first row (channel 0) is on top in an image of what the sensor sees. The directions of all "
+             "beams decide, whatever they hit. For a cloud of a file, which does not state all its beams, the points "
+             "decide.");
+  readMember(scan, "first_column_on_left", &Scan::firstColumnOnLeft,
+             "Whether the first column is on the left in an image of what the sensor sees. The directions of all beams "
+             "decide, or for a cloud of a file the points.");
   readMember(scan, "counters", &Scan::counters, "What became of every triangle and every beam.");
   readMember(scan, "timings", &Scan::timings, "How long the scan took.");
   scan.def_prop_ro(
@@ -353,17 +364,11 @@ void bindScan(nb::module_& m) {
           "Number of beams, with and without a return.")
       .def(
           "hit",
-          [](const SharedScan& self, size_t entry) {
-            checkEntry(*self.value, entry);
-            return self.value->hit(entry);
-          },
+          [](const SharedScan& self, const Whole& entry) { return self.value->hit(entryOf(*self.value, entry)); },
           "entry"_a, "Whether the entry is a return from a surface; of all entries: scan.triangles != NO_TRIANGLE.")
       .def(
           "returned",
-          [](const SharedScan& self, size_t entry) {
-            checkEntry(*self.value, entry);
-            return self.value->returned(entry);
-          },
+          [](const SharedScan& self, const Whole& entry) { return self.value->returned(entryOf(*self.value, entry)); },
           "entry"_a,
           "Whether the entry is a return, from a surface or from the medium; of all entries: "
           "~numpy.isnan(scan.ranges).");

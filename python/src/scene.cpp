@@ -71,9 +71,12 @@ void bindMaterial(nb::module_& m) {
           "__init__",
           [](AlphaImage* self, const ArrayLike& alpha, const Choice<AlphaImage::Wrap>& u,
              const Choice<AlphaImage::Wrap>& v) {
-            const auto shape = nb::cast<nb::tuple>(nb::module_::import_("numpy").attr("shape")(alpha.object));
-            if (nb::len(shape) != 2) refuse("AlphaImage: alpha must be an array of shape (height, width)");
-            const ArrayLike flat{nb::module_::import_("numpy").attr("ravel")(alpha.object)};
+            const nb::object image = arrayOrRefuse(alpha.object, "AlphaImage: alpha", " of shape (height, width)");
+            const auto shape = nb::cast<nb::tuple>(image.attr("shape"));
+            if (nb::len(shape) != 2)
+              refuse("AlphaImage: alpha has the shape " + nb::cast<std::string>(nb::str(shape)) +
+                     "; it must be (height, width)");
+            const ArrayLike flat{image.attr("reshape")(-1)};
             new (self) AlphaImage{nb::cast<uint32_t>(shape[1]), nb::cast<uint32_t>(shape[0]),
                                   arrayOf<uint8_t>(flat, "AlphaImage: alpha").copy(), chosen(u, "AlphaImage: wrap_u"),
                                   chosen(v, "AlphaImage: wrap_v")};
@@ -108,9 +111,10 @@ void bindMaterial(nb::module_& m) {
       .def_rw("roughness", &Material::roughness, "0 for a mirror, 1 for a rough surface.")
       .def_rw("transmission", &Material::transmission, "The share of the light that passes through.");
   readWriteChoice(material, "alpha_mode", &Material::alphaMode, "What alpha means.");
-  material.def_rw("alpha_cutoff", &Material::alphaCutoff, "With AlphaMode.mask, what has less alpha is a hole.")
-      .def_rw("alpha_image", &Material::alphaImage,
-              "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
+  material.def_rw("alpha_cutoff", &Material::alphaCutoff, "With AlphaMode.mask, what has less alpha is a hole.");
+  readWriteWhole(material, "alpha_image", &Material::alphaImage,
+                 "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.");
+  material
       .def_rw("retro", &Material::retro,
               "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. glTF states it in "
               "`extras`.")
@@ -191,8 +195,13 @@ void bindScene(nb::module_& m) {
   bounds.def_ro("min", &Bounds::min, "The least x, y and z, in metres.")
       .def_ro("max", &Bounds::max, "The greatest x, y and z, in metres.")
       .def("empty", &Bounds::empty, "Whether there is no vertex in it.");
-  m.def("world_bounds", &worldBounds, "scene"_a, WithoutGil(),
-        "Returns the box around all finite vertices that triangles use, of all instances.");
+  m.def(
+      "world_bounds",
+      [](const Scene& scene) {
+        const ReleasedGil released;
+        return worldBounds(scene);
+      },
+      "scene"_a, "Returns the box around all finite vertices that triangles use, of all instances.");
   m.def(
       "validate", [](const Scene& scene) { validate(scene); }, "scene"_a,
       "Raises Error(invalid_argument) that names the material, image, mesh, part, instance, node, skin or clip whose "
@@ -227,7 +236,12 @@ void bindScene(nb::module_& m) {
         "from their origin that they have steps of 2 mm or more. Raises Error(file) if the file cannot be read, "
         "Error(format) if its content is invalid.");
   m.def(
-      "write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
+      "write_glb",
+      [](const Scene& scene, const std::filesystem::path& file) {
+        const ReleasedGil released;
+        writeGlb(scene, file);
+      },
+      "scene"_a, "file"_a,
       "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
       "that no animated instance places is written as it is deformed. load_scene() reads back what scans of the scene "
       "see. Raises Error(file).");

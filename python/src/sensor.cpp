@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/sensor.hpp.
 #include "arrays.hpp"
+#include "base/limits.hpp"
 #include "rows.hpp"
 #include "whole.hpp"
 
@@ -58,8 +59,8 @@ void bindBeams(nb::module_& m) {
           "__init__",
           [](BeamList* self, const ArrayLike& directions, const std::optional<ArrayLike>& origins,
              const std::optional<ArrayLike>& times, const std::optional<ArrayLike>& rangeMin,
-             const std::optional<ArrayLike>& rangeMax, const std::optional<ArrayLike>& rings, uint32_t width,
-             uint32_t height) {
+             const std::optional<ArrayLike>& rangeMax, const std::optional<ArrayLike>& rings, const Whole& width,
+             const Whole& height) {
             BeamList made;
             made.directions = vectors(directions, "BeamList: directions");
             if (origins) made.origins = vectors(*origins, "BeamList: origins");
@@ -67,8 +68,8 @@ void bindBeams(nb::module_& m) {
             if (rangeMin) made.rangeMin = arrayOf<float>(*rangeMin, "BeamList: range_min").copy();
             if (rangeMax) made.rangeMax = arrayOf<float>(*rangeMax, "BeamList: range_max").copy();
             if (rings) made.rings = arrayOf<uint16_t>(*rings, "BeamList: rings").copy();
-            made.width = width;
-            made.height = height;
+            made.width = width.of<uint32_t>("BeamList: width");
+            made.height = height.of<uint32_t>("BeamList: height");
             new (self) BeamList(std::move(made));
           },
           "directions"_a, "origins"_a = nb::none(), "times"_a = nb::none(), "range_min"_a = nb::none(),
@@ -151,7 +152,8 @@ void bindSensorItself(nb::module_& m) {
       .def("height", &Sensor::height, "Rows of the organised cloud: the channels of a grid.")
       .def(
           "direction",
-          [](const Sensor& self, size_t beam) {
+          [](const Sensor& self, const Whole& given) {
+            const auto beam = given.of<size_t>("Sensor: beam");
             if (beam >= self.beamCount())
               refuse("Sensor: there is no beam " + std::to_string(beam) + "; it has " +
                      std::to_string(self.beamCount()));
@@ -162,9 +164,17 @@ void bindSensorItself(nb::module_& m) {
   readWriteTuple(sensor, "patterns", &Sensor::patterns, "The lists of beams: a tuple of copies, assigned whole.");
   bindKeywords(sensor, "Takes its properties as keywords, in which a choice may be its name.");
 
-  m.def("beams_of", &beamsOf, "sensor"_a, "frame"_a = 0,
-        "Returns the beams that scan number `frame` fires, for any sensor. The arrays origins, times, range_min and "
-        "range_max are empty if all beams have the value that an empty array stands for.");
+  m.def(
+      "beams_of",
+      [](const Sensor& of, const Whole& frame) {
+        limits::kBeams.check(of.beamCount(), "beams_of: the columns and channels make");
+        return beamsOf(of, frame.of<uint64_t>("beams_of: frame"));
+      },
+      "sensor"_a, "frame"_a = 0,
+      "Returns the beams that scan number `frame` fires, for any sensor, in its own frame: unit vectors, origins and "
+      "ranges in metres, times in seconds after the start of the scan. The arrays origins, times, range_min and "
+      "range_max are empty if all beams have the value that an empty array stands for. gnosphere.adapter.rays_of() has "
+      "the rays of a shot in the world. Raises Error(invalid_argument) for more beams than a sensor may have.");
   m.def(
       "validate", [](const Sensor& of) { validate(of); }, "sensor"_a,
       "Raises Error(invalid_argument) that names the field if a sensor cannot be scanned with: angles, ranges, times "
@@ -263,8 +273,12 @@ void bindSensorFiles(nb::module_& m) {
       "Reads a sensor file from memory; the ending of `name` says what it is expected to be.");
   m.def(
       "read_sensor_file",
-      [](const std::filesystem::path& path, const SensorFileOptions& options) { return readSensorFile(path, options); },
-      "file"_a, "options"_a = SensorFileOptions(), WithoutGil(),
+      [](const std::filesystem::path& path, const SensorFileOptions& options) {
+        const SensorFileOptions chosen = options;
+        const ReleasedGil released;
+        return readSensorFile(path, chosen);
+      },
+      "file"_a, "options"_a = SensorFileOptions(),
       "Reads a sensor file of any family that docs/sensors.md lists. The content decides which family it is. Raises "
       "Error(file) if it cannot be read, and Error(format) if its content is bad or belies the ending of its name.");
   m.def(

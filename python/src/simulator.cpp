@@ -2,6 +2,7 @@
 // Binds the simulator of gnosphere/simulator.hpp.
 #include "simulator.hpp"
 
+#include <limits>
 #include <new>
 #include <stdexcept>
 
@@ -95,8 +96,9 @@ std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const st
 std::vector<std::vector<uint32_t>> indexListsOf(const IndexListsLike& given, size_t count, const std::string& name) {
   std::vector<std::vector<uint32_t>> lists;
   if (isSequenceOfObjects(given.object)) {
-    for (size_t i = 0; i < nb::len(given.object); ++i) {
-      const nb::object list = given.object[nb::int_(i)];
+    const nb::object sequence = numberedFromZero(given.object);
+    for (size_t i = 0; i < nb::len(sequence); ++i) {
+      const nb::object list = sequence[nb::int_(i)];
       lists.push_back(arrayOf<uint32_t>({list}, name + ": entry " + std::to_string(i)).copy());
     }
   } else {
@@ -322,7 +324,9 @@ void bindChanges(nb::class_<Self>& simulator) {
       },
       "mesh"_a, "positions"_a,
       "Moves the vertices of a mesh. positions: shape (vertices, 3), float32, metres relative to Mesh.origin, for as "
-      "many vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable.");
+      "many vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable. Within "
+      "a "
+      "scan its shape stands still, and has no velocity.");
   simulator.def(
       "set_deformation",
       [](Self& self, const Whole& mesh, const Deformation& deformation) {
@@ -429,6 +433,9 @@ std::vector<Shot> shotsOf(const ShotsLike& given, const PoseArguments& arguments
   std::vector<std::vector<uint32_t>> ignored =
       indexListsOf(arguments.ignoredInstances, poses.size(), name + ": ignored_instances");
   std::vector<Shot> shots(poses.size());
+  if (!shots.empty() && frame > std::numeric_limits<uint64_t>::max() - (shots.size() - 1))
+    refuse(name + ": frame is " + std::to_string(frame) + ", so that of the last of " + std::to_string(shots.size()) +
+           " views is beyond the largest, 18446744073709551615");
   for (size_t i = 0; i < shots.size(); ++i) {
     shots[i].pose = poses[i];
     shots[i].sensor = sensor;

@@ -5,8 +5,11 @@
 #include <nanobind/nanobind.h>
 
 #include <array>
+#include <exception>
 #include <gnosphere/scene.hpp>
 #include <string>
+
+#include "faults.hpp"
 
 namespace gnosphere::python {
 
@@ -16,40 +19,38 @@ inline bool isArray(PyObject* source) {
          PyObject_CheckBuffer(source);
 }
 
-/// Whether an argument is a masked array of NumPy that has masked entries, whose values mean nothing.
-bool hasMaskedEntries(nanobind::handle object) noexcept;
+/// Whether an argument is a masked array of NumPy that has masked entries, whose values mean nothing. Throws
+/// only exceptions that isNoFault() is true for.
+bool hasMaskedEntries(nanobind::handle object);
 /// A NumPy array of an argument, also of an object that knows nothing but DLPack. Throws what NumPy raises, and a
 /// ValueError of Python if hasMaskedEntries() is true.
 nanobind::object asArray(nanobind::handle object);
 
-/// The numbers of an array as a list, or null, without a Python exception, if it does not have one dimension.
-inline PyObject* listOf(PyObject* source) noexcept {
+/// The numbers of an array as a list, or an object that is not valid if it does not have one dimension. Throws
+/// only exceptions that isNoFault() is true for.
+inline nanobind::object listOf(PyObject* source) {
+  namespace nb = nanobind;
   try {
-    namespace nb = nanobind;
     const nb::object array = asArray(source);
-    if (nb::cast<size_t>(array.attr("ndim")) != 1) return nullptr;
-    return array.attr("tolist")().release().ptr();
-  } catch (const std::exception&) {
-    return nullptr;
+    if (nb::cast<size_t>(array.attr("ndim")) == 1) return array.attr("tolist")();
+  } catch (const nb::python_error& error) {
+    if (isNoFault(error)) throw;
   }
+  return {};
 }
 
-/// Reads the numbers of a sequence. Returns how many it has, or -1, without a Python exception, for anything else. If
-/// it has not `size` of them, none is read.
-inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
+/// Reads the numbers of a sequence. Returns how many it has, or -1 for anything else. If it has not `size` of them,
+/// the function reads none. It throws only exceptions that isNoFault() is true for.
+inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers) {
   const Py_ssize_t count = PySequence_Size(source);
-  if (count != size) {
-    PyErr_Clear();
-    return count;
-  }
+  if (count < 0) forgetFault();
+  if (count != size) return count;
   for (Py_ssize_t i = 0; i < size; ++i) {
-    PyObject* item = PySequence_GetItem(source, i);
-    numbers[i] = item ? PyFloat_AsDouble(item) : 0;
-    Py_XDECREF(item);
-    if (PyErr_Occurred()) {
-      PyErr_Clear();
-      return -1;
-    }
+    const auto item = nanobind::steal(PySequence_GetItem(source, i));
+    numbers[i] = item.is_valid() ? PyFloat_AsDouble(item.ptr()) : 0;
+    if (!PyErr_Occurred()) continue;
+    forgetFault();
+    return -1;
   }
   return count;
 }
@@ -59,14 +60,12 @@ inline constexpr Py_ssize_t kMasked = PY_SSIZE_T_MAX;
 
 /// As readNumbers(), of a sequence or an array. A Series of pandas is a sequence whose indices are labels of its own,
 /// so what can become an array does.
-inline Py_ssize_t readVector(PyObject* source, Py_ssize_t size, double* numbers) noexcept {
+inline Py_ssize_t readVector(PyObject* source, Py_ssize_t size, double* numbers) {
   if (PyUnicode_Check(source) || PyBytes_Check(source)) return -1;
   if (PyTuple_Check(source) || PyList_Check(source) || !isArray(source)) return readNumbers(source, size, numbers);
   if (hasMaskedEntries(source)) return kMasked;
-  PyObject* const list = listOf(source);
-  const Py_ssize_t count = list ? readNumbers(list, size, numbers) : -1;
-  Py_XDECREF(list);
-  return count;
+  const nanobind::object list = listOf(source);
+  return list.is_valid() ? readNumbers(list.ptr(), size, numbers) : -1;
 }
 
 /// A colour with its alpha.
@@ -99,7 +98,8 @@ inline void setNumbers(const std::array<double, 4>& from, Color& to) {
 namespace nanobind::detail {
 
 /// Takes `size` numbers for a `Vector`. A sequence of another length is a TypeError that tells the two numbers;
-/// anything else does not fit, so that another overload may.
+/// anything else does not fit, so that another overload may. Errors are thrown when the called function takes it,
+/// because nanobind does not let from_python() throw.
 template <typename Vector, Py_ssize_t size>
 struct numbers_caster {
   using Value = Vector;
@@ -112,7 +112,12 @@ struct numbers_caster {
 
   bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
     std::array<double, size> numbers = {};
-    count = gnosphere::python::readVector(source.ptr(), size, numbers.data());
+    try {
+      count = gnosphere::python::readVector(source.ptr(), size, numbers.data());
+    } catch (...) {
+      error = std::current_exception();
+      return true;
+    }
     gnosphere::python::setNumbers(numbers, value);
     return count >= 0;
   }
@@ -122,6 +127,7 @@ struct numbers_caster {
 
  private:
   Value& checked() {
+    if (error) std::rethrow_exception(error);
     if (count == gnosphere::python::kMasked)
       throw type_error("a vector has masked entries; numpy.ma.filled() gives them values");
     if (count != size)
@@ -132,6 +138,7 @@ struct numbers_caster {
   }
   Value value;
   Py_ssize_t count = size;
+  std::exception_ptr error;
 };
 
 template <>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <string>
 
@@ -13,9 +14,11 @@ namespace gnosphere::python {
 /// An argument that is a whole number, of Python or NumPy, of any size.
 struct Whole {
   nb::object number;
+  std::exception_ptr raised;  // while it was read, and no fault of it; see isNoFault()
 
   /// Throws Error(invalidArgument), "<name> must be a whole number, 0..65535, is 70000".
   uint64_t within(uint64_t least, uint64_t most, const std::string& name) const {
+    if (raised) std::rethrow_exception(raised);
     uint64_t value = 0;
     if (nb::try_cast(number, value) && value >= least && value <= most) return value;
     refuse(name + " must be a whole number, " + std::to_string(least) + ".." + std::to_string(most) + ", is " +
@@ -45,8 +48,13 @@ struct type_caster<gnosphere::python::Whole> {
   NB_TYPE_CASTER(gnosphere::python::Whole, const_name("int"))
   bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
     value.number = steal(PyNumber_Index(source.ptr()));
-    if (!value.number.is_valid()) PyErr_Clear();
-    return value.number.is_valid();
+    if (value.number.is_valid()) return true;
+    try {
+      gnosphere::python::forgetFault();
+    } catch (...) {
+      value.raised = std::current_exception();
+    }
+    return value.raised != nullptr;
   }
 };
 

@@ -340,3 +340,51 @@ def test_the_page(tmp_path, monkeypatch, capsys):
     assert len(blocks) == 1
     exec(compile(blocks[0], "docs/engines.md", "exec"), {})
     assert all(int(line.split()[0]) > 100 for line in capsys.readouterr().out.splitlines())
+
+
+@pytest.mark.parametrize("deskew", (False, True))
+@pytest.mark.parametrize("name", ("OS1-32:512x10", "Mid-360", "VLP-16"))
+def test_rays_in_the_world_end_at_what_they_meet(name, deskew):
+    """In a room of known walls, for a head that moves and turns while its beams fire, or stands because all fire at once."""
+    half = np.array([9, 7, 3])
+    shapes = adapter.Shapes()
+    shapes.instance(shapes.mesh(primitives.box(half)))
+    sensor = gnosphere.builtin_sensor(name)
+    sensor.divergence_horizontal = sensor.divergence_vertical = 0
+    sensor.max_returns = 1
+    effects = gnosphere.Effects()
+    effects.sensor_motion.deskew = deskew
+    poses = [
+        gnosphere.Pose((1, 2, 0.5), (0, 0, 0.1, 1)),
+        gnosphere.Pose((1.5, 1.8, 0.4), (0.1, 0, -0.3, -0.9)),  # of the same sign as the others only when it is turned
+        gnosphere.Pose((2.5, 1, 0.2), (0.05, -0.1, 0.6, 0.8)),
+    ]
+    shot = gnosphere.Shot(poses[0], frame=3)
+    shot.motion = gnosphere.SensorMotion([gnosphere.SensorMotion.Stamp(t, p) for t, p in zip((0, 0.04, 0.09), poses)])
+    options = gnosphere.SimulatorOptions(device="reference", warn=None)
+    scan = gnosphere.Simulator(shapes.scene(), gnosphere.SensorRequest(sensor, effects), options).scan(shot)
+    origins, directions = adapter.rays_of(sensor, shot)
+    assert origins.shape == directions.shape == (scan.beam_count(), 3) and origins.dtype == directions.dtype == np.float64
+    assert np.allclose(np.linalg.norm(directions, axis=1), 1, rtol=0, atol=1e-12)
+    met = np.isfinite(scan.ranges)
+    assert met.mean() > 0.9
+    ends = (origins + scan.ranges[:, None] * directions)[met]
+    assert np.abs(np.max(np.abs(ends) / half, axis=1) - 1).max() < 1e-4
+    moved = np.ptp(origins, axis=0).max()
+    assert moved > 1 if name != "VLP-16" else moved == 0
+    if deskew or name == "VLP-16":
+        points = scan.points.astype(float) @ adapter.rows_of(scan.pose)[:3, :3].T + scan.pose.position
+        assert np.abs(points[met] - ends).max() < 2e-4
+
+
+def test_rays_of_a_shot_without_motion_or_with_one_stamp_are_those_of_its_pose():
+    sensor = gnosphere.builtin_sensor("OS1-32:512x10")
+    pose = gnosphere.Pose((3, 4, 5), (0, 0, 2, 2))  # a quarter turn to the left
+    shot = gnosphere.Shot(pose)
+    beams = gnosphere.beams_of(sensor)
+    turned = np.column_stack([-beams.directions[:, 1], beams.directions[:, 0], beams.directions[:, 2]])
+    for motion in ([], [gnosphere.SensorMotion.Stamp(0.05, pose)]):
+        shot.motion = gnosphere.SensorMotion(motion)
+        origins, directions = adapter.rays_of(sensor, shot)
+        assert np.allclose(directions, turned, rtol=0, atol=1e-12)
+        assert np.allclose(np.linalg.norm(origins - [3, 4, 5], axis=1), np.linalg.norm(beams.origins, axis=1))

@@ -76,6 +76,9 @@ def test_dataset(folder, tmp_path):
     assert drives.read_drive(drive).seed == 1
     seeded = drives.read_drive(drive, seed=7)
     assert seeded.seed == 7 and seeded.fingerprint != drives.read_drive(drive).fingerprint
+    assert drives.read_drive(drive, name="scene-0061").name == "scene-0061"
+    with pytest.raises(Error, match="name: must have letters, digits, _ and - only"):
+        drives.read_drive(drive, name="../other")
     (tmp_path / "bad.json").write_text('{"scnes": []}')
     with pytest.raises(Error, match="scenes"):
         drives.read_drive(tmp_path / "bad.json")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helios_surveys import AIRBORNE, SCANNERS, SCENE, made, write_surveys
 
-from gnosphere import Error, helios
+from gnosphere import Error, drive, helios
 
 
 @pytest.fixture
@@ -44,6 +44,14 @@ def test_flight_lines(surveys):
     plate = points[classes == 6]
     assert len(plate) > 0 and abs(plate[:, 2] - 15).max() < 0.15
     assert (abs(plate[:, 0]) < 2.1).all() and (abs(plate[:, 1] - 30) < 3.1).all()
+
+
+def test_names_that_drives_do_not_take(surveys):
+    (surveys / "air.xml").write_text(AIRBORNE.replace('name="lines"', 'name="Flüge 1/2"'), encoding="utf-8")
+    survey = helios.read_survey(surveys / "air.xml")
+    assert survey.name == "Flüge 1/2"
+    assert [leg.drive["name"] for leg in survey.legs] == ["Fl_ge_1_2-leg-0", "Fl_ge_1_2-leg-2"]
+    drive.read_drive(survey.write(surveys / "out")[0])
 
 
 def test_a_sector_of_a_tripod(surveys):

@@ -75,7 +75,7 @@ def test_folders_of_assets_are_searched_before_those_around_the_survey(surveys, 
     other = tmp_path_factory.mktemp("assets")
     (other / "data").mkdir()
     (other / "data" / "platforms.xml").write_text(PLATFORMS.replace('z="1.5"', 'z="2.5"'))
-    for assets, height in (((), 1.5), ((other,), 2.5)):
+    for assets, height in (((), 1.5), ((other,), 2.5), (other, 2.5), (str(other), 2.5)):
         (leg,) = helios.read_survey(surveys / "ground.xml", assets).legs
         assert leg.drive["sensors"][0]["mount"]["position"] == [0, 0, height]
 
@@ -85,6 +85,7 @@ def test_the_way_of_a_leg(surveys):
     climb = AIRBORNE.replace('x="70" y="0"', 'x="70" y="-50" z="135"').replace(' active="false"', "")
     survey = helios.read_survey(surveys / "air.xml", epoch=1e9)
     assert survey.legs[0].drive["epoch"] == 1e9 and survey.legs[1].drive["outputs"][0]["flight_line"] == 3
+    assert survey.legs[0].drive["seed"] != survey.legs[1].drive["seed"]  # lines have noise of their own
     first, second, third = read(surveys, climb).legs
     assert first.drive["epoch"] == 315964800
     start, end = first.drive["ego"]["trajectory"]["waypoints"]

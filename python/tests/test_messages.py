@@ -293,6 +293,21 @@ def test_materials_of_one_colour_that_differ_otherwise_are_several():
     ]
 
 
+def test_metalness_roughness_and_cut_offs_of_materials():
+    shapes = adapter.Shapes()
+    numbers = [
+        shapes.material((1, 0, 0)), shapes.material((1, 0, 0), metallic=0.5), shapes.material((1, 0, 0), roughness=0.5),
+        shapes.material((1, 0, 0, 0.25), alpha_cutoff=0.75), shapes.material((1, 0, 0), metallic=-1, roughness=2),
+    ]  # fmt: skip
+    assert numbers == [0, 1, 2, 3, 0]
+    materials = shapes.scene().materials
+    assert [material.metallic for material in materials] == [0, 0.5, 0, 0]
+    assert [material.roughness for material in materials] == [1, 1, 0.5, 1]
+    assert [material.alpha_mode.name for material in materials] == ["opaque"] * 3 + ["mask"]
+    assert [material.alpha_cutoff for material in materials] == [0.5] * 3 + [0.75]
+    assert gnosphere.optics_of(materials[3]).transmission == 0
+
+
 def test_instances_and_meshes_keep_their_names_classes_and_texture_coordinates():
     shapes = adapter.Shapes()
     uvs = [[0, 0], [1, 0], [0, 1]]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of scans, pixel by pixel where closed forms say what is seen."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -105,6 +107,68 @@ def test_a_range_image_has_the_first_returns_and_nothing_where_there_is_none():
     assert unseen.tolist() == [column % 6 not in (0, 1, 5) for column in range(24)]
 
 
+@pytest.mark.parametrize("name", ["RS-Bpearl", "HDL-64E", "HDL-32E", "Waymo-Top", "QT128", "Puck", "OS1-64", "VLP-16"])
+def test_an_image_lies_as_the_beams_do_whatever_they_hit(name):
+    sensor = gnosphere.builtin_sensor(name)
+    directions = gnosphere.beams_of(sensor).directions.reshape(sensor.height(), sensor.width(), 3)
+    top = directions[0, :, 2].mean() > directions[-1, :, 2].mean()
+    left = np.cross(directions[0, :-1], directions[0, 1:])[:, 2].sum() < 0
+    hits = []
+    for place in ((4, 0, -0.14), (4, 0, -0.9), (5, 0, 0.09), (0, 0, 5000)):
+        scan = scan_of(box((0.4, 0.4, 0.4), place), sensor)
+        assert (scan.first_row_on_top, scan.first_column_on_left) == (top, left)
+        hits.append(np.isfinite(scan.ranges).sum())
+    assert max(hits) > 10 and hits[-1] == 0
+
+
+@pytest.mark.parametrize("downwards", (False, True))
+@pytest.mark.parametrize("clockwise", (False, True))
+def test_a_field_image_is_upright_and_destaggered(downwards, clockwise):
+    """Elevations fall from row to row, and azimuths from column to column, those of a column within half a step."""
+    offsets = [-6.1, 0, 2.9, 47, -1]
+    channels = [gnosphere.Channel(up, offset) for up, offset in zip((-20, -9, 3, 11, 20), offsets)]
+    span = -360 if clockwise else 360
+    sensor = gnosphere.Sensor(
+        columns=120, channels=channels[::-1] if downwards else channels, range_max=100, azimuth_start_deg=37,
+        azimuth_span_deg=span, max_returns=2,
+    )  # fmt: skip
+    options = gnosphere.SimulatorOptions(device="reference")
+    effects = gnosphere.Effects.none()
+    effects.returns.use = effects.intensity.use = "on"
+    request = gnosphere.SensorRequest(sensor, effects, fields="azimuth,elevation,normal,class")
+    scan = gnosphere.Simulator(box((9, 9, 9)).scene(), request, options).scan(gnosphere.Pose())
+    assert scan.returns == 2
+    up = np.degrees(pictures.field_image(scan, "elevation", sensor))
+    assert np.allclose(up, np.array([[20], [11], [3], [-9], [-20]]), atol=1e-4)
+    around = np.degrees(pictures.field_image(scan, "azimuth", sensor))
+    assert np.allclose((np.diff(around, axis=1) + 180) % 360 - 180, -3, atol=1e-3)
+    apart = (around - around[3] + 180) % 360 - 180  # row 3 is the channel without an offset
+    assert np.abs(apart).max() <= 1.5 + 1e-3
+    staggered = np.degrees(pictures.field_image(scan, gnosphere.Field.azimuth))
+    assert np.abs((staggered - staggered[3] + 180) % 360 - 180).max() == pytest.approx(47, abs=1e-3)
+    assert pictures.field_image(scan, "class").dtype == np.uint16
+    normals = pictures.field_image(scan, "normal", sensor)
+    assert normals.shape == (5, 120, 3)
+    ahead = np.abs(around[2]) < 40
+    assert np.allclose(normals[2, ahead], [-1, 0, 0])
+
+
+def test_images_that_cannot_be_are_refused():
+    sensor = gnosphere.Sensor(columns=12, channels=[gnosphere.Channel()], range_max=100, max_returns=2)
+    effects = gnosphere.Effects.none()
+    effects.returns.use = effects.intensity.use = "on"
+    scan = scan_of(box((9, 9, 9)), sensor, effects)
+    first = re.escape("of 2 returns per beam the first are values.reshape(-1, 2)[:, 0]")
+    with pytest.raises(ValueError, match="values has 24 values, and the scan 12 beams, .*; " + first):
+        pictures.beam_image(scan, scan.ranges)
+    with pytest.raises(ValueError, match="it is a scan of another sensor"):
+        pictures.field_image(scan, "range", gnosphere.builtin_sensor("Puck"))
+    single = scan_of(box((9, 9, 9)), listed([0, 1], 0))
+    assert pictures.field_image(single).shape == (1, 2)
+    with pytest.raises(ValueError, match="no grid of a full turn, so its rows cannot be destaggered"):
+        pictures.field_image(single, "range", listed([0, 1], 0))
+
+
 def test_the_name_of_a_sensor_is_text_in_a_page():
     sensor = listed([0], 0)
     sensor.name = "<b>&"
@@ -151,7 +215,8 @@ def test_the_axes_of_a_shown_scan_count_channels_and_columns(monkeypatch, downwa
 
 def test_there_is_no_picture_of_a_scan_without_beams():
     scan = gnosphere.Scan()
-    for draw in (pictures.range_image, lambda scan: pictures.beam_image(scan, []), pictures.show, gnosphere.Scan.show):
+    images = pictures.range_image, pictures.field_image, lambda scan: pictures.beam_image(scan, [])
+    for draw in (*images, pictures.show, gnosphere.Scan.show):
         if draw in (pictures.show, gnosphere.Scan.show):
             pytest.importorskip("matplotlib")
         with pytest.raises(ValueError, match="the scan has no beams, so there is no picture of it"):

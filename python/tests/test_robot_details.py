@@ -447,7 +447,13 @@ def test_names_of_files(tmp_path, monkeypatch):
         monkeypatch.setenv(variable, str(value))
     body = link("".join(visual(f"<mesh><uri>{name}</uri></mesh>") for name in places))
     search = [tmp_path / "models" / "gate", tmp_path / "found"]
-    assert len(sdf(root, body, search=search).frames) == 5
+    robot = sdf(root, body, search=search)
+    assert len(robot.frames) == 5 and repr(robot) == "<RobotScene of 5 instances, 0 lidars and 0 joints>"
+    body = link(visual("<mesh><uri>model://gate/t.obj</uri></mesh>"))
+    for one in (str(tmp_path / "models"), tmp_path / "models"):
+        assert len(sdf(root, body, search=one).frames) == 1
+    body = link("".join(visual(f"<mesh><uri>{name}</uri></mesh>") for name in places))
+    sdf(root, body, search=search)
     with pytest.warns(UserWarning, match=r"the mesh package://rover/T.obj, which is not found \(1\)$"):
         (root / "m.sdf").write_text((root / "m.sdf").read_text().replace("rover/t.obj", "rover/T.obj"))
         robotics.load(root / "m.sdf", search=search)
@@ -517,6 +523,14 @@ def test_the_command_takes_what_collides(tmp_path, monkeypatch, capsys):
     ):
         monkeypatch.setattr("sys.argv", ["gnosphere.robotics", str(tmp_path / "m.sdf"), *option])
         assert main() == 0 and extent in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("declared", ['<?xml version="1.0" encoding="utf-16"?>\n', "<!-- é -->", ""])
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_files_in_utf_16(tmp_path, encoding, declared):
+    text = f'\ufeff{declared}<sdf version="1.9"><model name="é">{link(BOX)}</model></sdf>\n'
+    (tmp_path / "m.sdf").write_bytes(text.encode(encoding))
+    assert quiet(tmp_path / "m.sdf").frames == ["é::l"]
 
 
 def test_prefixes_that_nobody_declares_beside_those_that_xml_has(tmp_path):

@@ -192,8 +192,8 @@ def test_pictures(reference, simulator, pose):
     simulator.add_sensor(gnosphere.SensorRequest(sensor, gnosphere.Effects.none()))
     downwards, upwards = simulator.scan(pose, 1), simulator.scan(pose)
     simulator.remove_sensor(1)
-    assert pictures.starts_at_top(downwards) and not pictures.starts_at_top(upwards)
-    assert pictures.starts_at_left(downwards) and not pictures.starts_at_left(upwards)
+    assert downwards.first_row_on_top and not upwards.first_row_on_top
+    assert downwards.first_column_on_left and not upwards.first_column_on_left
     a, b = pictures.beam_image(downwards, downwards.ranges), pictures.beam_image(upwards, upwards.ranges)
     assert (a == b)[~np.isnan(b)].mean() > 0.95  # but for beams that meet glass
     html = big._repr_html_()

@@ -166,7 +166,11 @@ def test_what_is_scattered_in_usd(tmp_path):
     """The transform of a prototype counts; what is deactivated does not, and the others keep their places."""
     middles = [points.mean(axis=0) for points in corners(read(tmp_path, scattered("")))]
     np.testing.assert_allclose(middles, [[0, 5, 4], [10, 5, 4], [20, 5, 4]], atol=1e-6)
+    assert [frame.split("/")[1] for frame in read(tmp_path, scattered("")).frames] == ["Many[0]", "Many[1]", "Many[2]"]
+    hidden = "int64[] invisibleIds = [1]"
+    assert [frame.split("/")[1] for frame in read(tmp_path, scattered(hidden)).frames] == ["Many[0]", "Many[2]"]
     hidden = "int64[] ids = [5, 6, 7]\n    int64[] invisibleIds = [6]"
+    assert [frame.split("/")[1] for frame in read(tmp_path, scattered(hidden)).frames] == ["Many[5]", "Many[7]"]
     turned = "quath[] orientations = [(1, 0, 0, 0), (1, 0, 0, 0), (0.70703125, 0.70703125, 0, 0)]"
     robot = read(tmp_path, scattered(hidden + "\n    " + turned))
     middles = [points.mean(axis=0) for points in corners(robot)]
@@ -241,6 +245,135 @@ def test_colours_of_usd_by_their_indices(tmp_path):
     """The first value is that of the first index."""
     shown = "color3f[] primvars:displayColor = [(1, 0, 0), (0, 0, 1)]\n    int[] primvars:displayColor:indices = [1]"
     assert colours(read(tmp_path, mesh(shown))) == [(0, 0, 1, 1, "")]
+
+
+def test_colours_of_usd_beyond_the_first_are_told(tmp_path):
+    for kind, first in (("color3f[] primvars:displayColor", "(1, 0, 0)"), ("float[] primvars:displayOpacity", "0.5")):
+        other = first.replace("0", "1")
+        told = rf"leaves out values of {kind.split(':')[1]} beyond the first of a prim \(1\)$"
+        file = write(tmp_path, mesh(f'{kind} = [{first}, {other}] (\n    interpolation = "uniform"\n    )'))
+        with pytest.warns(UserWarning, match=told):
+            found = robotics.load(file)
+        assert colours(found) == [(1, 0, 0, 1, "") if "color" in kind else (0.5, 0.5, 0.5, 0.5, "")]
+        read(tmp_path, mesh(f"{kind} = [{first}, {first}]"))
+
+
+def only(robot):
+    (one,) = robot.scene.materials
+    return one
+
+
+def test_metalness_roughness_and_threshold_of_usd(tmp_path):
+    inputs = "float inputs:metallic = 0.75\n        float inputs:roughness = 0.125"
+    for text, kind in (
+        (inputs, "UsdPreviewSurface"),
+        (
+            inputs.replace("metallic", "metallic_constant").replace("roughness", "reflection_roughness_constant"),
+            "OmniPBR",
+        ),
+        (inputs.replace("metallic", "metalness").replace("roughness", "specular_roughness"), "ND_standard_surface"),
+    ):
+        one = only(read(tmp_path, material("M", text, kind), painted(bound("M"))))
+        assert (one.metallic, one.roughness, one.alpha_mode) == (0.75, 0.125, gnosphere.AlphaMode.opaque)
+    # What is not stated is as the specification has it.
+    one = only(read(tmp_path, material("M", ""), painted(bound("M"))))
+    assert (one.metallic, one.roughness) == (0, 0.5)
+    for opacity, threshold, mode in ((0.25, 0.5, "mask"), (0.75, 0.5, "mask"), (0.25, 0, "blend"), (1, 0, "opaque")):
+        text = f"float inputs:opacity = {opacity}\n        float inputs:opacityThreshold = {threshold}"
+        one = only(read(tmp_path, material("M", text), painted(bound("M"))))
+        assert (one.base_color[3], one.alpha_mode) == (opacity, gnosphere.AlphaMode[mode])
+        assert one.alpha_cutoff == 0.5
+        assert gnosphere.optics_of(one).transmission == (0.75 if mode == "blend" else 0)
+    text = "float inputs:opacity = 1\n        float inputs:opacityThreshold = 0.25"
+    assert only(read(tmp_path, material("M", text), painted(bound("M")))).alpha_cutoff == 0.25
+
+
+def test_colours_of_opacity_count_with_their_mean(tmp_path):
+    text = "color3f inputs:base_color = (1, 0, 0)\n        color3f inputs:opacity = (0.25, 0.5, 0.75)"
+    assert colours(read(tmp_path, material("M", text, "ND_standard_surface"), painted(bound("M")))) == [
+        (1, 0, 0, 0.5, "M")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "neutral", "other"),
+    [("float clearcoat", "0", "1"), ("float ior", "1.5", "1.33"), ("int useSpecularWorkflow", "0", "1")],
+)
+def test_inputs_of_usd_that_are_not_read_are_told_where_they_have_an_effect(tmp_path, name, neutral, other):
+    kind, name = name.split()
+    text = f"float inputs:metallic = 0.5\n        {kind} inputs:{name} = "
+    assert only(read(tmp_path, material("M", text + neutral), painted(bound("M")))).metallic == 0.5
+    with pytest.warns(UserWarning, match=rf"leaves out the input {name} of materials \(1\)$"):
+        robot = robotics.load(write(tmp_path, material("M", text + other), painted(bound("M"))))
+    assert only(robot).metallic == (0 if "Specular" in name else 0.5)  # the specular workflow has none
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("diffuseColor", "color3f"), ("metallic", "float"), ("roughness", "float"), ("opacity", "float")],
+)
+def test_textures_of_each_input_of_usd_are_told(tmp_path, name, kind):
+    text = f"""{kind} inputs:{name}.connect = </M/Image.outputs:r>
+        token outputs:surface
+    }}
+    def Shader "Image"
+    {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @a.png@
+        {kind} outputs:r"""
+    with pytest.warns(UserWarning, match=r"leaves out textures of materials \(1\)$"):
+        robot = robotics.load(write(tmp_path, material("M", text), painted(bound("M"))))
+    assert (only(robot).metallic, only(robot).roughness, only(robot).base_color[3]) == (0, 0.5, 1)
+
+
+def shader(name, color, connects=""):
+    return f"""def Shader "{name}"
+    {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = {color}
+        {connects}
+        token outputs:surface
+    }}
+"""
+
+
+def test_the_shader_of_the_surface_of_usd(tmp_path):
+    """Others of the material do not count, in whatever order they stand; that for all renderers comes first."""
+    red, green = shader("A", "(1, 0, 0)"), shader("B", "(0, 1, 0)")
+    universal, mdl = (
+        "token outputs:%ssurface.connect = </M/%s.outputs:surface>" % each for each in (("", "B"), ("mdl:", "A"))
+    )
+    for outputs, expected in (
+        (universal, (0, 1, 0)),
+        (universal + "\n" + mdl, (0, 1, 0)),
+        (mdl + "\n" + universal, (0, 1, 0)),
+        (mdl, (1, 0, 0)),
+        ("", (0.5, 0.5, 0.5)),
+    ):
+        text = f'def Material "M"\n{{\n    {outputs}\n    {red}    {green}}}\n'
+        assert colours(read(tmp_path, text, painted(bound("M")))) == [(*expected, 1, "M")]
+
+
+def test_the_material_of_the_purpose_full_counts_in_usd(tmp_path):
+    ink, wax = (
+        material(name, f"color3f inputs:diffuseColor = {c}") for name, c in (("Ink", "(1, 0, 0)"), ("Wax", "(0, 1, 0)"))
+    )
+    for stated, name in (
+        (bound("Ink"), "Ink"),
+        (bound("Ink") + "\n    rel material:binding:full = </Wax>", "Wax"),
+        (bound("Ink") + "\n    rel material:binding:preview = </Wax>", "Ink"),
+    ):
+        assert only(read(tmp_path, ink, wax, painted(stated))).name == name
+
+
+def test_the_subdivision_of_usd_is_told_unless_there_is_none(tmp_path):
+    for scheme in ("", 'uniform token subdivisionScheme = "catmullClark"'):
+        points = SQUARE.replace('uniform token subdivisionScheme = "none"', scheme)
+        with pytest.warns(
+            UserWarning, match=r"leaves out the subdivision of meshes, which are as their points say \(1\)$"
+        ):
+            robotics.load(write(tmp_path, mesh(points=points)))
+    read(tmp_path, mesh())
 
 
 def test_a_shader_with_several_colours_has_its_diffuse_one(tmp_path):

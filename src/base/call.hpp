@@ -13,7 +13,7 @@ namespace gnosphere {
 
 /// The process that has made an object, and the thread in which a call of it is at work.
 struct CallState {
-  const MakerProcess maker;
+  const MakerProcess maker = {};
   std::atomic<std::thread::id> thread = {};  ///< of no thread if no call is at work
 };
 

@@ -84,9 +84,10 @@ inline std::filesystem::path partOf(const std::filesystem::path& file) {
 
 /// An output file that appears only when it is complete: until then it is written in its folder as .NAME.part, or under
 /// a name of its own while another process writes that one. commit() renames it, and the destructor removes what was
-/// not committed; what a killed process has left is written over by the next one. If the file is a link, the file to
-/// which it leads is written so. A file that is replaced hands its permissions on; one that may not be written is not
-/// replaced. Pipes and devices are written directly. Every member throws Error(file) with the system's reason.
+/// not committed; what a killed process has left is written over by the next one, and a program may have it removed by
+/// os::removeUnfinishedAtEnd(). If the file is a link, the file to which it leads is written so. A file that is
+/// replaced hands its permissions on; one that may not be written is not replaced. Pipes and devices are written
+/// directly. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), place_(writePlaceOf(file_)) {
@@ -98,12 +99,13 @@ class AtomicFile {
       if (!stream_) refuse(errno);
     } else if (std::filesystem::exists(place_.file, absent) && !os::isWritable(place_.file)) {
       refuse(errno);
-    } else if (!openShared()) {
-      openUnique();
+    } else {
+      if (!openShared()) openUnique();
+      unfinished_ = os::addUnfinished(part_);
     }
   }
   /// Writes to `part`, which commit() renames, and follows no link: data sets that are exchanged may have links that
-  /// lead out of their folder.
+  /// lead out of their folder. A data set that is stopped is resumed, so the part stays then.
   AtomicFile(std::filesystem::path file, std::filesystem::path part)
       : file_(std::move(file)), place_{file_}, part_(std::move(part)) {
     checkNoFolder();
@@ -114,6 +116,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile() {
     if (stream_) std::fclose(stream_);
+    os::dropUnfinished(unfinished_);
     if (!committed_ && !place_.inPlace) removePart();
     unlock();
   }
@@ -130,6 +133,7 @@ class AtomicFile {
     if (!place_.inPlace) os::copyPermissions(place_.file, stream_);
     if (!os::synchronise(stream_)) refuse(errno);
     if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
+    os::dropUnfinished(std::exchange(unfinished_, -1));  // as soon as it is renamed, others may use its name
     if (!place_.inPlace && !os::renameFile(part_, place_.file)) refuse(errno);
     unlock();  // a file that is open for its lock cannot be replaced on every system
     committed_ = true;
@@ -195,6 +199,7 @@ class AtomicFile {
   std::filesystem::path part_;
   std::FILE* stream_ = nullptr;
   os::Descriptor lock_ = -1;
+  int unfinished_ = -1;  // place among those of os::addUnfinished()
   bool committed_ = false;
 };
 

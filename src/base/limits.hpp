@@ -66,7 +66,7 @@ inline constexpr Limit kSubRays = {"sub-rays per beam on a device", 61,
 inline constexpr Limit kLayers = {"surfaces that a sub-ray passes or hits", 4,
                                   "What lies behind them is not seen; `Counters::lostEchoes` counts the echoes."};
 inline constexpr Limit kEchoes = {
-    "echoes per beam, 6 if it has at most 5 returns", 16,
+    "echoes per beam, 6 if it has at most 3 returns", 16,
     "The weakest ones between the nearest and the farthest are dropped; `Counters::lostEchoes` "
     "counts them."};
 inline constexpr Limit kFrames = {"frames of a recorder, or batches of a stream, in flight", 16,

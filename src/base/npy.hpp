@@ -17,7 +17,7 @@ namespace gnosphere {
 
 struct NpyHeader {
   struct Column {
-    std::string name, type;  ///< as NumPy writes it: <f4
+    std::string name, type;  ///< as NumPy writes it: <f4; the gaps of aligned types are |V4, without a name
   };
   std::vector<Column> columns;  ///< of a structured type
   std::string type;             ///< of any other; then there are no columns

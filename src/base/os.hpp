@@ -31,6 +31,16 @@ bool renameFile(const std::filesystem::path& file, const std::filesystem::path& 
 /// Removes a file, if that is possible.
 void removeFile(const std::filesystem::path& file);
 
+/// Adds a file to those that removeUnfinishedAtEnd() is about, and returns its place among them; -1 if there are too
+/// many, or its name is too long.
+int addUnfinished(const std::filesystem::path& file);
+/// Takes a file out again.
+void dropUnfinished(int place);
+/// From now on a signal that ends this program first removes its unfinished files: SIGINT, SIGTERM and SIGHUP, unless
+/// they are ignored or have another handler, and on Windows the events of the console. A library must not call this
+/// function, because signals belong to the program.
+void removeUnfinishedAtEnd();
+
 /// Returns the words for a reason that a function of this file has just left in errno.
 std::string reasonText(int reason);
 

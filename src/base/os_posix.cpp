@@ -19,8 +19,21 @@
 #include <thread>
 
 #include "base/os.hpp"
+#include "base/unfinished.hpp"
 
 namespace gnosphere::os {
+namespace {
+
+UnfinishedFiles unfinished;
+
+/// The handler of signals that end the program. The system calls the handler once, and the signal that it raises then
+/// has the usual effect.
+void removeAndEnd(int signal) {
+  unfinished.removeAll([](const char* name) { ::unlink(name); });
+  ::raise(signal);
+}
+
+}  // namespace
 
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) {
   return std::fopen(file.c_str(), mode);
@@ -58,6 +71,26 @@ bool renameFile(const std::filesystem::path& file, const std::filesystem::path& 
 
 void removeFile(const std::filesystem::path& file) {
   ::unlink(file.c_str());
+}
+
+int addUnfinished(const std::filesystem::path& file) {
+  return unfinished.add(file);
+}
+
+void dropUnfinished(int place) {
+  unfinished.drop(place);
+}
+
+void removeUnfinishedAtEnd() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    if (::sigaction(signal, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL)
+      continue;
+    action.sa_handler = removeAndEnd;
+    action.sa_flags = SA_RESETHAND;
+    ::sigfillset(&action.sa_mask);
+    ::sigaction(signal, &action, nullptr);
+  }
 }
 
 std::string reasonText(int reason) {

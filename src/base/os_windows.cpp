@@ -22,9 +22,12 @@
 #include "base/os.hpp"
 #include "base/path.hpp"
 #include "base/text.hpp"
+#include "base/unfinished.hpp"
 
 namespace gnosphere::os {
 namespace {
+
+UnfinishedFiles unfinished;
 
 constexpr DWORD kShareAll = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
 
@@ -149,6 +152,22 @@ bool renameFile(const std::filesystem::path& file, const std::filesystem::path& 
 
 void removeFile(const std::filesystem::path& file) {
   patiently(file, [&] { return DeleteFileW(file.c_str()); });
+}
+
+int addUnfinished(const std::filesystem::path& file) {
+  return unfinished.add(file);
+}
+
+void dropUnfinished(int place) {
+  unfinished.drop(place);
+}
+
+void removeUnfinishedAtEnd() {
+  const auto handler = [](DWORD) -> BOOL {
+    unfinished.removeAll([](const wchar_t* name) { DeleteFileW(name); });
+    return FALSE;  // the next handler ends the program
+  };
+  SetConsoleCtrlHandler(handler, TRUE);
 }
 
 std::string reasonText(int reason) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 (FIPS 180-4), by which some sensor files state that they are whole.
+// SHA-256 (FIPS 180-4), by which some sensor files state that they are whole, and data sets tell what they are made of.
 #pragma once
 
 #include <array>
@@ -60,6 +60,14 @@ inline std::string sha256(std::string_view bytes) {
   for (const uint32_t word : state)
     for (int shift = 24; shift >= 0; shift -= 8) digest += static_cast<char>(word >> shift);
   return digest;
+}
+
+/// Returns the SHA-256 of some bytes as 64 hexadecimal digits.
+inline std::string sha256Text(std::string_view bytes) {
+  std::string digits;
+  for (const char byte : sha256(bytes))
+    for (const int shift : {4, 0}) digits += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
+  return digits;
 }
 
 }  // namespace gnosphere

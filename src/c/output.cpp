@@ -61,7 +61,7 @@ gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_optio
     if (options) {
       const gno_cloud_options from = sized(options, GNO_TYPE(gno_cloud_options));
       wanted.fields = fieldsOf(from.fields, from.field_count);
-      wanted.compact = from.compact != 0;
+      if (from.compact != 0) wanted.compact = true;
       wanted.ascii = from.ascii != 0;
     }
     writeCloud(*Locked(scan), fileOf(file), wanted);

@@ -5,6 +5,7 @@
 #include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/record.hpp"
+#include "effects/trajectory.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
@@ -29,6 +30,19 @@ double entryRange(const Vec3& from, const Vec3& along, const Vec3& size) {
 
 }  // namespace
 
+SensorPath::SensorPath(const Sensor& sensor, const RecordedScan& recorded) : recorded_(recorded) {
+  const ScanTimes times = scanTimesOf(sensor, true, recorded.planned.number);
+  first_ = times.first;
+  last_ = times.last;
+  // Between two stamps that are less than a quarter turn from the middle pose nothing is farther from it than they are.
+  const Pose between = at(middle());
+  for (const SensorMotion::Stamp& stamp : recorded.motion.stamps) {
+    shift_ = std::max(shift_, lengthOf(stamp.pose.position - between.position));
+    turn_ = std::max(turn_, angleBetween(stamp.pose.orientation, between.orientation));
+  }
+  if (turn_ > M_PI / 2) turn_ = M_PI;
+}
+
 const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
   const Sensor& sensor = drive_.sensors[planned.sensor].sensor;
   const uint64_t pattern = sensor.isGrid() ? 0 : planned.number % sensor.patterns.size();
@@ -42,27 +56,40 @@ const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
     beams.z.push_back(static_cast<float>(direction.z));
   }
   beams.origins = list.origins;
+  beams.times = list.times;
+  for (const Vec3& origin : beams.origins) beams.spread = std::max(beams.spread, lengthOf(origin));
   return beams;
 }
 
+SensorMotion BoxFinder::motionOf(const RecordedScan& recorded, const Box& box) const {
+  if (!recorded.actorsMove || recorded.duration <= 0) return {};
+  const double begin = recorded.planned.time, end = recorded.endOfMotion();
+  const auto placeAt = [&](double time) { return box.inWorld.position + (time - box.time) * box.velocity; };
+  return {{{0, {placeAt(begin), drive_.actors[box.actor].trajectory.at(begin).orientation}},
+           {recorded.duration, {placeAt(end), world_.endOf(box.actor, begin, end).orientation}}}};
+}
+
 template <typename Use>
-void BoxFinder::eachBeamThrough(const PlannedScan& planned, const Pose& seen, const Vec3& size, const Use& use) {
-  const Beams& beams = beamsOf(planned);
-  const Vec3 centre = seen.position;
-  const double radius = lengthOf(size) / 2, distance = lengthOf(centre);
-  double reach = radius;  // beams leave from within this distance of the sensor's origin
-  for (const Vec3& origin : beams.origins) reach = std::max(reach, radius + lengthOf(origin));
-  // A beam meets the ball around the box if its angle to the centre is small enough.
+void BoxFinder::eachBeamThrough(const RecordedScan& recorded, const SensorPath& path, const Box& box, const Use& use) {
+  const Beams& beams = beamsOf(recorded.planned);
+  const SensorMotion motion = motionOf(recorded, box);
+  const auto boxIn = [&](double seconds) { return poseAt(motion, box.inWorld, seconds); };
+  // A beam whose angle to the centre is small enough meets the ball around all places of the box in the sensor's frame.
+  const Vec3 centre = inverse(path.at(path.middle())) * boxIn(path.middle()).position;
+  const double distance = lengthOf(centre), speed = motion.stamps.empty() ? 0 : lengthOf(box.velocity);
+  const double reach = lengthOf(box.size) / 2 + beams.spread + path.shift() + speed * path.halfSpan() +
+                       2 * std::sin(path.turn() / 2) * distance;
   const float least =
       distance > reach ? static_cast<float>(std::sqrt(distance * distance - reach * reach) - 1e-3) : -INFINITY;
   const auto x = static_cast<float>(centre.x), y = static_cast<float>(centre.y), z = static_cast<float>(centre.z);
-  const Pose toBox = inverse(seen);
   const auto isNear = [&](size_t beam) { return x * beams.x[beam] + y * beams.y[beam] + z * beams.z[beam] >= least; };
   const auto follow = [&](size_t beam) {
+    const double seconds = beams.times.empty() ? 0 : beams.times[beam];
+    const Pose toBox = inverse(boxIn(seconds)) * path.at(seconds);
     const Vec3 along = toBox.orientation * Vec3{beams.x[beam], beams.y[beam], beams.z[beam]};
     const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
-    const double entry = entryRange(from, along, size);
-    if (entry < INFINITY) use(beam, entry);
+    const double entry = entryRange(from, along, box.size);
+    if (entry < INFINITY) use(beam, seconds, entry);
   };
   // Few beams come near a box. The count of those of a block is vectorised, because it does not branch.
   constexpr size_t kBlock = 64;
@@ -75,12 +102,14 @@ void BoxFinder::eachBeamThrough(const PlannedScan& planned, const Pose& seen, co
   }
 }
 
-double BoxFinder::visibility(const RecordedScan& recorded, const Box& box) {
+BoxFinder::Sight BoxFinder::sightOf(const RecordedScan& recorded, const SensorPath& path, const Box& box) {
   constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
   const uint32_t object = world_.objectOfActor(box.actor);
   const size_t returns = recorded.scan.returns;
+  Sight sight;
   uint64_t through = 0, stopped = 0;
-  eachBeamThrough(recorded.planned, box.seen, box.size, [&](size_t beam, double entry) {
+  eachBeamThrough(recorded, path, box, [&](size_t beam, double seconds, double entry) {
+    sight.times.push_back(static_cast<float>(seconds));
     // A beam without a return from a surface does not tell whether something stands before the box.
     bool meets = false, arrives = false;
     for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
@@ -92,7 +121,8 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Box& box) {
     ++through;
     if (!arrives) ++stopped;
   });
-  return through == 0 ? NAN : 1 - static_cast<double>(stopped) / static_cast<double>(through);
+  if (through > 0) sight.visibility = 1 - static_cast<double>(stopped) / static_cast<double>(through);
+  return sight;
 }
 
 Box BoxFinder::boxAt(const RecordedScan& recorded, size_t actor, double seconds) {
@@ -105,8 +135,8 @@ Box BoxFinder::boxAt(const RecordedScan& recorded, size_t actor, double seconds)
   const Bounds& bounds = placement.bounds;
   box.size = bounds.max - bounds.min;
   box.inWorld = placement.pose * Pose{0.5 * (bounds.min + bounds.max), {}};
-  box.seen = inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
-  box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : box.seen;
+  const bool ownFrames = recorded.sensorMoves && !recorded.deskewed;
+  box.inSensor = inverse(ownFrames ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
   box.velocity = placement.velocity;
   box.moving = placement.isMoving();
   return box;
@@ -124,13 +154,13 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
     const uint32_t object = scan.instances[entry];
     if (object >= firstActor && object != kNoTriangle) times[actors[object]].push_back(timed ? seconds[entry] : 0);
   }
+  const SensorPath path(drive_.sensors[recorded.planned.sensor].sensor, recorded);
   std::vector<Box> boxes;
   for (size_t a = 0; a < times.size(); ++a) {
     if (times[a].empty()) continue;
     Box& box = boxes.emplace_back(boxAt(recorded, a, medianOf(times[a])));
     box.points = times[a].size();
-    box.visibility = visibility(recorded, box);
-    if (std::isnan(box.visibility)) box.visibility = 1;  // all its points lie beside the box
+    box.visibility = sightOf(recorded, path, box).visibility;
   }
   return boxes;
 }
@@ -139,21 +169,19 @@ std::vector<Box> BoxFinder::findMissed(const RecordedScan& recorded) {
   const auto& [index, number, time] = recorded.planned;
   const RigSensor& rigged = drive_.sensors[index];
   const double reach = widestWindow(rigged.sensor).most;
+  const SensorPath path(rigged.sensor, recorded);
   std::vector<Box> boxes;
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
     if (std::ranges::find(recorded.boxes, a, &Box::actor) != recorded.boxes.end()) continue;
     if (rigged.isIgnored(a) || !world_.poseOf(a, time)) continue;
     Box box = boxAt(recorded, a, 0);
-    const Vec3 from = inverse(box.seen).position, half = 0.5 * box.size;
+    const Vec3 from = inverse(box.inWorld) * recorded.pose.position, half = 0.5 * box.size;
     const Vec3 nearest = {std::clamp(from.x, -half.x, half.x), std::clamp(from.y, -half.y, half.y),
                           std::clamp(from.z, -half.z, half.z)};
     if (lengthOf(from - nearest) > reach) continue;
-    std::vector<float> times;  // at which beams pass the actor
-    eachBeamThrough(recorded.planned, box.seen, box.size, [&](size_t beam, double) {
-      times.push_back(static_cast<float>(timeOf(rigged.sensor, beam, number)));
-    });
-    if (!times.empty()) box = boxAt(recorded, a, medianOf(times));
-    box.visibility = visibility(recorded, box);
+    Sight sight = sightOf(recorded, path, box);
+    if (!sight.times.empty()) box = boxAt(recorded, a, medianOf(sight.times));
+    box.visibility = sight.visibility;
     boxes.push_back(box);
   }
   return boxes;

@@ -76,16 +76,20 @@ struct Output {
   std::vector<size_t> sensors;  ///< indices into Drive::sensors
   std::vector<Field> fields;
   uint64_t keyframes = 5;
-  bool allActors = false;      ///< whether actors have boxes that no beam has hit
-  std::string crs;             ///< WKT of the world's coordinate reference system; empty if the drive states none
-  uint16_t flightLine = 0;     ///< that of the first sensor, the others follow; 0 if the drive states none
-  bool oneFile = false;        ///< whether a sensor has one file of the whole drive, rather than one per scan
-  double scale = 0.001;        ///< metres per unit of a coordinate
-  bool sourcePerScan = false;  ///< whether the point source is the number of the scan, from 1
+  bool compact = true;               ///< whether clouds have rows of returns alone, rather than of every beam
+  std::string version;               ///< of nuScenes: the folder of the tables
+  bool lidarseg = false;             ///< of nuScenes: whether the points of key frames have the classes of lidarseg
+  std::optional<uint64_t> sequence;  ///< number of KITTI's sequence or drive; none: that of the format
+  bool allActors = false;            ///< whether actors have boxes that no beam has hit
+  std::string crs;                   ///< WKT of the world's coordinate reference system; empty if the drive states none
+  uint16_t flightLine = 0;           ///< that of the first sensor, the others follow; 0 if the drive states none
+  bool oneFile = false;              ///< whether a sensor has one file of the whole drive, rather than one per scan
+  double scale = 0.001;              ///< metres per unit of a coordinate
+  bool sourcePerScan = false;        ///< whether the point source is the number of the scan, from 1
 };
 
 struct Drive {
-  std::string name;
+  std::string name;   ///< in data sets; one in which mistakeOfName() finds no mistake
   uint64_t seed = 1;  ///< of the random numbers of all sensors whose effects state none
   double rate = 10, start = 0, duration = 0, epoch = 0;
   std::vector<std::string> simulator;  ///< options of the simulator, as assign() takes them
@@ -93,6 +97,7 @@ struct Drive {
   std::vector<Scene> scenes;                              ///< placed in the world; their instances have their classes
   std::vector<std::optional<Animation>> sceneAnimations;  ///< by scene
   std::vector<Scene> models;                              ///< in the actor's frame
+  std::vector<std::string> modelNames;                    ///< of those that the drive file names, which come first
   MaterialTable materials;                                ///< for the materials of all scenes and models
   std::vector<Actor> actors;
   Trajectory ego;
@@ -103,7 +108,9 @@ struct Drive {
   WeatherKinds weatherKinds;
   std::vector<Output> outputs;
   std::vector<std::string> warnings;  ///< what a user may want to know and is no mistake
-  std::string file;         ///< what the drive file says, as JSON with its own seed or the one that replaces it
+  /// The files that were read, by their paths from the folder of the drive file.
+  std::map<std::string, std::filesystem::path> inputs;
+  std::string file;         ///< what the drive file says, as JSON with the name and the seed that count
   std::string fingerprint;  ///< hash of the drive file and of everything that was read for it
 
   uint64_t frameCount() const;
@@ -116,8 +123,13 @@ struct Drive {
   static Pose poseOn(const Pose& ego, const Pose& mount);
 };
 
-/// Reads a drive file and the files that it names. A `seed` replaces that of the file, as if the file stated it. Throws
-/// Error(format) that lists the mistakes with their JSON paths, or Error(file).
-Drive readDrive(const std::filesystem::path& file, std::optional<uint64_t> seed = {});
+/// Returns why files of a data set cannot have this name of a drive, a sensor or an inertial unit in theirs, or an
+/// empty text. Data sets are exchanged, so a name must suit every system.
+std::string mistakeOfName(const std::string& name);
+
+/// Reads a drive file and the files that it names. A `seed` and a `name` replace those of the file, as if the file
+/// stated them. Throws Error(format) that lists the mistakes with their JSON paths, or Error(file).
+Drive readDrive(const std::filesystem::path& file, std::optional<uint64_t> seed = {},
+                const std::optional<std::string>& name = {});
 
 }  // namespace gnosphere::drive

@@ -2,13 +2,13 @@
 // Reads a Drive from JSON. The schema decides what the words are and which values they take; what it cannot say is
 // checked here: names that refer to something, and the files.
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
 #include "base/path.hpp"
 #include "base/text.hpp"
+#include "base/utf8.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
 #include "drive/schema_check.hpp"
@@ -44,7 +44,32 @@ void appendOptions(const json& object, const std::string& prefix, std::vector<st
   }
 }
 
+constexpr size_t kMostNameBytes = 100;  // the name of a file may have those of a drive and of a sensor, and 255 in all
+
+/// Returns the name of a drive whose file states none: that of the file, in which _ stands for what names do not have.
+std::string nameOf(const fs::path& file) {
+  std::string name;
+  for (const char8_t c : file.stem().u8string())
+    if (isPlain(c))
+      name += static_cast<char>(c);
+    else if (!name.ends_with('_'))
+      name += '_';
+  if (namesDevice(name)) name += '_';
+  return name.substr(0, kMostNameBytes);
+}
+
 }  // namespace
+
+std::string mistakeOfName(const std::string& name) {
+  if (name.empty() || !std::ranges::all_of(name, isPlain))
+    return "must have letters, digits, _ and - only, is " + shown(json(toUtf8(name)));
+  if (name.size() > kMostNameBytes)
+    return "has " + std::to_string(name.size()) + " characters, and names of files have room for " +
+           std::to_string(kMostNameBytes) + "; choose a shorter one";
+  if (namesDevice(name))
+    return inQuotes(name) + " is the name of a device on Windows, where no folder can have it; choose another name";
+  return "";
+}
 
 void DriveReader::actors() {
   std::set<std::string> names;
@@ -54,7 +79,7 @@ void DriveReader::actors() {
     Actor actor;
     actor.name = list[i]["name"].get<std::string>();
     if (!names.insert(actor.name).second) refuse(path + ".name", inQuotes(actor.name) + " is there twice");
-    actor.model = find(modelNames_, list[i]["model"], path + ".model");
+    actor.model = find(drive_.modelNames, list[i]["model"], path + ".model");
     actor.category = find(classNames_, list[i]["class"], path + ".class");
     if (list[i].contains("size")) actor.size = vectorOf(list[i]["size"]);
     actor.trajectory = trajectory(list[i]["trajectory"], path + ".trajectory");
@@ -64,14 +89,9 @@ void DriveReader::actors() {
   }
 }
 
-/// Checks the name of a sensor or of the inertial unit. Data sets are exchanged, so it must suit every system.
+/// Checks the name of a sensor or of the inertial unit.
 void DriveReader::checkName(const std::string& name, const std::string& path) {
-  const auto isPlain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
-  if (!std::all_of(name.begin(), name.end(), isPlain))
-    refuse(path + ".name", "must have letters, digits, _ and - only, is " + shown(json(name)));
-  if (namesDevice(name))
-    refuse(path + ".name",
-           inQuotes(name) + " is the name of a device on Windows, where no folder can have it; choose another name");
+  if (const std::string why = mistakeOfName(name); !why.empty()) refuse(path + ".name", why);
   const auto [other, isNew] = names_.emplace(lower(name), name);
   if (!isNew && other->second == name) refuse(path + ".name", inQuotes(name) + " is there twice");
   if (!isNew && other->second != name)
@@ -178,6 +198,7 @@ void DriveReader::weather() {
 }
 
 Drive DriveReader::read(const fs::path& file) {
+  if (const std::string why = mistakeOfName(drive_.name); !why.empty()) refuse("name", why);
   drive_.seed = root_.value("seed", drive_.seed);
   simulator();
   classes();
@@ -196,19 +217,24 @@ Drive DriveReader::read(const fs::path& file) {
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();
   warnOfJumps(!warnOfStamps());
+  warnOfOrientations();
   warnOfEnd();
+  warnOfModelSizes();
+  warnOfScales();
   warnOfSensors();
   drive_.file = jsonText(root_, 2) + "\n";
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);
 }
 
-Drive readDrive(const fs::path& file, std::optional<uint64_t> seed) {
+Drive readDrive(const fs::path& file, std::optional<uint64_t> seed, const std::optional<std::string>& name) {
   static const json kSchema = parseJson(kDriveSchema);
   json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
   const std::vector<std::string> mistakes = mistakesOf(root, kSchema);
   if (!mistakes.empty()) refuseAll(file, mistakes);
   if (seed) root["seed"] = *seed;
+  if (name) root["name"] = *name;
+  if (!root.contains("name")) root["name"] = nameOf(file);
   return DriveReader(file, root).read(file);
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the outputs of a drive from its file.
+#include <cctype>
+#include <utility>
+
 #include "base/text.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
@@ -15,6 +18,7 @@ using nlohmann::json;
 namespace {
 
 constexpr double kFirstGpsTime = 315964800;  // s: 6 January 1980
+constexpr double kFirstSurvey = 946684800;   // s: 1 January 2000; nobody flies a LiDAR over land before
 constexpr size_t kMostCrsBytes = 65534;      // of a record of LAS, with a zero behind them
 
 /// Returns the folder that a name means on systems that take capital and small letters for the same. "a/" is "a".
@@ -23,16 +27,37 @@ fs::path foldedFolder(const std::string& name) {
   return folder.filename().empty() ? folder.parent_path() : folder;
 }
 
+/// Whether Windows can hold a file or folder of this name.
+bool isOnWindows(const fs::path& part) {
+  const std::string name = part.string();
+  const auto isHeld = [](unsigned char c) {
+    return c >= ' ' && std::string_view("<>:\"\\|?*").find(static_cast<char>(c)) == std::string_view::npos;
+  };
+  return std::ranges::all_of(name, isHeld) && (name == "." || (!name.ends_with('.') && !name.ends_with(' ')));
+}
+
+/// Whether a text can be the version of tables of nuScenes, which is the name of their folder.
+bool isVersion(const std::string& text) {
+  const auto fits = [](unsigned char c) { return isPlain(c) || c == '.'; };
+  return text.size() >= 2 && text.size() <= 100 && text[0] == 'v' &&
+         std::isdigit(static_cast<unsigned char>(text[1])) && std::ranges::all_of(text, fits) && text.back() != '.';
+}
+
 }  // namespace
 
 /// Checks that the folder of an output lies in the output folder of the drive, beside those of other outputs. Data sets
 /// are exchanged, so it must do so on every system.
 void DriveReader::checkFolder(const std::string& name, const std::string& path) {
-  const fs::path folder = foldedFolder(name);
+  const fs::path folder = foldedFolder(name), stated = pathOf(name);
   const std::string top = folder.begin()->string();
-  if (folder.is_absolute() || top == ".." || top == "." || top == "manifest" || top == "objects.json" ||
-      top == "classes.json")
-    refuse(path, "must be a folder in the output folder, other than manifest and the files beside it");
+  // Manifests have the folder as it is stated, and refuse paths that go up on their way.
+  if (stated.has_root_path() || std::ranges::find(stated, "..") != stated.end() || top == "." || top == "manifest" ||
+      top == "objects.json" || top == "classes.json")
+    refuse(path, "must be a folder in the output folder, other than manifest and the files beside it, without '..'");
+  else if (!std::ranges::all_of(folder, isOnWindows))
+    refuse(path, shown(json(name)) +
+                     " cannot be a folder on Windows, where names have none of <>:\"\\|?* and no dot or blank at their "
+                     "end; choose another name");
   const auto holds = [](const fs::path& outer, const fs::path& inner) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
   };
@@ -104,20 +129,43 @@ void DriveReader::checkTrace(const Output& output, const std::string& path) {
 /// Warns of sensors that start no scan in some of the frames that are samples.
 void DriveReader::warnOfSamples(const Output& output, const std::string& path) {
   constexpr uint64_t kMost = 1000;  // samples that are looked at
-  std::vector<uint64_t> missed(drive_.sensors.size());
   uint64_t samples = 0;
-  for (; samples < kMost && samples * output.keyframes < drive_.frameCount(); ++samples) {
-    std::vector<bool> seen(drive_.sensors.size());
-    for (const PlannedScan& scan : scansOf(drive_, samples * output.keyframes)) seen[scan.sensor] = true;
-    for (size_t sensor : output.sensors) missed[sensor] += seen[sensor] ? 0 : 1;
+  const auto missedScans = [&] {
+    std::vector<uint64_t> missed(drive_.sensors.size());
+    for (samples = 0; samples < kMost && samples * output.keyframes < drive_.frameCount(); ++samples) {
+      std::vector<bool> seen(drive_.sensors.size());
+      for (const PlannedScan& scan : scansOf(drive_, samples * output.keyframes)) seen[scan.sensor] = true;
+      for (size_t sensor : output.sensors) missed[sensor] += seen[sensor] ? 0 : 1;
+    }
+    return missed;
+  };
+  const std::vector<uint64_t> missed = missedScans();
+  if (std::ranges::count(missed, 0u) == std::ssize(missed)) return;
+  std::vector<double> offsets;
+  for (RigSensor& sensor : drive_.sensors) offsets.push_back(std::exchange(sensor.offset, 0));
+  const std::vector<uint64_t> missedByRate = missedScans();
+  for (size_t sensor = 0; sensor < offsets.size(); ++sensor) drive_.sensors[sensor].offset = offsets[sensor];
+  for (size_t sensor : output.sensors) {
+    if (missed[sensor] == 0) continue;
+    const std::string why = missedByRate[sensor] > 0
+                                ? "it makes " + gnosphere::numberText(drive_.sensors[sensor].rate) +
+                                      " scans a second; choose another rate or other keyframes"
+                                : "its first scan starts " + gnosphere::numberText(offsets[sensor]) +
+                                      " s after the start of the drive; choose another offset or other keyframes";
+    drive_.warnings.push_back(path + ": " + inQuotes(drive_.sensors[sensor].name) + " starts no scan in " +
+                              std::to_string(missed[sensor]) + " of " + std::to_string(samples) +
+                              " samples, which lack its data, because " + why);
   }
-  for (size_t sensor : output.sensors)
-    if (missed[sensor] > 0)
-      drive_.warnings.push_back(path + ": " + inQuotes(drive_.sensors[sensor].name) + " starts no scan in " +
-                                std::to_string(missed[sensor]) + " of " + std::to_string(samples) +
-                                " samples, which lack its data, because it makes " +
-                                gnosphere::numberText(drive_.sensors[sensor].rate) +
-                                " scans a second; choose another rate or other keyframes");
+}
+
+/// Warns of causes that tell nothing, because the clouds leave out all beams whose cause is not `returned`.
+void DriveReader::warnOfCauses(const Output& output, const std::string& path) {
+  if (!output.compact || std::ranges::find(output.fields, Field::cause) == output.fields.end()) return;
+  const char* way = formatNamed(output.format).compact ? "with \"compact\": false they have all beams"
+                                                       : "an output pcd or npy with \"compact\": false has all beams";
+  warn(path + ".fields",
+       "have cause, which is 0 (returned) everywhere, because these clouds leave out beams without a return; " +
+           std::string(way));
 }
 
 /// Reads and checks what an output states of a survey.
@@ -128,8 +176,17 @@ void DriveReader::survey(const json& object, Output& output, const std::string& 
     if (category.id > 255)
       refuse(path + ".format",
              "LAS has classes 0 to 255; " + inQuotes(category.name) + " has the id " + std::to_string(category.id));
-  if (drive_.epoch + drive_.start < kFirstGpsTime)
-    drive_.warnings.push_back(path + ".format: LAS has GPS times, and the drive begins before 1980; give an epoch");
+  const bool hasEpoch = root_.contains("epoch");
+  if (drive_.epoch + drive_.start < (hasEpoch ? kFirstGpsTime : kFirstSurvey))
+    drive_.warnings.push_back(
+        path + ".format: LAS has GPS times, and the drive begins before " +
+        (hasEpoch ? "1980; give another epoch" : "2000; give an epoch, of adjusted standard GPS times 1315964782"));
+  for (size_t sensor : output.sensors)
+    if (drive_.sensors[sensor].effects.intensity.scale == Effects::Intensity::Scale::raw)
+      drive_.warnings.push_back(path + ".format: LAS has whole numbers as intensities, and of those of " +
+                                inQuotes(drive_.sensors[sensor].name) +
+                                ", whose intensity.scale is raw, nearly nothing is left; take unit, and divide by the "
+                                "square of the range");
   output.crs = object.value("crs", "");
   const std::string_view text = trimmed(output.crs, " \t\r\n");
   const size_t word = text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_");
@@ -174,15 +231,32 @@ void DriveReader::outputs() {
       attempt(path + ".fields", [&] { output.fields = parseFields(fields); });
     if (output.format == "mcap" && !object.contains("fields") && mistakes_.empty())
       output.fields = usualCloudFields(drive_, output.sensors);
-    if (object.contains("keyframes") && !format.keyframes)
-      refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
+    if (object.contains("compact") && !format.compact)
+      refuse(path + ".compact", "is only for " + formatNames([](const FormatInfo& f) { return f.compact; }));
+    output.compact = object.value("compact", true);
+    for (const char* name : {"keyframes", "version", "lidarseg"})
+      if (object.contains(name) && !format.keyframes)
+        refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
+    output.version = object.value("version", "v1.0-drive");
+    if (!isVersion(output.version))
+      refuse(path + ".version",
+             "must be v and a number, such as v1.0-mini, with letters, digits, '.', _ and - only, is " +
+                 shown(object["version"]));
+    output.lidarseg = object.value("lidarseg", false);
+    if (output.lidarseg && (drive_.classes.empty() || drive_.classes.size() > 255))
+      refuse(path + ".lidarseg",
+             "labels have one byte, so the drive needs 1 to 255 classes, has " + std::to_string(drive_.classes.size()));
+    if (object.contains("sequence") && !format.sequence)
+      refuse(path + ".sequence", "is only for " + formatNames([](const FormatInfo& f) { return f.sequence; }));
+    if (object.contains("sequence")) output.sequence = object["sequence"].get<uint64_t>();
     if (object.contains("all_actors") && !format.allActors)
       refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
     output.allActors = object.value("all_actors", false);
     for (const char* name : {"crs", "flight_line", "one_file", "scale", "source_per_scan"})
       if (object.contains(name) && !format.survey)
         refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
+    warnOfCauses(output, path);
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
     if (mistakes_.empty()) checkRings(output, path);
     if (format.survey) survey(object, output, path);

@@ -3,11 +3,13 @@
 #include "drive/drive_reader.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "base/file.hpp"
 #include "base/units.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schema_check.hpp"
+#include "scene/readers.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -17,15 +19,15 @@ using nlohmann::json;
 
 /// Takes what a built-in name stands for, or else a file.
 template <typename T, typename Load>
-T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const std::string&), const Load& load) {
+T namedOrFile(const std::string& name, const fs::path& place, T (*named)(const std::string&), const Load& load) {
   try {
     return named(name);
   } catch (const Error& unknown) {
     std::error_code ignored;
-    if (!fs::is_regular_file(file, ignored))
+    if (!fs::is_regular_file(place, ignored))
       throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
   }
-  return load(file);
+  return load(name);
 }
 
 /// Returns a difference of angles in degrees without the rounding of its subtraction.
@@ -56,12 +58,19 @@ Pose DriveReader::pose(const json& object, const std::string& path) {
   Pose pose;
   if (object.is_null()) return pose;
   if (object.contains("position")) pose.position = vectorOf(object["position"]);
-  if (object.contains("orientation")) pose.orientation = orientation(object["orientation"], path + ".orientation");
-  if (!object.contains("yaw_pitch_roll_deg")) return pose;
-  if (object.contains("orientation"))
-    refuse(memberPath(path, "yaw_pitch_roll_deg"), "is an alternative to orientation; keep one");
-  const Vec3 angles = kDegree * vectorOf(object["yaw_pitch_roll_deg"]);
-  pose.orientation = yawPitchRoll(angles.x, angles.y, angles.z);
+  std::string stated;  // the word that states the orientation
+  const auto states = [&](const char* name) {
+    if (!object.contains(name)) return false;
+    if (!stated.empty()) refuse(memberPath(path, name), "is an alternative to " + stated + "; keep one");
+    stated = name;
+    return true;
+  };
+  if (states("orientation")) pose.orientation = orientation(object["orientation"], path + ".orientation");
+  if (states("yaw_pitch_roll_deg")) {
+    const Vec3 angles = kDegree * vectorOf(object["yaw_pitch_roll_deg"]);
+    pose.orientation = yawPitchRoll(angles.x, angles.y, angles.z);
+  }
+  if (states("yaw_deg")) pose.orientation = yawPitchRoll(kDegree * object["yaw_deg"].get<double>(), 0, 0);
   return pose;
 }
 
@@ -71,7 +80,13 @@ Scene DriveReader::scene(const json& object, const std::string& path) {
   if (object.contains("up")) options.up = isText(object["up"], "y") ? UpAxis::y : UpAxis::z;
   options.scale = object.value("scale", 1.0);
   Scene scene;
-  attempt(path + ".file", [&] { scene = loadScene(file(object["file"]), options); });
+  const auto name = object["file"].get<std::string>();
+  std::vector<std::string> beside;
+  attempt(path + ".file", [&] { scene = loadScene(file(name), options, beside); });
+  for (const std::string& other : beside) {
+    const std::u8string from = (pathOf(name).parent_path() / pathOf(other)).generic_u8string();
+    file({from.begin(), from.end()});
+  }
   const Transform place = transformOf(pose(memberOf(object, "pose"), memberPath(path, "pose")));
   for (Instance& instance : scene.instances) instance.transform = place * instance.transform;
   scene.animation.root = place * scene.animation.root;
@@ -141,17 +156,12 @@ std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, double s
       refuse(at + ".time", "follows from the 'speed' of the trajectory; keep one");
     else if (speed == 0 && !list[i].contains("time"))
       refuse(at, "needs a 'time', or the trajectory a 'speed'");
-    Pose placed = pose(list[i], at);
-    const bool hasYaw = list[i].contains("yaw_deg"), hasTurn = list[i].contains("yaw_pitch_roll_deg");
-    const bool hasOrientation = list[i].contains("orientation");
-    if (hasYaw && (hasOrientation || hasTurn))
-      refuse(at + ".yaw_deg", std::string("is an alternative to ") +
-                                  (hasOrientation ? "orientation" : "yaw_pitch_roll_deg") + "; keep one");
-    if (hasYaw) placed.orientation = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+    const Pose placed = pose(list[i], at);
     double time = list[i].value("time", 0.0);
     if (speed > 0 && i > 0) time = stamps[i - 1].time + lengthOf(placed.position - stamps[i - 1].pose.position) / speed;
     stamps.push_back({time, placed});
-    turned.push_back(hasYaw || hasTurn || hasOrientation);
+    turned.push_back(list[i].contains("orientation") || list[i].contains("yaw_pitch_roll_deg") ||
+                     list[i].contains("yaw_deg"));
   }
   warnOfRadians(list, yawsAlong(stamps), path);
   warnOfTurns(list, path);
@@ -195,7 +205,9 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
       object.value("heading", false) || (object.contains("file") && (format == "carla" || format == "carla-route"));
   turned.resize(stamps.size(), true);
   if (looksAlong) turned.assign(stamps.size(), false);
-  const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
+  // INFINITY is a float, which value() would round the times to.
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  const double from = object.value("from", -kEver), to = object.value("to", kEver);
   size_t kept = 0;
   std::optional<double> yawBefore;
   for (size_t i = 0; i < stamps.size(); ++i) {
@@ -227,14 +239,14 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
 
 Sensor DriveReader::sensor(const json& value, const std::string& path) {
   Sensor sensor;
-  const auto load = [&](const fs::path& file) {
-    SensorFile read = readSensorFile(file);
+  const auto load = [&](const std::string& name) {
+    SensorFile read = readSensorFile(file(name));
     for (const std::string& text : read.assumed) drive_.warnings.push_back(path + ": assumed: " + text);
     for (const std::string& text : read.ignored) drive_.warnings.push_back(path + ": ignored: " + text);
     return std::move(read.sensor);
   };
   attempt(path, [&] {
-    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, load)
+    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), place(value), builtinSensor, load)
                                : sensorFromJson(jsonText(value), "the sensor");
     validate(sensor);
   });
@@ -245,15 +257,16 @@ Effects DriveReader::effects(const json& value, const std::string& path) {
   Effects effects;
   bool hasSeed = value.is_object() && value.contains("seed");
   // A preset has no seed of its own, and CARLA's attributes have one for every kind of sensor, stated or not.
-  const auto load = [&](const fs::path& file) {
-    Effects loaded = loadEffects(file);
-    const json content = parseStrict(readWholeFile(file), file.string());
+  const auto load = [&](const std::string& name) {
+    const fs::path read = file(name);
+    Effects loaded = loadEffects(read);
+    const json content = parseStrict(readWholeFile(read), read.string());
     hasSeed = content.is_object() && content.contains("seed");
     return loaded;
   };
   attempt(path, [&] {
     if (value.is_string())
-      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, load);
+      effects = namedOrFile(value.get<std::string>(), place(value), effectPreset, load);
     else if (value.is_object())
       effects = effectsFromJson(jsonText(value), "the effects");
   });

@@ -16,11 +16,17 @@
 
 namespace gnosphere::drive {
 
+/// Whether names that become parts of paths may have this character: letters of ASCII, digits, _ and -.
+inline bool isPlain(unsigned char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+}
+
 class DriveReader {
  public:
+  /// The member `name` of `root`, which is the content of the drive file, must be set.
   DriveReader(const std::filesystem::path& file, const nlohmann::json& root)
       : folder_(file.parent_path()), root_(root) {
-    drive_.name = root.value("name", file.stem().string());
+    drive_.name = root["name"].get<std::string>();
   }
 
   /// Returns the drive, or throws Error(format) with all mistakes.
@@ -38,7 +44,10 @@ class DriveReader {
   }
   void refuse(const std::string& path, const std::string& why) { mistakes_.push_back(path + ": " + why); }
   void warn(const std::string& path, const std::string& why);
-  std::filesystem::path file(const nlohmann::json& name) const { return folder_ / pathOf(name.get<std::string>()); }
+  /// Returns the path of a file from its path in the drive file, which starts at the folder of that file.
+  std::filesystem::path place(const std::string& name) const { return folder_ / pathOf(name); }
+  /// Returns the same path of a file that is going to be read, and adds the file to the inputs of the drive.
+  std::filesystem::path file(const std::string& name) { return drive_.inputs[name] = place(name); }
 
   /// Returns the index of a name, or adds a mistake.
   size_t find(const std::vector<std::string>& names, const nlohmann::json& name, const std::string& path) {
@@ -69,8 +78,10 @@ class DriveReader {
   void takeBoxed(const nlohmann::json& object, const std::string& path, Scene& scene);
   void addStanding();
   void warnOfClasses(const std::set<std::string>& unknown, const std::string& path);
-  void warnOfSteps(const nlohmann::json& object, const std::string& path, const Scene& scene);
+  void warnOfPositions(const nlohmann::json& object, const std::string& path, const Scene& scene);
   void models();
+  void warnOfModelSizes();
+  void warnOfScales();
   void materialTable();
   void actors();
   void sensors();
@@ -78,6 +89,7 @@ class DriveReader {
   void warnOfBodies();
   void warnOfClocks();
   bool warnOfStamps();
+  void warnOfOrientations();
   void warnOfJumps(bool ofEgo);
   void warnOfSensors();
   void warnOfRate(size_t sensor, const std::string& path);
@@ -101,12 +113,13 @@ class DriveReader {
   void checkRings(const Output& output, const std::string& path);
   void checkBag(const Output& output, bool chooses, const std::string& path);
   void warnOfSamples(const Output& output, const std::string& path);
+  void warnOfCauses(const Output& output, const std::string& path);
   void survey(const nlohmann::json& object, Output& output, const std::string& path);
 
   std::filesystem::path folder_;
   const nlohmann::json& root_;
   Drive drive_;
-  std::vector<std::string> mistakes_, classNames_, modelNames_;
+  std::vector<std::string> mistakes_, classNames_;
   StandingActors standing_;
   std::map<std::string, std::string> names_;  // of the sensors and the inertial unit, by the same in small letters
   std::vector<std::string> folders_;          // of the outputs

@@ -2,6 +2,7 @@
 // Reads the scenes and models of a drive, and the classes of what is in them, from its file.
 #include "base/os.hpp"
 #include "drive/drive_reader.hpp"
+#include "geometry/dropped_triangles.hpp"
 #include "scene/coarse_positions.hpp"
 
 namespace gnosphere::drive {
@@ -68,13 +69,17 @@ void DriveReader::warnOfClasses(const std::set<std::string>& unknown, const std:
                             ", which classes does not name");
 }
 
-/// Warns of a file whose positions have steps, and once only of one that several scenes and models name.
-void DriveReader::warnOfSteps(const json& object, const std::string& path, const Scene& scene) {
+/// Warns of a file whose positions have steps or are nowhere, and once only of one that several scenes and models name.
+void DriveReader::warnOfPositions(const json& object, const std::string& path, const Scene& scene) {
   const std::string name = object.value("file", "");
-  const std::string steps = scene.meshes.empty() ? "" : coarsePositions(file(name), scene);
-  const auto isTold = [&](const std::string& warning) { return warning.ends_with(inQuotes(name) + ": " + steps); };
-  if (!steps.empty() && std::ranges::none_of(drive_.warnings, isTold))
-    drive_.warnings.push_back(path + ".file: " + inQuotes(name) + ": " + steps);
+  const auto tell = [&](const std::string& text) {
+    const auto isTold = [&](const std::string& warning) { return warning.ends_with(text); };
+    if (std::ranges::none_of(drive_.warnings, isTold)) drive_.warnings.push_back(path + ".file: " + text);
+  };
+  if (const std::string steps = scene.meshes.empty() ? "" : coarsePositions(place(name), scene); !steps.empty())
+    tell(inQuotes(name) + ": " + steps);
+  if (const uint64_t dropped = droppedTriangles(scene).nonFinite; dropped > 0)
+    tell(droppedText(dropped, inQuotes(name)));
 }
 
 void DriveReader::scenes() {
@@ -82,7 +87,7 @@ void DriveReader::scenes() {
     const std::string path = entryPath("scenes", i);
     const json& object = root_["scenes"][i];
     Scene scene = this->scene(object, path);
-    warnOfSteps(object, path, scene);
+    warnOfPositions(object, path, scene);
     const uint16_t usual = object.contains("class") ? classNamed(object["class"], path + ".class") : uint16_t{0};
     std::set<std::string> unknown;
     classify(object, path, "instances", usual, scene.instances, unknown);
@@ -132,10 +137,10 @@ void DriveReader::addStanding() {
 
 void DriveReader::models() {
   for (const auto& [name, object] : memberOf(root_, "models").items()) {
-    modelNames_.push_back(name);
+    drive_.modelNames.push_back(name);
     const std::string path = memberPath("models", name);
     Scene model = scene(object, path);
-    warnOfSteps(object, path, model);
+    warnOfPositions(object, path, model);
     std::set<std::string> unknown;
     classify(object, path, "materials", 0, model.materials, unknown);
     warnOfClasses(unknown, path);

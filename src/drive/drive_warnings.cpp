@@ -4,12 +4,18 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
 
+#include "base/vector.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"
+#include "drive/world.hpp"
 #include "effects/trajectory.hpp"
 #include "ros2/driver_cloud.hpp"
 #include "sensor/beams.hpp"
@@ -30,8 +36,8 @@ std::string secondsText(double time) {
 
 /// Returns a positive number with so many significant digits.
 std::string roundedText(double value, double digits) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - digits + 1);
-  return gnosphere::numberText(std::round(value / unit) * unit);
+  const double perUnit = std::pow(10, digits - 1 - std::floor(std::log10(value)));
+  return gnosphere::numberText(std::round(value * perUnit) / perUnit);
 }
 
 /// A way between two stamps of a trajectory.
@@ -113,14 +119,22 @@ void DriveReader::warn(const std::string& path, const std::string& why) {
   drive_.warnings.push_back(path + ": " + why);
 }
 
-/// Warns of trajectories and weather whose times are not those of the drive.
+/// Warns of trajectories and weather whose times are not those of the drive, and of an epoch that comes twice.
 void DriveReader::warnOfClocks() {
+  constexpr double kUnix = 8e8;  // s; Unix times since 1995, before which nobody recorded clouds
   const double first = drive_.start, last = drive_.start + drive_.duration;
+  if (drive_.epoch > kUnix && first > kUnix)
+    warn("epoch", "is added to the times of the trajectory, and the drive begins at " + secondsText(first) +
+                      " of them, which look like Unix times: without an epoch they are");
   const std::string span = "and the drive from " + secondsText(first) + " to " + secondsText(last);
   const Trajectory& ego = drive_.ego;
   const bool egoMoves = ego.stamps().size() > 1;
   if (egoMoves && (ego.begin() > last + kSlack || ego.end() < first - kSlack))
     warn("ego.trajectory", spanText(ego) + ", " + span + ", so the vehicle stands all the time; give another start");
+  else if (egoMoves && ego.begin() > first + kSlack)
+    warn("ego.trajectory", "begins at " + secondsText(ego.begin()) + ", " + span +
+                               ", so the vehicle stands for the first " + secondsText(ego.begin() - first) +
+                               "; give a later start");
   else if (egoMoves && ego.end() < last - kSlack)
     warn("ego.trajectory", "ends at " + secondsText(ego.end()) + ", " + span + ", so the vehicle stands for the last " +
                                secondsText(last - ego.end()) + "; give a shorter duration");
@@ -164,11 +178,7 @@ bool DriveReader::warnOfStamps() {
   if (!recorded || stamps.size() < kFew) return false;
   const double usual = ego.spacing(), first = drive_.start, last = drive_.start + drive_.duration;
   if (usual > kSlow) {
-    warn("ego.trajectory.file", "has a pose every " + roundedText(usual, 3) +
-                                    " s; times are in seconds, and these look like " +
-                                    (usual < 1e3   ? "milliseconds"
-                                     : usual < 1e6 ? "microseconds"
-                                                   : "nanoseconds"));
+    warn("ego.trajectory.file", doubtOfSeconds(usual));
     return true;
   }
   size_t longest = 0, count = 0;  // the longest gap ends at this stamp
@@ -186,6 +196,22 @@ bool DriveReader::warnOfStamps() {
                                     " times as long as between most poses, so the vehicle goes straight" +
                                     (count > 1 ? " (of " + std::to_string(count) + " gaps this is the longest)" : ""));
   return count > 0;
+}
+
+/// Warns of a pose file that has the vehicle upside down, as quaternions with w first instead of last do.
+void DriveReader::warnOfOrientations() {
+  constexpr double kOnEarth = 1e6;  // m; beyond, the origin may be the centre of the earth, and z is not up
+  const auto& stated = root_["ego"]["trajectory"];
+  if (!stated.contains("file") || stated.value("format", "tum") != "tum") return;
+  size_t poses = 0, upsideDown = 0;
+  for (const auto& [time, pose] : drive_.ego.stamps()) {
+    if (time < drive_.start - kSlack || time > drive_.start + drive_.duration + kSlack) continue;
+    ++poses;
+    upsideDown += lengthOf(pose.position) < kOnEarth && (pose.orientation * Vec3{0, 0, 1}).z < -0.5;
+  }
+  if (upsideDown > poses / 2)
+    warn("ego.trajectory.file", "has the vehicle upside down in " + std::to_string(upsideDown) + " of " +
+                                    std::to_string(poses) + " poses; lines are t x y z qx qy qz qw, with w last");
 }
 
 /// Warns of actors, and of the vehicle if asked to, that go from one stamp to the next faster than anything on a road,
@@ -216,6 +242,63 @@ void DriveReader::warnOfJumps(bool ofEgo) {
          text(inQuotes(drive_.actors[fastest].name), way) +
              ", and what appears elsewhere is another actor, both with \"outside\": \"gone\"" +
              (count > 1 ? " (of " + std::to_string(count) + " actors that do so this is the fastest)" : ""));
+}
+
+/// Warns of models that are larger or smaller than anything in traffic, and that actors show in their own size.
+void DriveReader::warnOfModelSizes() {
+  constexpr double kLong = 100, kShort = 0.02;  // m
+  for (size_t m = 0; m < drive_.modelNames.size(); ++m) {
+    const auto showsIt = [&](const Actor& actor) { return actor.model == m && !actor.size; };
+    if (std::ranges::none_of(drive_.actors, showsIt)) continue;
+    const Bounds bounds = worldBounds(drive_.models[m]);
+    const Vec3 extent = bounds.max - bounds.min;
+    const double longest = bounds.empty() ? kShort : std::max({extent.x, extent.y, extent.z});
+    if (longest > kLong || (longest > 0 && longest < kShort))
+      warn(memberPath("models", drive_.modelNames[m]) + ".file",
+           "measures " + roundedText(longest, 3) +
+               " m; files are in metres, and \"scale\" changes that: 0.01 for centimetres, 0.001 for millimetres");
+  }
+}
+
+/// Warns of actors whose size has other proportions than their model. A model that is a box may stand for any other
+/// box.
+void DriveReader::warnOfScales() {
+  constexpr double kMost = 1.5;                                      // between the greatest and the least factor
+  std::map<std::pair<size_t, std::optional<size_t>>, Vec3> extents;  // by model and clip; 0 for boxes
+  const auto extentOf = [&](const Actor& actor) {
+    const Scene& model = drive_.models[actor.model];
+    const auto clip = actor.animation ? std::optional(actor.animation->clip) : std::nullopt;
+    const auto [extent, isNew] = extents.try_emplace({actor.model, clip});
+    if (isNew && !isBox(model)) extent->second = fittedExtent(model, actor.animation);
+    return extent->second;
+  };
+  size_t found = 0, count = 0;
+  double most = kMost;
+  for (size_t a = 0; a < drive_.actors.size(); ++a) {
+    const Actor& actor = drive_.actors[a];
+    if (!actor.size) continue;
+    const Vec3 extent = extentOf(actor);
+    if (!(extent.x > 0 && extent.y > 0 && extent.z > 0)) continue;  // World refuses flat models
+    const auto [low, high] =
+        std::minmax({actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z});
+    if (!(high / low > kMost)) continue;
+    ++count;
+    if (!(high / low > most)) continue;
+    found = a;
+    most = high / low;
+  }
+  if (count == 0) return;
+  const Actor& actor = drive_.actors[found];
+  const Vec3 extent = extentOf(actor);
+  const auto text = [](double x, double y, double z) {
+    return roundedText(x, 3) + ", " + roundedText(y, 3) + " and " + roundedText(z, 3);
+  };
+  warn(entryPath("actors", found) + ".size",
+       "scales the model of " + inQuotes(actor.name) + " by " +
+           text(actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z) +
+           " along x, y and z, which distorts it; the model measures " + text(extent.x, extent.y, extent.z) +
+           " m: give a size of its proportions, or turn it by its \"pose\"" +
+           (count > 1 ? " (of " + std::to_string(count) + " actors that are distorted this is the most)" : ""));
 }
 
 /// Warns of scans that go on when the trajectory of a vehicle that moves has ended: it stops at once, which no inertial
@@ -316,22 +399,34 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
            "a rotation_period of 0.001 s lets them move");
 }
 
+/// Returns how long the beams of a sensor are, in metres, at least: 100, or what an aircraft is away from the scenes.
+double lengthOfBeams(const Drive& drive, const Sensor& sensor) {
+  const Vec3 place = drive.ego.at(drive.start + 0.5 * drive.duration).position;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Scene& scene : drive.scenes) {
+    const Bounds bounds = worldBounds(scene);
+    if (!bounds.empty()) nearest = std::min(nearest, lengthOf(highest(lowest(place, bounds.max), bounds.min) - place));
+  }
+  return std::max(100.0, std::min(nearest, static_cast<double>(sensor.rangeMax)));
+}
+
 /// Warns of long scans of a list of beams whose vehicle shakes: between the poses that a scan knows it goes straight.
 void DriveReader::warnOfPaths(size_t index, const std::string& path) {
-  constexpr double kFar = 100, kOff = 0.02, kFine = 0.01;  // m
+  constexpr double kOff = 0.02, kFine = 0.01;  // m
   const RigSensor& sensor = drive_.sensors[index];
   const Trajectory& ego = drive_.ego;
   if (sensor.sensor.isGrid() || sensor.effects.sensorMotion.use == EffectUse::off) return;
   const ScanTimes scan = scanTimesOf(sensor.sensor, true);
   const std::vector<double> stamps = ego.timesWithin(drive_.start, drive_.start + drive_.duration);
-  // How far a beam is off `kFar` from the sensor at a stamp in the middle of a line between poses.
+  const double far = lengthOfBeams(drive_, sensor.sensor);
+  // How far a beam is off `far` from the sensor at a stamp in the middle of a line between poses.
   const auto mostOff = [&](double step) {
     double most = 0;
     for (const double time : stamps) {
       const double from = time - step / 2, to = time + step / 2;
       const Pose pose = ego.at(time), between = poseAt({{{from, ego.at(from)}, {to, ego.at(to)}}}, {}, time);
-      most = std::max(most, lengthOf(between.position - pose.position) +
-                                kFar * angleBetween(between.orientation, pose.orientation));
+      most = std::max(
+          most, lengthOf(between.position - pose.position) + far * angleBetween(between.orientation, pose.orientation));
     }
     return most;
   };
@@ -342,7 +437,7 @@ void DriveReader::warnOfPaths(size_t index, const std::string& path) {
   const double unit = std::pow(10, std::floor(std::log10(longest)));
   warn(path + ".sensor",
        "a scan of " + inQuotes(sensor.name) + " lasts " + secondsText(scan.last - scan.earliest) + " and knows " +
-           std::to_string(kListIntervals) + " poses, between which beams " + gnosphere::numberText(kFar) +
+           std::to_string(kListIntervals) + " poses, between which beams " + gnosphere::numberText(std::round(far)) +
            " m long are up to " + gnosphere::numberText(std::round(100 * off) / 100) +
            " m off where the trajectory leads them; in scans of at most " +
            gnosphere::numberText(unit * std::floor(longest / unit)) + " s they are within a centimetre");

@@ -2,6 +2,7 @@
 #include "drive/manifest.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
@@ -9,6 +10,7 @@
 #include "base/json_text.hpp"
 #include "base/path.hpp"
 #include "drive/file_lock.hpp"
+#include "drive/fingerprint.hpp"
 #include "drive/manifest_file.hpp"
 #include "drive/place_in.hpp"
 #include "drive/unfinished_files.hpp"
@@ -27,6 +29,29 @@ bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
   return !absent && bytes == entry.bytes && (!verify || hashOfFile(file) == entry.hash);
 }
 
+/// Returns the sentence that refuses a folder because only the duration of its drive was another one; none if anything
+/// else was, too, or if the folder does not tell. `held` is manifest/drive.json of the folder.
+std::string durationText(const Drive& drive, const fs::path& manifest, const std::string& held) {
+  try {
+    nlohmann::json before = parseJson(readWholeFile(manifest / "drive_file.json")), now = parseJson(drive.file);
+    // The fingerprint counts every file that is read for a drive. With the drive file of the folder it is the folder's
+    // own if all these files are the same.
+    if (fingerprintOf(drive, jsonText(before)) != parseJson(held).at("fingerprint")) return "";
+    const auto take = [](nlohmann::json& file) {
+      const std::string text =
+          file.contains("duration") ? gnosphere::numberText(file["duration"].get<double>()) + " s" : "";
+      file.erase("duration");
+      return text.empty() ? "the duration of the vehicle's trajectory" : "a duration of " + text;
+    };
+    const std::string old = take(before), wanted = take(now);
+    if (before != now) return "";
+    return "holds frames of this drive with " + old + ", and it now has " + wanted +
+           "; a drive that has begun keeps its duration, so choose another folder or the old duration";
+  } catch (const std::exception&) {
+    return "";  // the file is absent or damaged
+  }
+}
+
 }  // namespace
 
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
@@ -40,11 +65,14 @@ Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out
   const fs::path file = folder_ / "drive.json";
   std::error_code absent;
   if (!fs::exists(file, absent)) put(file, text);
-  if (readWholeFile(file) != text)
+  if (const std::string held = readWholeFile(file); held != text) {
+    const std::string why = durationText(drive, folder_, held);
     throw Error(ErrorCode::invalidArgument,
-                out.string() +
-                    ": holds frames of another drive, or of this one before something of it changed; choose "
-                    "another folder");
+                out.string() + ": " +
+                    (why.empty() ? "holds frames of another drive, or of this one before something of it changed; "
+                                   "choose another folder"
+                                 : why));
+  }
 }
 
 Manifest::~Manifest() = default;
@@ -124,13 +152,17 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
       const Quaternion& q = box.inWorld.orientation;
       boxes.push_back({{"actor", box.actor},
                        {"points", box.points},
-                       {"visibility", box.visibility},
                        {"position", listOf(box.inWorld.position)},
                        {"orientation", {q.x, q.y, q.z, q.w}},
                        {"size", listOf(box.size)},
                        {"moving", box.moving}});
+      if (!std::isnan(box.visibility)) boxes.back()["visibility"] = box.visibility;
     }
-    scans.push_back({{"sensor", scan.planned.sensor}, {"number", scan.planned.number}, {"points", scan.points}});
+    scans.push_back({{"sensor", scan.planned.sensor},
+                     {"number", scan.planned.number},
+                     {"points", scan.points},
+                     {"non_finite", scan.scan.counters.nonFinite},
+                     {"lost_echoes", scan.scan.counters.lostEchoes}});
     if (!boxes.empty()) scans.back()["boxes"] = std::move(boxes);
   }
   put(frameFile(frame.frame), jsonText(Json{{"frame", frame.frame}, {"files", entries}, {"scans", scans}}) + "\n");

@@ -2,6 +2,7 @@
 #include "drive/manifest_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
@@ -47,7 +48,7 @@ std::vector<ScanSummary> ManifestFile::scans(const std::vector<PlannedScan>& pla
       if (box.actor >= actors)
         refuse("has a box of actor " + std::to_string(box.actor) + ", but the drive has " + std::to_string(actors));
       box.points = count(seen, "points");
-      box.visibility = number(seen, "visibility");
+      box.visibility = seen.contains("visibility") ? number(seen, "visibility") : NAN;
       const auto [x, y, z] = numbers<3>(seen, "position");
       const auto [qx, qy, qz, qw] = numbers<4>(seen, "orientation");
       const auto [length, width, height] = numbers<3>(seen, "size");

@@ -2,10 +2,12 @@
 // The record of a frame of a drive: its scans and the boxes of the actors in them. Output formats turn it into files.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "drive/schedule.hpp"
 #include "drive/world.hpp"
+#include "effects/trajectory.hpp"
 
 namespace gnosphere::drive {
 
@@ -16,13 +18,11 @@ struct Box {
   /// of the scan if actors stand still in it.
   double time = 0;
   Pose inSensor, inWorld;  ///< of the box's middle
-  Pose seen;               ///< of the box's middle, in the frame of the sensor at the time of the returns
   Vec3 size;               ///< length, width, height
   Vec3 velocity;           ///< m/s in the world
   bool moving = false;
   uint64_t points = 0;  ///< returns from the actor
-  /// Of the beams through the box that meet a surface, the share that arrives at it. NaN: none meets one, nor is there
-  /// any point.
+  /// Of the beams through the box that meet a surface, the share that arrives at it; NaN if none meets one.
   double visibility = 0;
 };
 
@@ -31,6 +31,7 @@ struct RecordedScan {
   double duration = 0;      ///< seconds
   Pose pose;                ///< of the sensor in the world at the start
   bool sensorMoves = true;  ///< whether the sensor moves during the scan, as its plan says
+  SensorMotion motion;      ///< its poses during the scan; none if it stands at `pose`
   bool actorsMove = true;   ///< whether actors do
   bool deskewed = false;    ///< whether points are in the frame of `pose`, rather than in that of their own time
   Scan scan;                ///< Scan::instances are numbers of objects, see World
@@ -57,6 +58,23 @@ struct FrameSummary {
   std::vector<ScanSummary> scans;
 };
 
+/// The poses of a sensor during a scan, which must outlive it, and bounds on them.
+class SensorPath {
+ public:
+  SensorPath(const Sensor& sensor, const RecordedScan& recorded);
+  /// Returns the pose at so many seconds after the start of the scan.
+  Pose at(double seconds) const { return poseAt(recorded_.motion, recorded_.pose, seconds); }
+  double middle() const { return 0.5 * (first_ + last_); }    ///< seconds after the start of the scan
+  double halfSpan() const { return 0.5 * (last_ - first_); }  ///< seconds from there to the first and the last beam
+  double shift() const { return shift_; }  ///< metres that the sensor is at most from its middle pose
+  double turn() const { return turn_; }    ///< radians that it is at most turned from there
+
+ private:
+  const RecordedScan& recorded_;
+  double first_ = 0, last_ = 0;
+  double shift_ = 0, turn_ = 0;
+};
+
 /// Finds the boxes of actors. The scan needs Field::time if it takes any.
 class BoxFinder {
  public:
@@ -71,15 +89,24 @@ class BoxFinder {
   struct Beams {
     std::vector<float> x, y, z;
     std::vector<Vec3> origins;  // empty: all leave the sensor's origin
+    std::vector<double> times;  // seconds after the start of the scan; empty: 0
+    double spread = 0;          // metres from the sensor's origin within which all leave
   };
   const Beams& beamsOf(const PlannedScan& planned);
-  /// Calls use(beam, range) for each beam that enters a box, with the range of its entry. `seen` is the box in the
-  /// frame of the sensor at the box's time.
+  /// The beams of a scan that go through a box.
+  struct Sight {
+    std::vector<float> times;  // of these beams, in seconds after the start of the scan
+    double visibility = NAN;
+  };
+  /// Calls use(beam, seconds, range) for each beam that enters a box, with its time after the start of the scan and the
+  /// range of its entry. Sensor and box are where they are when the beam fires.
   template <typename Use>
-  void eachBeamThrough(const PlannedScan& planned, const Pose& seen, const Vec3& size, const Use& use);
+  void eachBeamThrough(const RecordedScan& recorded, const SensorPath& path, const Box& box, const Use& use);
   /// Returns the box of an actor at so many seconds after the start of a scan, without its points and visibility.
   Box boxAt(const RecordedScan& recorded, size_t actor, double seconds);
-  double visibility(const RecordedScan& recorded, const Box& box);
+  /// Returns the poses of a box in the world at the start and the end of a scan; none if it stands.
+  SensorMotion motionOf(const RecordedScan& recorded, const Box& box) const;
+  Sight sightOf(const RecordedScan& recorded, const SensorPath& path, const Box& box);
 
   const Drive& drive_;
   const World& world_;

@@ -61,21 +61,26 @@ std::vector<uint64_t> framesToMake(const Drive& drive, const RunOptions& options
   return frames;
 }
 
-/// Numbers of objects, for whoever reads labels.
+/// Writes the numbers of objects and classes, for whoever reads labels.
 void writeObjects(const Drive& drive, const World& world, FinalFiles& files) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   const std::vector<Instance>& instances = world.scene().instances;
-  for (size_t i = 0; i < instances.size(); ++i)
-    if (world.objectOf(i) == i)
-      objects.push_back({{"object", i},
-                         {"name", instances[i].name},
-                         {"class_id", instances[i].classId},
-                         {"actor", world.actorOf(static_cast<uint32_t>(i)).has_value()}});
+  for (size_t i = 0; i < instances.size(); ++i) {
+    if (world.objectOf(i) != i) continue;
+    const std::optional<size_t> actor = world.actorOf(static_cast<uint32_t>(i));
+    objects.push_back(
+        {{"object", i}, {"name", instances[i].name}, {"class_id", instances[i].classId}, {"actor", actor.has_value()}});
+    if (actor) objects.back()["label"] = World::labelOfActor(*actor);
+  }
   std::string text = "[\n";
   for (size_t i = 0; i < objects.size(); ++i) text += jsonText(objects[i]) + (i + 1 < objects.size() ? ",\n" : "\n");
   files.write("objects.json", text + "]\n");
   nlohmann::ordered_json classes = nlohmann::ordered_json::object();
   for (const Class& category : drive.classes) classes[category.name] = category.id;
+  // A number that actors have only while they move gets SemanticKITTI's kind of name, unless a class has that name.
+  for (const Class& category : drive.classes)
+    if (std::ranges::find(drive.classes, category.movingId, &Class::id) == drive.classes.end())
+      classes.emplace("moving-" + category.name, category.movingId);
   files.write("classes.json", jsonText(classes, 1) + "\n");
 }
 
@@ -87,7 +92,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
   Scanner scanner(drive, world, fieldsOf(drive, formats), options.simulator);
   report.device = scanner.device().name;
   if (options.started) options.started(scanner.device());
-  manifest.noteMaker(madeByText(drive, options.simulator, scanner.device()));
+  manifest.noteMaker(madeByText(drive, options.simulator, scanner));
   BoxFinder finder(drive, world);
   uint64_t done = 0;
   FrameQueue queue([&](FrameRecord& record) {

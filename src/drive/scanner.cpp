@@ -110,6 +110,7 @@ void Scanner::scan(RecordedScan& recorded) {
   shot.frame = number;
   shot.weather = weatherFor(sensor, time);
   if (recorded.sensorMoves || motions_[sensor].speeds) shot.motion = motionOf(recorded);
+  recorded.motion = recorded.sensorMoves ? shot.motion : SensorMotion();
   placeWorld(recorded, shot);
   simulator_->scanInto(shot, recorded.scan);
   recorded.scan.sensor = rigged.sensor.name;
@@ -123,8 +124,9 @@ void Scanner::scan(RecordedScan& recorded) {
 
 SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
   constexpr double kSagitta = 1e-4, kMostPieces = 1000;  // m
-  const auto& [sensor, number, begin] = recorded.planned;
-  const TimeSpan span = poseTimesOf(drive_.sensors[sensor].sensor, number);
+  const RigSensor& rigged = drive_.sensors[recorded.planned.sensor];
+  const double begin = recorded.planned.time;
+  const TimeSpan span = poseTimesOf(rigged.sensor, recorded.planned.number);
   const bool atOnce = !(span.from < span.to);
   const Trajectory::Span around = drive_.ego.around(begin);
   const double from = atOnce ? around.from : begin + span.from, to = atOnce ? around.to : begin + span.to;
@@ -136,8 +138,7 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
     times.insert(times.end(), {begin, begin + recorded.duration});
   }
   std::sort(times.begin(), times.end());
-  const Vec3& arm = drive_.sensors[recorded.planned.sensor].mount.position;
-  const double length = lengthOf(arm);
+  const double length = lengthOf(rigged.mount.position);
   SensorMotion motion;
   const auto add = [&](double time) {
     if (motion.stamps.empty() || time - begin > motion.stamps.back().time)
@@ -156,43 +157,29 @@ SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
   return motion;
 }
 
-void Scanner::warnOfTurn(const RecordedScan& recorded, size_t actor) {
-  constexpr double kOff = 0.05, kFar = 0.1;  // m; rad, less than which leads even a reach of 10 m less than kOff off
-  constexpr int kParts = 8;                  // of a scan, at least
-  const auto& [sensor, number, begin] = recorded.planned;
+void Scanner::warnOfDetours(const RecordedScan& recorded) {
+  constexpr double kOff = 0.05;  // m
+  const size_t sensor = recorded.planned.sensor;
   const RigSensor& rigged = drive_.sensors[sensor];
-  const Actor& turning = drive_.actors[actor];
-  const double end = begin + recorded.duration;
-  // Behind the trajectory of an actor that is then gone there is no way that its points could be off.
-  const double duration = (turning.goneOutside ? std::min(end, turning.trajectory.end()) : end) - begin;
-  if (!warn_ || warned_[sensor] || rigged.isIgnored(actor) || !(duration > 0)) return;
-  std::vector<double> times = world_.timesWithin(actor, begin, begin + duration);
-  for (int i = 0; i <= kParts; ++i) times.push_back(begin + duration * i / kParts);
-  std::ranges::sort(times);
-  double angle = 0;
-  for (size_t i = 1; i < times.size(); ++i)
-    angle += angleBetween(turning.trajectory.at(times[i - 1]).orientation, turning.trajectory.at(times[i]).orientation);
-  const bool moves = world_.hasMovingParts(actor);
-  if (angle < kFar && !moves) return;
-  const std::vector<Vec3> first = world_.cornersAt(actor, times.front()), last = world_.cornersAt(actor, times.back());
-  double off = 0;
-  const auto include = [&](double time) {
-    const double share = (time - begin) / duration;
-    const std::vector<Vec3> corners = world_.cornersAt(actor, time);
-    for (size_t i = 0; i < corners.size(); ++i)
-      off = std::max(off, lengthOf(corners[i] - ((1 - share) * first[i] + share * last[i])));
+  const double begin = recorded.planned.time, end = begin + recorded.duration;
+  const auto check = [&](const std::string& name, const World::Detour& detour) {
+    if (detour.off < kOff) return;
+    warned_[sensor] = true;
+    warn_("within scan " + std::to_string(recorded.planned.number) + " of '" + rigged.name + "' " + name +
+          (detour.ofParts ? " moves its parts"
+                          : " turns by " + gnosphere::numberText(std::round(detour.angle / kDegree)) + " degrees") +
+          ", and its points, which go straight from where they are at the start to where they are at the end of a "
+          "scan, are up to " +
+          gnosphere::numberText(std::round(100 * detour.off) / 100) +
+          " m off their ways; shorter scans keep nearer to them");
   };
-  for (size_t i = 1; i < times.size(); ++i) {
-    include(0.5 * (times[i - 1] + times[i]));  // stamps may be as far apart as half turns
-    include(times[i]);
-  }
-  if (off < kOff) return;
-  warned_[sensor] = true;
-  warn_("within scan " + std::to_string(number) + " of '" + rigged.name + "' the actor '" + turning.name + "' " +
-        (moves ? "moves its parts" : "turns by " + gnosphere::numberText(std::round(angle / kDegree)) + " degrees") +
-        ", and its points, which go straight from where they are at the start to where they are at the end of a scan, "
-        "are up to " +
-        gnosphere::numberText(std::round(100 * off) / 100) + " m off their ways; shorter scans keep nearer to them");
+  if (!warn_) return;
+  for (size_t scene = 0; scene < drive_.scenes.size() && !warned_[sensor]; ++scene)
+    if (drive_.sceneAnimations[scene])
+      check("scenes[" + std::to_string(scene) + "]", world_.detourOfScene(scene, begin, end));
+  for (size_t actor = 0; actor < drive_.actors.size() && !warned_[sensor]; ++actor)
+    if (!rigged.isIgnored(actor) && world_.movesWithin(actor, begin, end))
+      check("the actor '" + drive_.actors[actor].name + "'", world_.detourOfActor(actor, begin, end));
 }
 
 void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
@@ -217,8 +204,8 @@ void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
     world_.place(actor, world_.poseOf(actor, begin), begin, start);
     if (!recorded.actorsMove || !world_.movesWithin(actor, begin, end)) continue;
     world_.place(actor, world_.endOf(actor, begin, end), end, motion);
-    warnOfTurn(recorded, actor);
   }
+  if (recorded.actorsMove) warnOfDetours(recorded);
 }
 
 }  // namespace gnosphere::drive

@@ -21,6 +21,7 @@ class Scanner {
   /// Makes the scans of the frame that the record names.
   void scan(FrameRecord& record);
   const DeviceInfo& device() const { return simulator_->device(); }
+  Plan plan(size_t sensor) const { return simulator_->plan(sensor); }
 
  private:
   /// Whether the plan of a sensor simulates its motion, and that of actors, within a scan, and measures radial speeds.
@@ -37,9 +38,9 @@ class Scanner {
   /// a sensor beside the middle of a vehicle that turns goes along an arc: often enough that chords are 0.1 mm off.
   /// A sensor that fires all beams at once has two poses, shortly before and after the scan, for its speed.
   SensorMotion motionOf(const RecordedScan& recorded) const;
-  /// Warns once per sensor of an actor that turns or moves its parts so far within a scan that its points, which go
-  /// straight, leave their ways.
-  void warnOfTurn(const RecordedScan& recorded, size_t actor);
+  /// Warns once per sensor of an actor or a scene that turns, or moves its parts, so far within a scan that its points,
+  /// which go straight, leave their ways.
+  void warnOfDetours(const RecordedScan& recorded);
   /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot);
 
@@ -48,7 +49,7 @@ class Scanner {
   std::vector<Transform> placed_;  // by instance, as the simulator has them
   std::optional<Simulator> simulator_;
   std::vector<Motions> motions_;  // by sensor
-  std::vector<bool> warned_;      // by sensor, of an actor whose points leave their ways
+  std::vector<bool> warned_;      // by sensor, of points that leave their ways
   std::function<void(const std::string&)> warn_;
 };
 

@@ -38,6 +38,8 @@ std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::
   return segments;
 }
 
+constexpr double kGpsWeek = 604800;  // s
+
 /// Returns the median time between stamps; 0 if there is one stamp.
 double medianSpacing(std::span<const Trajectory::Stamp> stamps) {
   std::vector<double> spacings;
@@ -105,8 +107,12 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
   for (size_t i = 1; i < motion_.stamps.size(); ++i) {
     const double before = motion_.stamps[i - 1].time, time = motion_.stamps[i].time;
     if (!(time > before))
-      throw Error(ErrorCode::format, "the time of pose " + std::to_string(i) + ", " + gnosphere::numberText(time) +
-                                         ", does not come after the one before, " + gnosphere::numberText(before));
+      throw Error(ErrorCode::format,
+                  "the time of pose " + std::to_string(i + 1) + " of " + std::to_string(motion_.stamps.size()) + ", " +
+                      gnosphere::numberText(time) + ", does not come after the one before, " +
+                      gnosphere::numberText(before) +
+                      (std::abs(before - time - kGpsWeek) < 3600 ? "; from the end of a GPS week on, add 604800 s"
+                                                                 : "; sort the poses by their times"));
   }
   spacing_ = medianSpacing(motion_.stamps);
   blur_ = blurOf(motion_.stamps);

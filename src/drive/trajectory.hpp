@@ -108,6 +108,10 @@ struct TrajectoryFileOptions {
 /// not ascend. Throws Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
 std::vector<Trajectory::Stamp> readTum(const std::filesystem::path& file);
 
+/// Returns the warning of a pose file whose poses are too many seconds apart for something that moves, such as "has a
+/// pose every 100 s; times are in seconds, and these look like milliseconds".
+std::string doubtOfSeconds(double spacing);
+
 /// Reads a trajectory file, format "tum", "kitti", "euroc", "nuscenes", "carla" or "carla-route", as docs/drives.md
 /// describes them; the poses of CARLA have no turn. Throws Error(file) or Error(format) if the file cannot be read or
 /// is invalid.

@@ -30,6 +30,9 @@ struct Line {
   [[noreturn]] void refuse(const std::string& why) const {
     throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
   }
+  [[noreturn]] void refuseColumns(const std::string& wanted) const {
+    refuse("is not " + wanted + (number == 1 ? "; # begins a comment, such as the names of columns" : ""));
+  }
   Quaternion unit(const Quaternion& q) const {
     if (!isUnit(q)) refuse("has a quaternion whose length is not 1");
     return normalized(q);
@@ -96,7 +99,7 @@ Stamps readEuroc(const std::filesystem::path& file) {
   Stamps stamps;
   eachLine(file, [&](const Line& line) {
     const std::vector<double> v = parseNumbers(line.text, ',');
-    if (v.size() < 8) line.refuse("is not t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
+    if (v.size() < 8) line.refuseColumns("t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
     int64_t nanoseconds = 0;
     const std::string_view time = trimmed(line.text.substr(0, line.text.find(',')), " \t");
     const auto end = time.data() + time.size();
@@ -140,7 +143,7 @@ Stamps readCarla(const std::filesystem::path& file) {
   Stamps stamps;
   eachLine(file, [&](const Line& line) {
     const std::vector<double> v = parseNumbers(line.text, ',');
-    if (v.size() != 4) line.refuse("is not x,y,z,t, four finite numbers with commas between");
+    if (v.size() != 4) line.refuseColumns("x,y,z,t, four finite numbers with commas between");
     stamps.push_back({v[3], {fromCarla({v[0], v[1], v[2]}), {}}});
   });
   return stamps;
@@ -185,7 +188,7 @@ Stamps readTum(const std::filesystem::path& file) {
   Stamps stamps;
   eachLine(file, [&](const Line& line) {
     const std::vector<double> v = parseNumbers(line.text, ' ');
-    if (v.size() < 8) line.refuse("is not t x y z qx qy qz qw, eight finite numbers with spaces between");
+    if (v.size() < 8) line.refuseColumns("t x y z qx qy qz qw, eight finite numbers with spaces between");
     if (v.size() == 12) line.refuse("has 12 numbers, as KITTI's matrices do; t x y z qx qy qz qw is wanted");
     stamps.push_back({v[0], {{v[1], v[2], v[3]}, line.unit({v[4], v[5], v[6], v[7]})}});
   });
@@ -213,6 +216,12 @@ Stamps readTrajectory(const std::filesystem::path& file, const std::string& form
                                          : readCarlaRoute(file, options);
   if (stamps.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
   return stamps;
+}
+
+std::string doubtOfSeconds(double spacing) {
+  const char* unit = spacing < 1e3 ? "milliseconds" : spacing < 1e6 ? "microseconds" : "nanoseconds";
+  return "has a pose every " + gnosphere::numberText(std::round(spacing)) +
+         " s; times are in seconds, and these look like " + unit;
 }
 
 }  // namespace gnosphere::drive

@@ -2,9 +2,9 @@
 #include "drive/world.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include "base/vector.hpp"
 #include "drive/median.hpp"
@@ -20,16 +20,6 @@ constexpr double kMovingSpeed = 0.1;  ///< m/s
 
 /// Below the ground, farther than any sensor sees.
 constexpr Transform kAway = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1e7}};
-
-/// Returns the transform that gives a model the length, width and height of its actor.
-Transform fitting(const Actor& actor, const Scene& model) {
-  if (!actor.size) return {};
-  const Bounds bounds = worldBounds(model);
-  const Vec3 extent = bounds.max - bounds.min;
-  if (bounds.empty() || !(extent.x > 0 && extent.y > 0 && extent.z > 0))
-    throw Error(ErrorCode::format, "actor '" + actor.name + "': its model is flat, so it cannot be scaled to a size");
-  return {{actor.size->x / extent.x, 0, 0, 0, 0, actor.size->y / extent.y, 0, 0, 0, 0, actor.size->z / extent.z, 0}};
-}
 
 std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
   std::vector<uint32_t> numbers(part.meshes.size());
@@ -68,6 +58,21 @@ Bounds boundsAround(const std::vector<Vec3>& vertices) {
   return bounds;
 }
 
+std::vector<std::vector<bool>> usedVerticesOf(const Scene& model) {
+  std::vector<std::vector<bool>> used;
+  for (const Mesh& mesh : model.meshes) used.push_back(usedVertices(mesh));
+  return used;
+}
+
+/// Returns the transform that gives a model the length, width and height of its actor.
+Transform fitting(const Actor& actor, const Scene& model) {
+  if (!actor.size) return {};
+  const Vec3 extent = fittedExtent(model, actor.animation);
+  if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
+    throw Error(ErrorCode::format, "actor '" + actor.name + "': its model is flat, so it cannot be scaled to a size");
+  return {{actor.size->x / extent.x, 0, 0, 0, 0, actor.size->y / extent.y, 0, 0, 0, 0, actor.size->z / extent.z, 0}};
+}
+
 Vec3 middleOf(const Bounds& bounds) {
   return 0.5 * (bounds.min + bounds.max);
 }
@@ -87,13 +92,34 @@ Vec3 wayOf(const std::vector<Vec3>& vertices, const Pose& start, const std::vect
 
 }  // namespace
 
+Vec3 fittedExtent(const Scene& model, const std::optional<Animation>& animation) {
+  const auto extentOf = [](const Bounds& bounds) { return bounds.max - bounds.min; };
+  if (!animation) return extentOf(worldBounds(model));
+  const SceneState first = stateAt(model, model.animation.clips[animation->clip], 0, ClipEnd::hold);
+  return extentOf(boundsAround(verticesAt(model, usedVerticesOf(model), {}, &first)));
+}
+
+bool isBox(const Scene& model) {
+  const std::vector<Vec3> vertices = verticesAt(model, usedVerticesOf(model), {}, nullptr);
+  const Bounds bounds = boundsAround(vertices);
+  const auto atEnd = [](double value, double low, double high) {
+    return std::min(std::abs(value - low), std::abs(value - high)) <= 1e-3 * (high - low);
+  };
+  return std::ranges::all_of(vertices, [&](const Vec3& v) {
+    return atEnd(v.x, bounds.min.x, bounds.max.x) && atEnd(v.y, bounds.min.y, bounds.max.y) &&
+           atEnd(v.z, bounds.min.z, bounds.max.z);
+  });
+}
+
 World::World(const Drive& drive) : drive_(drive) {
   for (size_t i = 0; i < drive.scenes.size(); ++i) {
     const Scene& part = drive.scenes[i];
     const uint32_t firstMesh = appendMeshes(scene_, part);
-    if (drive.sceneAnimations[i])
+    if (drive.sceneAnimations[i]) {
       scenes_.push_back(
-          {&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}, {}, nullptr});
+          {&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}, {}, {}, nullptr});
+      findMovingParts(scenes_.back());
+    }
     for (Instance instance : part.instances) {
       instance.mesh += firstMesh;
       objects_.push_back(static_cast<uint32_t>(objects_.size()));
@@ -103,8 +129,7 @@ World::World(const Drive& drive) : drive_(drive) {
   std::vector<uint32_t> firstMeshes;
   for (const Scene& model : drive.models) {
     firstMeshes.push_back(appendMeshes(scene_, model));
-    used_.emplace_back();
-    for (const Mesh& mesh : model.meshes) used_.back().push_back(usedVertices(mesh));
+    used_.push_back(usedVerticesOf(model));
   }
   for (const Actor& actor : drive.actors) {
     const Scene& model = drive.models[actor.model];
@@ -113,6 +138,7 @@ World::World(const Drive& drive) : drive_(drive) {
                  numbersFrom(firstMeshes[actor.model], model),
                  actor.animation,
                  fitting(actor, model),
+                 {},
                  {},
                  {},
                  &used_[actor.model]};
@@ -128,11 +154,7 @@ World::World(const Drive& drive) : drive_(drive) {
       scene_.instances.push_back({actor.name, body.meshes[instance.mesh], kAway, drive.classes[actor.category].id});
     }
     body.bounds = boundsAround(verticesAt(model, *body.used, body.size, nullptr));
-    if (body.animation && body.animation->speed != 0)
-      for (const AnimatedInstance& part : model.animation.instances) {
-        const Mesh& mesh = model.meshes[model.instances[part.instance].mesh];
-        if (!mesh.deformable() && !mesh.indices.empty()) body.parts.emplace_back(part.instance, meshBounds(mesh));
-      }
+    findMovingParts(body);
     bodies_.push_back(std::move(body));
   }
 }
@@ -173,11 +195,23 @@ const std::vector<Vec3>& World::Shapes::at(double time) {
   return entry->second = verticesAt(*body_.model, *body_.used, body_.size, &state);
 }
 
+bool World::Body::isGait() const {
+  constexpr double kLongest = 2;  // s
+  return animation && animation->end == ClipEnd::loop &&
+         model->animation.clips[animation->clip].duration <= kLongest * std::abs(animation->speed);
+}
+
 Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) const {
   const Body& body = bodies_[actor];
   const Pose start = drive_.actors[actor].trajectory.at(from), end = endOf(actor, from, to);
-  const Vec3 middle = middleOf(body.bounds);
-  const Vec3 way = body.animation ? wayOf(shapes.at(from), start, shapes.at(to), end) : end * middle - start * middle;
+  Vec3 way;
+  if (body.animation) {
+    const std::vector<Vec3>&first = shapes.at(from), &last = body.isGait() ? first : shapes.at(to);
+    way = wayOf(first, start, last, end);
+  } else {
+    const Vec3 middle = middleOf(body.bounds);
+    way = end * middle - start * middle;
+  }
   return (1 / (to - from)) * way;
 }
 
@@ -235,48 +269,6 @@ void World::place(const Body& body, const Transform& place, double time, const S
     set.transform(body.first + i, place * (body.size * state.transforms[i]));
   for (size_t i = 0; i < body.meshes.size(); ++i)
     if (body.model->meshes[i].deformable()) set.deformation(body.meshes[i], state.deformations[i]);
-}
-
-std::vector<double> World::timesWithin(size_t actor, double from, double to) const {
-  constexpr size_t kMost = 1000;
-  std::vector<double> times = drive_.actors[actor].trajectory.timesWithin(from, to);
-  const Body& body = bodies_[actor];
-  if (body.parts.empty()) return times;
-  const Animation& animation = *body.animation;
-  const Clip& clip = body.model->animation.clips[animation.clip];
-  const auto clipTime = [&](double time) { return animation.offset + animation.speed * (time - drive_.start); };
-  const double low = std::min(clipTime(from), clipTime(to)), high = std::max(clipTime(from), clipTime(to));
-  const bool repeats = animation.end == ClipEnd::loop && clip.duration > 0;
-  std::set<double> keys;
-  for (const Track& track : clip.tracks) keys.insert(track.times.begin(), track.times.end());
-  for (double lap = repeats ? std::floor(low / clip.duration) : 0; times.size() < kMost; ++lap) {
-    const double begin = lap * clip.duration;
-    if (begin > high) break;
-    for (const double key : keys)
-      if (begin + key > low && begin + key < high)
-        times.push_back(drive_.start + (begin + key - animation.offset) / animation.speed);
-    if (!repeats) break;
-  }
-  std::ranges::sort(times);
-  return times;
-}
-
-std::vector<Vec3> World::cornersAt(size_t actor, double time) const {
-  const Body& body = bodies_[actor];
-  const Transform place = transformOf(drive_.actors[actor].trajectory.at(time));
-  std::vector<Vec3> corners;
-  const auto add = [&](const Transform& transform, const Bounds& box) {
-    for (int i = 0; i < 8; ++i)
-      corners.push_back(transform * Vec3{i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
-                                         i & 4 ? box.max.z : box.min.z});
-  };
-  if (body.parts.empty()) {
-    add(place, body.bounds);
-    return corners;
-  }
-  const SceneState state = stateOf(body, time);
-  for (const auto& [instance, box] : body.parts) add(place * (body.size * state.transforms[instance]), box);
-  return corners;
 }
 
 bool World::movesWithin(size_t actor, double from, double to) const {

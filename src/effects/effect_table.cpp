@@ -87,6 +87,11 @@ Answer appliesDetection(const Question& q) {
   return {true, threshold};
 }
 
+bool hasNoDropOut(const Effects& effects) {
+  const auto& dropOut = effects.dropOut;
+  return dropOut.generalRate == 0 && dropOut.zeroIntensityRate == 0 && dropOut.deadBeams.empty();
+}
+
 Answer appliesDropOut(const Question& q) {
   const auto& dropOut = q.effects.dropOut;
   const size_t beams = q.sensor.beamCount();
@@ -95,7 +100,7 @@ Answer appliesDropOut(const Question& q) {
     return {false, "the sensor has no beam " + std::to_string(beam) + ", it has " + std::to_string(beams),
             "give drop-out.dead_beams from 0 to " + std::to_string(beams - 1), true};
   }
-  if (dropOut.generalRate == 0 && dropOut.zeroIntensityRate == 0 && dropOut.deadBeams.empty()) {
+  if (hasNoDropOut(q.effects)) {
     return {false, "no rate and no dead beam is given",
             "give drop-out.general_rate, drop-out.zero_intensity_rate or drop-out.dead_beams"};
   }
@@ -109,12 +114,15 @@ Answer appliesDropOut(const Question& q) {
   return {true, why};
 }
 
+bool hasNoRangeNoise(const Effects& effects) {
+  const auto& noise = effects.rangeNoise;
+  return noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.sigmaPerSquareMetre == 0 &&
+         noise.step == 0;
+}
+
 Answer appliesRangeNoise(const Question& q) {
   const auto& noise = q.effects.rangeNoise;
-  if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.sigmaPerSquareMetre == 0 &&
-      noise.step == 0) {
-    return {false, "no bias, sigma or step is given", "give range-noise.sigma"};
-  }
+  if (hasNoRangeNoise(q.effects)) return {false, "no bias, sigma or step is given", "give range-noise.sigma"};
   std::string why = format("sigma %.3g m", noise.sigma);
   if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
   if (noise.sigmaPerSquareMetre != 0) why += format(" + %.3g m per m^2", noise.sigmaPerSquareMetre);
@@ -123,17 +131,25 @@ Answer appliesRangeNoise(const Question& q) {
   return {true, why};
 }
 
+bool hasNoAngleNoise(const Effects& effects) {
+  return effects.angleNoise.azimuth == 0 && effects.angleNoise.elevation == 0;
+}
+
 Answer appliesAngleNoise(const Question& q) {
   const auto& noise = q.effects.angleNoise;
-  if (noise.azimuth == 0 && noise.elevation == 0) {
+  if (hasNoAngleNoise(q.effects)) {
     return {false, "no standard deviation is given", "give angle-noise.azimuth or angle-noise.elevation"};
   }
   return {true, format("sigma %.3g x %.3g mrad", 1e3 * noise.azimuth, 1e3 * noise.elevation)};
 }
 
+bool hasNoIntensityNoise(const Effects& effects) {
+  return effects.intensityNoise.sigma == 0;
+}
+
 Answer appliesIntensityNoise(const Question& q) {
   const double sigma = q.effects.intensityNoise.sigma;
-  if (sigma == 0) return {false, "no sigma is given", "give intensity-noise.sigma"};
+  if (hasNoIntensityNoise(q.effects)) return {false, "no sigma is given", "give intensity-noise.sigma"};
   return {true, format("sigma %.3g", sigma)};
 }
 
@@ -200,27 +216,40 @@ Answer withoutWeather(const Question& q, Answer otherwise) {
   return q.variableWeather ? Answer{true, "shots bring their own weather"} : otherwise;
 }
 
+bool hasNoFog(const Effects& effects) {
+  return effects.fog.visibility == 0;
+}
+bool hasNoRain(const Effects& effects) {
+  return effects.rain.rate == 0;
+}
+bool hasNoSnow(const Effects& effects) {
+  return effects.snow.rate == 0;
+}
+bool hasNoVolumes(const Effects& effects) {
+  return effects.volumes.boxes.empty();
+}
+
 Answer appliesFog(const Question& q) {
   const double visibility = q.effects.fog.visibility;
-  if (visibility == 0) return withoutWeather(q, {false, "no visibility is given", "give fog.visibility"});
+  if (hasNoFog(q.effects)) return withoutWeather(q, {false, "no visibility is given", "give fog.visibility"});
   return {true, format("visibility %.6g m", visibility)};
 }
 
 Answer appliesRain(const Question& q) {
   const double rate = q.effects.rain.rate;
-  if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give rain.rate"});
+  if (hasNoRain(q.effects)) return withoutWeather(q, {false, "no rate is given", "give rain.rate"});
   return {true, format("%.6g mm/h", rate)};
 }
 
 Answer appliesSnow(const Question& q) {
   const double rate = q.effects.snow.rate;
-  if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give snow.rate"});
+  if (hasNoSnow(q.effects)) return withoutWeather(q, {false, "no rate is given", "give snow.rate"});
   return {true, format("%.6g mm/h, melted", rate)};
 }
 
 Answer appliesVolumes(const Question& q) {
   const auto& boxes = q.effects.volumes.boxes;
-  if (boxes.empty()) return withoutWeather(q, {false, "no box is given", "give volumes.boxes"});
+  if (hasNoVolumes(q.effects)) return withoutWeather(q, {false, "no box is given", "give volumes.boxes"});
   return {true, plural(boxes.size(), "box", "boxes")};
 }
 
@@ -242,9 +271,10 @@ bool dropsByIntensity(const Effects& effects) {
 
 template <auto kGroup>
 EffectInfo effect(const char* name, uint32_t bit, Applies applies, bool (*needsIntensity)(const Effects&),
-                  const char* doc, std::vector<Parameter<Effects>> parameters = {}) {
+                  const char* doc, std::vector<Parameter<Effects>> parameters = {},
+                  bool (*isZero)(const Effects&) = nullptr) {
   const auto use = [](Effects& effects) -> EffectUse& { return (effects.*kGroup).use; };
-  return {name, bit, use, applies, needsIntensity, doc, std::move(parameters)};
+  return {name, bit, use, applies, needsIntensity, doc, std::move(parameters), isZero};
 }
 
 // The limits are wide: they are meant to detect wrong units, not unusual values.
@@ -300,7 +330,8 @@ std::vector<EffectInfo> makeTable() {
            number<&E::dropOut, &E::DropOut::zeroIntensityRate>(
                "zero_intensity_rate", "", 0, 1, "Probability at intensity 0, 0..1; falls linearly to 0 at the limit."),
            indices<&E::dropOut, &E::DropOut::deadBeams>(
-               "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")}),
+               "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")},
+          hasNoDropOut),
       effect<&E::rangeNoise>(
           "range-noise", gpu::kRangeNoise, appliesRangeNoise, never,
           "Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is "
@@ -312,7 +343,8 @@ std::vector<EffectInfo> makeTable() {
            number<&E::rangeNoise, &E::RangeNoise::step>(
                "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation."),
            number<&E::rangeNoise, &E::RangeNoise::sigmaPerSquareMetre>(
-               "sigma_per_square_metre", "1/m", 0, 1, "Times the square of the range, added to sigma.")}),
+               "sigma_per_square_metre", "1/m", 0, 1, "Times the square of the range, added to sigma.")},
+          hasNoRangeNoise),
       effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, appliesAngleNoise, never,
                              "Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.",
                              {number<&E::angleNoise, &E::AngleNoise::azimuth>(
@@ -325,11 +357,13 @@ std::vector<EffectInfo> makeTable() {
                                    {"point",
                                     "The beam has the nominal direction, but its point is reported in the deviating "
                                     "one."}},
-                                  "What deviates.")}),
+                                  "What deviates.")},
+                             hasNoAngleNoise),
       effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, appliesIntensityNoise, always,
                                  "Gaussian noise of the intensity. Automatic: on if a sigma is given.",
                                  {number<&E::intensityNoise, &E::IntensityNoise::sigma>(
-                                     "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
+                                     "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")},
+                                 hasNoIntensityNoise),
       effect<&E::divergence>("divergence", gpu::kDivergence, appliesDivergence, always,
                              "A footprint, sampled by sub-rays that share the candidate triangles of their beam.",
                              {count<&E::divergence, &E::Divergence::subRays>(
@@ -389,17 +423,19 @@ std::vector<EffectInfo> makeTable() {
           "fog", gpu::kFog, appliesFog, always,
           "Fog: its droplets weaken returns and give some of their own. Automatic: on if a visibility is given.",
           {number<&E::fog, &E::Fog::visibility>(
-              "visibility", "m", 0, 1e6, "Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.")}),
+              "visibility", "m", 0, 1e6, "Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.")},
+          hasNoFog),
       effect<&E::rain>("rain", gpu::kRain, appliesRain, always,
                        "Rain: its drops weaken returns and give some of their own. Automatic: on if a rate is given.",
-                       {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500, "0 for no rain.")}),
+                       {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500, "0 for no rain.")}, hasNoRain),
       effect<&E::snow>("snow", gpu::kSnow, appliesSnow, always,
                        "Snow: its flakes weaken returns and give some of their own. Automatic: on if a rate is given.",
-                       {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100, "Of melted water; 0 for no snow.")}),
+                       {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100, "Of melted water; 0 for no snow.")},
+                       hasNoSnow),
       effect<&E::volumes>(
           "volumes", gpu::kVolumes, appliesVolumes, always,
           "Boxes of dust or spray, which weakens returns and gives some of its own. Automatic: on if there are boxes.",
-          {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}),
+          {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}, hasNoVolumes),
       effect<&E::radialSpeed>(
           "radial-speed", gpu::kRadialSpeed, appliesRadialSpeed, never,
           "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "

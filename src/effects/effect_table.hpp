@@ -47,6 +47,8 @@ struct EffectInfo {
   bool (*needsIntensity)(const Effects&);
   const char* doc;  ///< the sentences of effects.hpp
   std::vector<Parameter<Effects>> parameters;
+  /// Whether the parameters ask for nothing, such as a rate of 0; null if the effect has something to show with any.
+  bool (*isZero)(const Effects&) = nullptr;
 };
 
 /// Returns all effects in the order of effectNames().

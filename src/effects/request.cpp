@@ -43,6 +43,12 @@ void readParameter(Effects& effects, const EffectInfo& info, const std::string& 
   readValue(parameter, effects, what, value);
 }
 
+/// Turns on an effect one of whose parameters was given. Parameters that still ask for nothing, such as a rate of 0,
+/// leave it to `auto`, which leaves it out, so that a series of rates may begin with 0.
+void turnOn(Effects& effects, const EffectInfo& info) {
+  info.use(effects) = info.isZero && info.isZero(effects) ? EffectUse::automatic : EffectUse::on;
+}
+
 void readEffect(Effects& effects, const EffectInfo& info, const json& value) {
   if (!value.is_object()) {
     info.use(effects) = useOf(value, info.name);
@@ -51,7 +57,7 @@ void readEffect(Effects& effects, const EffectInfo& info, const json& value) {
   for (const auto& [name, parameter] : value.items()) {
     if (name == "use") continue;
     readParameter(effects, info, name, parameter);
-    info.use(effects) = EffectUse::on;
+    turnOn(effects, info);
   }
   if (value.contains("use")) info.use(effects) = useOf(value["use"], info.name + std::string(".use"));
 }
@@ -120,7 +126,7 @@ void assign(Effects& effects, const std::string& assignment) {
     const std::string effect = name.substr(0, dot);
     const EffectInfo& info = findEffect(effect);
     readParameter(changed, info, name.substr(dot + 1), value);
-    info.use(changed) = EffectUse::on;
+    turnOn(changed, info);
   }
   validate(changed);
   effects = std::move(changed);

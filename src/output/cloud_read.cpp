@@ -2,14 +2,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string_view>
 #include <unordered_map>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "base/utf8.hpp"
 #include "base/vector.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
 #include "scan/columns.hpp"
+#include "scan/image_order.hpp"
 
 namespace gnosphere {
 namespace {
@@ -55,24 +59,15 @@ Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t be
   return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels), false};
 }
 
-/// The number of each row's return, from 1 on, or 0 for a beam without returns: what the column `return` says. Without
-/// that column the rows of a beam are its returns in their order, unless the file states that beams have one. Empty if
-/// no row needs one.
-std::vector<uint32_t> numberReturns(const CloudTable& table, const CloudColumn* beam) {
-  const CloudColumn* number = beam ? table.find("return") : nullptr;
-  const bool statesOne = table.gridColumns > 0 && table.gridReturns == 1;
-  std::vector<uint32_t> numbers;
-  if (!beam || (!number && statesOne)) return numbers;
-  std::unordered_map<uint32_t, uint32_t> found;
-  numbers.reserve(table.rows);
-  for (size_t row = 0; row < table.rows; ++row)
-    numbers.push_back(number ? whole(table, *number, row) : ++found[whole(table, *beam, row)]);
-  return numbers;
+/// Whether the file has a row for every entry of the grid that it states.
+bool hasEveryEntry(const CloudTable& table) {
+  const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
+  return table.gridReturns > 0 && table.rows % table.gridReturns == 0 && table.rows / table.gridReturns == beams;
 }
 
 /// Returns per beam: the number that the file states, or the largest that its rows need.
 uint32_t findReturns(const CloudTable& table, const std::vector<uint32_t>& numbers) {
-  if (numbers.empty() && table.rows > 0) return 1;
+  if (numbers.empty() && table.rows > 0 && !hasEveryEntry(table)) return 1;
   uint32_t returns = std::max(1u, table.gridReturns);
   for (const uint32_t number : numbers) returns = std::max(returns, number);
   if (returns > kMostReturns) {
@@ -85,16 +80,16 @@ uint32_t findReturns(const CloudTable& table, const std::vector<uint32_t>& numbe
 Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
   const uint64_t fewest = (table.rows + returns - 1) / returns;  // least number of beams that can have these rows
-  // Rows are returns where beams have several, and without the column `beam` nothing tells whose.
-  if (table.gridColumns > 0 && (beam || table.gridReturns <= 1)) {
+  // Rows are returns where beams have several, and without the column `beam` nothing tells whose, unless all are there.
+  if (table.gridColumns > 0 && (beam || table.gridReturns <= 1 || hasEveryEntry(table))) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
-    if (beams < fewest || (beams > fewest && beams * returns > maxSparseBeams(table))) {
+    if (beams < fewest || (beams > fewest && beams > maxSparseBeams(table) / returns)) {
       table.refuse("its grid of " + std::to_string(table.gridColumns) + " columns x " +
                    std::to_string(table.gridChannels) + " channels does not suit " + std::to_string(table.rows) +
                    " points");
     }
     // If there are fewer points than beams, only the column `beam` tells which beam a point belongs to.
-    if (beam || beams == table.rows) return {table.gridColumns, table.gridChannels};
+    if (beam || beams * returns == table.rows) return {table.gridColumns, table.gridChannels};
   }
   if (table.height > 1) return {table.width, table.height};
   if (!beam) return {static_cast<uint32_t>(table.rows), 1};
@@ -106,7 +101,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
   return gridFromRings(table, *beam, beams);
 }
 
-/// Returns the entry in the scan's arrays for each row; empty if entry = row. A miss may have the return number 0.
+/// Returns the entry in the scan's arrays for each row; empty if entry = row.
 std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, const std::vector<uint32_t>& numbers,
                               size_t beamCount, uint32_t returns) {
   std::vector<size_t> entries;
@@ -119,7 +114,7 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
       table.refuse("point " + std::to_string(row) + " is of beam " + std::to_string(b) + ", the grid has " +
                    std::to_string(beamCount));
     }
-    const uint32_t k = numbers.empty() ? 1 : std::max(1u, numbers[row]);
+    const uint32_t k = numbers.empty() ? 1 : numbers[row];
     const size_t entry = size_t{b} * returns + k - 1;
     if (taken[entry]) {
       table.refuse((returns > 1 ? "return " + std::to_string(k) + " of beam " : std::string("beam ")) +
@@ -137,13 +132,22 @@ class Placer {
   Placer(const CloudTable& table, size_t entryCount, std::vector<size_t> entries)
       : table_(table), entryCount_(entryCount), entries_(std::move(entries)) {}
 
-  /// The column of that name, if the table has it, as every `step`-th value from `first` on.
+  /// The column of that name, if the table has it.
   template <class T>
-  void place(const char* name, std::vector<T>& out, T none, size_t first = 0, size_t step = 1) const {
+  void place(const char* name, std::vector<T>& out, T none) const {
     const CloudColumn* column = table_.find(name);
     if (!column || entryCount_ == 0) return;
-    out.resize(entryCount_ * step, none);
-    put(*column, out.data() + first, step);
+    out.resize(entryCount_, none);
+    put(*column, out.data(), 1);
+  }
+
+  /// The points, from an origin.
+  void placePoints(const Origin& origin, std::vector<float>& out) const {
+    out.resize(3 * entryCount_, kNaN);
+    const auto axes = table_.axes();
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t row = 0; row < table_.rows; ++row)
+        out[3 * entryOf(row) + axis] = static_cast<float>(table_.value(*axes[axis], row) - origin[axis]);
   }
 
   /// The columns of a field, if the table has any of them, as that of the scan.
@@ -176,9 +180,10 @@ class Placer {
 
   template <class T>
   void put(const CloudColumn& column, T* out, size_t step) const {
-    for (size_t row = 0; row < table_.rows; ++row)
-      out[(entries_.empty() ? row : entries_[row]) * step] = value<T>(column, row);
+    for (size_t row = 0; row < table_.rows; ++row) out[entryOf(row) * step] = value<T>(column, row);
   }
+
+  size_t entryOf(size_t row) const { return entries_.empty() ? row : entries_[row]; }
 
   template <class T>
   T value(const CloudColumn& column, size_t row) const {
@@ -199,36 +204,122 @@ class Placer {
   std::vector<size_t> entries_;
 };
 
+/// Refuses a table with two columns of one field.
+void refuseTwins(const CloudTable& table) {
+  std::set<std::string_view> found;
+  for (const CloudColumn& column : table.columns) {
+    const ColumnInfo* info = findColumn(column.name);
+    if (info && !found.insert(info->name).second) table.refuse("has the field '" + std::string(info->name) + "' twice");
+  }
+}
+
+/// The values of a line of a CSV file.
+struct CsvLine {
+  size_t values = 0;
+  bool hasGap = false;  ///< whether a comma has no value before it
+};
+
+CsvLine readCsvLine(std::string_view line) {
+  CsvLine read;
+  bool inValue = false, filled = false;  // whether the character before is of a value, and one is there since the comma
+  for (const char c : line) {
+    const bool isValue = c != ' ' && c != '\t' && c != ',' && c != '\r';
+    read.values += isValue && !inValue;
+    read.hasGap |= c == ',' && !filled;
+    filled = isValue || (filled && c != ',');
+    inValue = isValue;
+  }
+  return read;
+}
+
+/// Reads the names of the columns; afterwards `position` is that of the line below them, and `number` that of theirs,
+/// from 1 on. Lines that begin with # are comments, but the last of them has the names if a number follows.
+void readCsvHead(CloudTable& table, size_t& position, size_t& number) {
+  std::string_view head, line;
+  size_t below = position;
+  while (nextLine(table.bytes, below, line)) {
+    const std::string_view text = trimmed(line);
+    const bool isComment = text.starts_with('#'), startsNumber = text.find_first_of("0123456789+-.") == 0;
+    if (startsNumber && !head.empty()) break;
+    ++number;
+    position = std::min(below, table.bytes.size());
+    if (!text.empty()) head = trimmed(text.substr(isComment));
+    if (!isComment && !text.empty()) break;
+  }
+  if (head.empty()) table.refuse("is empty, a CSV cloud starts with the names of its fields");
+  for (const std::string_view name : splitWords(head)) table.columns.push_back({std::string(trimmed(name, "\""))});
+  if (std::none_of(table.columns.begin(), table.columns.end(), [](const auto& c) { return findColumn(c.name); }))
+    table.refuse("its first line must have the names of fields with commas between, as x,y,z,range, and has '" +
+                 plainAscii(std::string(head.substr(0, 60))) + "'");
+}
+
 }  // namespace
 
 CloudTable readCloudTable(const CloudFormat& format, std::string bytes, const std::string& source) {
-  if (format.read) return format.read(std::move(bytes), source);
+  if (format.read) {
+    CloudTable table = format.read(std::move(bytes), source);
+    refuseTwins(table);
+    return table;
+  }
   throw Error(ErrorCode::invalidArgument, source + ": a " + (*format.name ? format.name : format.ending) +
                                               " cloud does not say which beams its points are of; read " +
                                               cloudEndings("or", true));
+}
+
+std::vector<uint32_t> numberReturns(const CloudTable& table) {
+  const CloudColumn *beam = table.find("beam"), *number = beam ? table.find("return") : nullptr;
+  const bool statesOne = table.gridColumns > 0 && table.gridReturns == 1;
+  std::vector<uint32_t> numbers;
+  if (!beam || (!number && statesOne)) return numbers;
+  std::unordered_map<uint32_t, uint32_t> found;
+  numbers.reserve(table.rows);
+  for (size_t row = 0; row < table.rows; ++row)
+    numbers.push_back(number ? whole(table, *number, row) : ++found[whole(table, *beam, row)]);
+  if (std::ranges::count(numbers, 0u) == 0) return numbers;
+  for (size_t row = 0; row < table.rows; ++row) {
+    uint32_t& last = found[whole(table, *beam, row)];
+    last = std::max(last, numbers[row]);
+  }
+  for (size_t row = 0; row < table.rows; ++row)
+    if (numbers[row] == 0) numbers[row] = ++found[whole(table, *beam, row)];
+  return numbers;
 }
 
 CloudTable readCsv(std::string bytes, const std::string& source) {
   CloudTable table;
   table.source = source;
   table.bytes = std::move(bytes);
-  size_t position = table.bytes.size() - textOfFile(table.bytes, source).size();
+  if (table.bytes.find('\n') == std::string::npos)  // lines may end with \r alone
+    std::replace(table.bytes.begin(), table.bytes.end(), '\r', '\n');
+  size_t position = table.bytes.size() - textOfFile(table.bytes, source).size(), number = 0;
+  readCsvHead(table, position, number);
   std::string_view line;
-  if (!nextLine(table.bytes, position, line)) table.refuse("is empty, a CSV cloud starts with the names of its fields");
-  for (std::string_view name : splitWords(line)) table.columns.push_back({std::string(name)});
-  position = std::min(position, table.bytes.size());
-  for (size_t at = position; nextLine(table.bytes, at, line);) table.rows += !splitWords(line).empty();
+  for (size_t at = position; nextLine(table.bytes, at, line);) {
+    const CsvLine row = readCsvLine(line);
+    ++number;
+    if (row.values == 0 && !row.hasGap) continue;
+    const std::string where = "line " + std::to_string(number);
+    if (row.hasGap) table.refuse(where + " has an empty value; write nan for a number that is not known");
+    if (row.values != table.columns.size())
+      table.refuse(where + " has " + std::to_string(row.values) + " values, the head names " +
+                   std::to_string(table.columns.size()));
+    ++table.rows;
+  }
   table.parseTextRows(position);
   return table;
 }
 
-CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
-  const CloudTable table = readCloudTable(format, std::move(bytes), source);
+namespace {
+
+/// Sorts the rows of a table by beam; points are from `origin`.
+CloudFile cloudOf(const CloudTable& table, const Origin& origin) {
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
-  const std::vector<uint32_t> numbers = numberReturns(table, beam);
+  const std::vector<uint32_t> numbers = numberReturns(table);
   CloudFile read;
+  read.origin = origin;
+  read.floatStep = hasPoints ? table.floatStep(origin) : 0;
   Scan& scan = read.scan;
   scan.sensor = table.sensor;
   scan.pose = table.pose;
@@ -239,11 +330,7 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
   scan.channels = grid.channels;
   const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
   const Placer placer(table, entryCount, placeRows(table, beam, numbers, beamCount, scan.returns));
-  if (hasPoints) {
-    placer.place("x", scan.points, kNaN, 0, 3);
-    placer.place("y", scan.points, kNaN, 1, 3);
-    placer.place("z", scan.points, kNaN, 2, 3);
-  }
+  if (hasPoints) placer.placePoints(origin, scan.points);
   placer.place("range", scan.ranges, kNaN);
   if (scan.ranges.empty()) {
     scan.ranges.reserve(entryCount);
@@ -263,8 +350,8 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
   for (const ColumnInfo& column : allColumns()) {
     const Field field = column.field;
     if (column.component > 0 || isOfEveryScan(field) || followsFromIndex(field)) continue;
-    // A file of several returns has no rows for beams without any return, so it cannot say why they are empty.
-    if (field != Field::cause || scan.returns == 1) placer.placeField(field, columns);
+    // A compact file of several returns has no rows for beams without any, so it cannot say why they are empty.
+    if (field != Field::cause || scan.returns == 1 || table.rows == entryCount) placer.placeField(field, columns);
   }
 
   scan.counters.beams = beamCount;
@@ -273,7 +360,22 @@ CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std
     scan.counters.hits += std::any_of(first, first + scan.returns, [](float range) { return !std::isnan(range); });
   }
   scan.counters.misses = beamCount - scan.counters.hits;
+  const ImageOrder order = imageOrderOf(scan);
+  scan.firstRowOnTop = order.firstRowOnTop;
+  scan.firstColumnOnLeft = order.firstColumnOnLeft;
   return read;
+}
+
+CloudTable tableOf(const std::filesystem::path& file) {
+  const CloudFormat& format = cloudFormat(file);
+  std::string bytes = format.read ? readWholeFile(file) : "";  // otherwise the file is refused before it is read
+  return readCloudTable(format, std::move(bytes), file.string());
+}
+
+}  // namespace
+
+CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
+  return cloudOf(readCloudTable(format, std::move(bytes), source), {});
 }
 
 Scan readCloud(const std::filesystem::path& file) {
@@ -281,9 +383,18 @@ Scan readCloud(const std::filesystem::path& file) {
 }
 
 CloudFile readCloudFile(const std::filesystem::path& file) {
-  const CloudFormat& format = cloudFormat(file);
-  std::string bytes = format.read ? readWholeFile(file) : "";  // otherwise the file is refused before it is read
-  return readCloudBytes(format, std::move(bytes), file.string());
+  return cloudOf(tableOf(file), {});
+}
+
+std::pair<CloudFile, CloudFile> readCloudFiles(const std::filesystem::path& reference,
+                                               const std::filesystem::path& other) {
+  std::pair<CloudFile, CloudFile> read;
+  {
+    const CloudTable table = tableOf(reference);  // its memory is free when the other is read
+    read.first = cloudOf(table, table.originNearby());
+  }
+  read.second = cloudOf(tableOf(other), read.first.origin);
+  return read;
 }
 
 }  // namespace gnosphere

@@ -18,22 +18,36 @@ double load(const char* at) {
   return static_cast<double>(value);
 }
 
+/// Whether a number is one of 32-bit floats, or the shortest decimal of one, as text files have it.
+bool wasFloat(double value) {
+  const auto rounded = static_cast<float>(value);
+  if (double{rounded} == value || !std::isfinite(value)) return true;
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof(text), rounded).ptr;
+  double shortest = 0;
+  std::from_chars(text, end, shortest);
+  return shortest == value;
+}
+
 bool isSeparator(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == '\n' || c == '\r';
+}
+
+/// Parses a number into its place. One out of range becomes infinity or zero.
+template <class T>
+bool storeFloat(std::string_view word, char* out) {
+  T value = 0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (result.ptr != word.data() + word.size() || result.ec == std::errc::invalid_argument) return false;
+  std::memcpy(out, &value, sizeof(value));
+  return true;
 }
 
 /// Parses one word of a text file into its packed place. Floats are parsed as floats, to avoid a second rounding.
 bool storeText(std::string_view word, const CloudColumn& column, char* out) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  if (column.type == 'F') return column.size == 8 ? storeFloat<double>(word, out) : storeFloat<float>(word, out);
   const char* end = word.data() + word.size();
-  if (column.type == 'F') {
-    float value = 0;
-    const auto result = std::from_chars(word.data(), end, value);
-    // A value out of range becomes infinity or zero, as in a float.
-    if (result.ptr != end || result.ec == std::errc::invalid_argument) return false;
-    std::memcpy(out, &value, sizeof(value));
-    return true;
-  }
   // Other tools write whole numbers as "12.0" or "1e3".
   double value = 0;
   const auto result = std::from_chars(word.data(), end, value);
@@ -80,6 +94,41 @@ double CloudTable::value(const CloudColumn& column, size_t row) const {
   }
 }
 
+std::array<const CloudColumn*, 3> CloudTable::axes() const {
+  return {find("x"), find("y"), find("z")};
+}
+
+Origin CloudTable::originNearby() const {
+  constexpr double kGrid = 1024;
+  const auto columnsOfAxes = axes();
+  if (std::count(columnsOfAxes.begin(), columnsOfAxes.end(), nullptr) > 0) return {};
+  for (size_t row = 0; row < rows; ++row) {
+    Origin origin;
+    for (size_t axis = 0; axis < 3; ++axis)
+      origin[axis] = kGrid * std::round(value(*columnsOfAxes[axis], row) / kGrid) + 0.0;  // -0 becomes 0
+    if (std::all_of(origin.begin(), origin.end(), [](double x) { return std::isfinite(x); })) return origin;
+  }
+  return {};
+}
+
+double CloudTable::floatStep(const Origin& origin) const {
+  const auto columnsOfAxes = axes();
+  float farthest = 0;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (origin[axis] == 0) continue;
+    if (!columnsOfAxes[axis] || !isRounded(*columnsOfAxes[axis])) return 0;
+    farthest = std::max(farthest, static_cast<float>(std::abs(origin[axis])));
+  }
+  return farthest > 0 ? double{std::nextafter(farthest, HUGE_VALF)} - double{farthest} : 0;
+}
+
+bool CloudTable::isRounded(const CloudColumn& column) const {
+  if (column.type != 'F') return false;
+  for (size_t row = 0; column.size == sizeof(double) && row < rows; ++row)
+    if (!wasFloat(value(column, row))) return false;
+  return true;
+}
+
 void CloudTable::layRows(size_t offset) {
   size_t stride = 0;
   for (CloudColumn& column : columns) {
@@ -107,9 +156,10 @@ void CloudTable::parseTextRows(size_t offset) {
     const ColumnInfo* info = column.count == 1 ? findColumn(column.name) : nullptr;
     words.resize(words.size() + column.count, {nullptr, 0});
     if (!info) continue;
-    ours.push_back({column.name, letterOf(info->type), sizeOf(info->type)});
+    const bool isCoordinate = info->field == Field::x || info->field == Field::y || info->field == Field::z;
+    ours.push_back({column.name, letterOf(info->type), isCoordinate ? sizeof(double) : sizeOf(info->type)});
     words.back() = {&ours.back(), stride};
-    stride += sizeOf(info->type);
+    stride += ours.back().size;
   }
   // Every word takes at least two characters, so an absurd count is refused before memory is allocated.
   if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {

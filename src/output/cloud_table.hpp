@@ -2,6 +2,7 @@
 // The rows of a cloud file in memory. Every reader produces this form, and readCloud() sorts it by beam.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ struct CloudColumn {
   size_t step = 0;    ///< from one row to the next
 };
 
+/// The name of a column that only fills a gap between others, as PCL pads its rows.
+inline constexpr const char* kGapName = "_";
+
 struct CloudTable {
   std::string source;  ///< for messages
   std::string bytes;
@@ -37,14 +41,24 @@ struct CloudTable {
   [[noreturn]] void refuse(const std::string& why) const;  ///< throws Error(format)
   const CloudColumn* find(std::string_view name) const;
   double value(const CloudColumn& column, size_t row) const;
+  /// The columns x, y, z; null for one that the table does not have.
+  std::array<const CloudColumn*, 3> axes() const;
+  /// The origin near the first point; that of the frame if there is none.
+  Origin originNearby() const;
+  /// The step between 32-bit floats at an origin, in metres, if the coordinates of the table have been rounded to such;
+  /// otherwise, and at the frame's origin, 0.
+  double floatStep(const Origin& origin) const;
 
   /// Lays out packed rows of `columns` from `offset` on. Refuses the file if it has too few bytes.
   void layRows(size_t offset);
   /// Parses text rows from `offset` on, separated by spaces, tabs or commas. Replaces bytes and columns by those of our
-  /// fields.
+  /// fields, coordinates as doubles.
   void parseTextRows(size_t offset);
   /// Takes the grid from a comment line if writeCloud() wrote it.
   void readGridComment(std::string_view line);
+
+ private:
+  bool isRounded(const CloudColumn& column) const;  ///< whether its values have been rounded to 32-bit floats
 };
 
 CloudTable readPcd(std::string bytes, const std::string& source);
@@ -58,6 +72,11 @@ CloudTable readCloudTable(const CloudFormat& format, std::string bytes, const st
 /// Does the work of readCloudFile() on a file's content; `source` names it in messages. Throws Error(format) if it is
 /// bad.
 CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
+
+/// The number of each row's return, from 1 on: what the column `return` says. Where it says 0, the row is an entry
+/// without a return, which comes after those of its beam that have one. Without that column the rows of a beam are its
+/// returns in their order, unless the file states that beams have one. Empty if no row needs one.
+std::vector<uint32_t> numberReturns(const CloudTable& table);
 
 /// Reads the next line from `position` on without its end, which is \n or \r\n. Returns false at the end of the text.
 bool nextLine(std::string_view text, size_t& position, std::string_view& line);

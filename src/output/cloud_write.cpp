@@ -114,8 +114,9 @@ CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions
   }
   checkFields(scan, fields);
   // compare() must know of a tie also where the reference has no return and the other cloud may have one.
-  const bool ties = several && std::ranges::count(fields, Field::tie) > 0;
-  return {Rows(scan, options.compact || several, ties), layoutOf(fields), columnsOf(fields)};
+  const bool compact = options.compact.value_or(several);
+  const bool ties = compact && several && std::ranges::count(fields, Field::tie) > 0;
+  return {Rows(scan, compact, ties), layoutOf(fields), columnsOf(fields)};
 }
 
 void writeRows(const CloudRows& rows, const CloudFormat& format, bool ascii, const Sink& write) {
@@ -138,15 +139,16 @@ std::string viewpointOf(const Pose& pose) {
 
 std::string pcdHeader(const CloudRows& table, bool ascii) {
   const auto number = [](size_t n) { return std::to_string(n); };
-  const size_t width = table.rows.compact() ? table.rows.count() : table.rows.scan().columns;
-  const size_t height = table.rows.compact() ? 1 : table.rows.scan().channels;
-  return "# .PCD v0.7 - Point Cloud Data file format\n# " + gridComment(table.rows.scan()) + "\nVERSION 0.7\nFIELDS" +
+  const Scan& scan = table.rows.scan();
+  const size_t width = table.rows.compact() ? table.rows.count() : size_t{scan.columns} * scan.returns;
+  const size_t height = table.rows.compact() ? 1 : scan.channels;
+  return "# .PCD v0.7 - Point Cloud Data file format\n# " + gridComment(scan) + "\nVERSION 0.7\nFIELDS" +
          joined(table.columns, [](const ColumnInfo& f) { return f.name; }) + "\nSIZE" +
          joined(table.columns, [&](const ColumnInfo& f) { return number(sizeOf(f.type)); }) + "\nTYPE" +
          joined(table.columns, [](const ColumnInfo& f) { return std::string(1, letterOf(f.type)); }) + "\nCOUNT" +
          joined(table.columns, [](const ColumnInfo&) { return "1"; }) + "\nWIDTH " + number(width) + "\nHEIGHT " +
-         number(height) + "\nVIEWPOINT" + viewpointOf(table.rows.scan().pose) + "\nPOINTS " +
-         number(table.rows.count()) + "\nDATA " + (ascii ? "ascii" : "binary") + "\n";
+         number(height) + "\nVIEWPOINT" + viewpointOf(scan.pose) + "\nPOINTS " + number(table.rows.count()) +
+         "\nDATA " + (ascii ? "ascii" : "binary") + "\n";
 }
 
 std::string plyHeader(const CloudRows& table, bool ascii) {
@@ -171,10 +173,10 @@ std::string npyHeader(const CloudRows& table, bool) {
     types.append(letterOf(info.type) == 'F' ? "f" : "u").append(std::to_string(sizeOf(info.type))).append("'), ");
   }
   types.replace(types.size() - 2, 2, "]");
+  if (table.rows.compact()) return npyHeaderOf(types, "(" + std::to_string(table.rows.count()) + ",)");
   const Scan& scan = table.rows.scan();
-  return npyHeaderOf(types, table.rows.compact()
-                                ? "(" + std::to_string(table.rows.count()) + ",)"
-                                : "(" + std::to_string(scan.channels) + ", " + std::to_string(scan.columns) + ")");
+  const std::string returns = scan.returns > 1 ? ", " + std::to_string(scan.returns) : "";
+  return npyHeaderOf(types, "(" + std::to_string(scan.channels) + ", " + std::to_string(scan.columns) + returns + ")");
 }
 
 std::string csvHeader(const CloudRows& table, bool) {

@@ -53,7 +53,8 @@ double distance(const float* a, const float* b) {
 }
 
 /// Points may be farther apart than the tolerance by the rounding of their coordinates: a share of the range or,
-/// because a laser may be away from the origin, a share of the distance from the frame's origin, whichever is more.
+/// because a laser may be away from the origin, a share of the distance from the frame's origin, whichever is more. In
+/// files roundingCentre() takes the place of the frame's origin.
 constexpr double kPointRounding = 1e-6, kCoordinateRounding = 0x1p-22;
 
 /// Returns the largest number of returns that both clouds may have.
@@ -67,11 +68,13 @@ constexpr uint64_t kTenThousandths = 9999;
 }  // namespace
 
 ComparisonSum::ComparisonSum(uint64_t returns, double tolerance) : tolerance_(tolerance), kept_(returns / 10000 + 1) {
-  if (!(tolerance >= 0)) throw Error(ErrorCode::invalidArgument, "the tolerance must be at least 0 m");
+  if (!(tolerance >= 0 && std::isfinite(tolerance)))
+    throw Error(ErrorCode::invalidArgument, "the tolerance must be a number of metres from 0 on");
 }
 
 void ComparisonSum::add(const Scan& reference, const Scan& other) {
   if (reference.beamCount() != other.beamCount()) refuseBeams(reference, other);
+  centre_ = {};
   addBeams(reference, other);
 }
 
@@ -79,6 +82,8 @@ void ComparisonSum::add(const CloudFile& reference, const CloudFile& other) {
   const size_t beams = std::max(reference.scan.beamCount(), other.scan.beamCount());
   for (const CloudFile* file : {&reference, &other})
     if (file->statesGrid && file->scan.beamCount() != beams) refuseBeams(reference.scan, other.scan);
+  centre_ = roundingCentre(reference, other);
+  for (size_t axis = 0; axis < 3; ++axis) centre_[axis] -= reference.origin[axis];
   addBeams(reference.scan, other.scan);
 }
 
@@ -132,11 +137,11 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
 }
 
 void ComparisonSum::addPoints(const Scan& reference, const Scan& other, size_t expected, size_t found, double allowed) {
-  constexpr float kOrigin[3] = {0, 0, 0};
   const float* const point = &reference.points[3 * expected];
   const double error = madeNumber(distance(point, &other.points[3 * found]));
   const double rounding =
-      std::max(kPointRounding * double{reference.ranges[expected]}, kCoordinateRounding * distance(point, kOrigin));
+      std::max(kPointRounding * double{reference.ranges[expected]},
+               kCoordinateRounding * lengthOf({point[0] - centre_[0], point[1] - centre_[1], point[2] - centre_[2]}));
   sum_.wrongPoint += !(error <= allowed + rounding);
   sum_.pointErrorMax = std::max(sum_.pointErrorMax, error);
 }
@@ -175,6 +180,10 @@ FileComparison compareFiles(const CloudFile& reference, const CloudFile& other, 
   ComparisonSum sum(mostReturns(reference.scan, other.scan), tolerance);
   sum.add(reference, other);
   return {sum.result(), sum.sameOwner()};
+}
+
+Origin roundingCentre(const CloudFile& reference, const CloudFile& other) {
+  return reference.floatStep > 0 || other.floatStep > 0 ? Origin{} : reference.origin;
 }
 
 std::vector<Field> fieldsNotCompared(const Scan& reference, const Scan& other) {

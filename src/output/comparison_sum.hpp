@@ -35,6 +35,7 @@ class ComparisonSum {
   ColumnView<uint8_t> ties_;  // of the reference that is being added; empty where it states none
   ColumnView<float> tolerances_;
   bool points_ = false;  // whether both clouds that are being added have them
+  Origin centre_ = {};   // roundingCentre() of the clouds that are being added, from their common origin
   Comparison sum_;
   double tolerance_;
   uint64_t errors_ = 0;

@@ -57,39 +57,16 @@ struct RangeImage {
   int leftOf(int column) const { return static_cast<int>(int64_t{column} * width / columns); }
 };
 
-/// Whether channel 0 is the uppermost: hits of earlier channels are higher, seen from the sensor.
-bool countsFromTop(const Scan& scan) {
-  const double middle = 0.5 * (scan.channels - 1.0);
-  double rise = 0;
-  for (size_t beam = 0; beam < scan.beamCount(); ++beam)
-    if (const float range = scan.ranges[beam]; std::isfinite(range) && range > 0)
-      rise +=
-          (static_cast<double>(beam / scan.columns) - middle) * static_cast<double>(scan.points[3 * beam + 2] / range);
-  return rise < 0;
-}
-
-/// Whether column 0 is the leftmost, as of heads that turn clockwise: the hits of later columns are further right.
-bool countsFromLeft(const Scan& scan) {
-  int64_t turns = 0;
-  for (size_t beam = 1; beam < scan.beamCount(); ++beam) {
-    const float *before = &scan.points[3 * beam - 3], *here = &scan.points[3 * beam];
-    const float cross = before[0] * here[1] - before[1] * here[0];
-    if (beam % scan.columns != 0) turns += (cross > 0) - (cross < 0);
-  }
-  return turns < 0;
-}
-
 /// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped; infinite without a hit.
 std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image) {
   std::vector<float> nearest(static_cast<size_t>(image.columns) * static_cast<size_t>(image.channels),
                              std::numeric_limits<float>::infinity());
-  const bool fromTop = countsFromTop(scan), fromLeft = countsFromLeft(scan);
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
     const float range = scan.ranges[beam];
     if (!std::isfinite(range)) continue;
     const size_t place = beam % scan.columns, row = beam / scan.columns;
-    const size_t column = (fromLeft ? scan.columns - 1 - place : place) / image.columnsPerPixel;
-    const size_t channel = (fromTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
+    const size_t column = (scan.firstColumnOnLeft ? scan.columns - 1 - place : place) / image.columnsPerPixel;
+    const size_t channel = (scan.firstRowOnTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
     float& pixel = nearest[channel * static_cast<size_t>(image.columns) + column];
     pixel = std::min(pixel, range);
   }
@@ -285,6 +262,8 @@ Scan firstReturns(const Scan& scan) {
   first.sensor = scan.sensor;
   first.columns = scan.columns;
   first.channels = scan.channels;
+  first.firstRowOnTop = scan.firstRowOnTop;
+  first.firstColumnOnLeft = scan.firstColumnOnLeft;
   for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) {
     first.ranges.push_back(scan.ranges[entry]);
     first.points.insert(first.points.end(), &scan.points[3 * entry], &scan.points[3 * entry] + 3);

@@ -16,8 +16,8 @@ namespace {
 
 /// Most surfaces that one sub-ray meets: all but the last let light pass.
 constexpr size_t kLayers = 4;
-/// Most echoes of a beam that reports at most 5 returns, and of one that reports more.
-constexpr size_t kFewEchoes = 6, kManyEchoes = 16;
+/// Most echoes of a beam that reports at most 3 returns, and of one that reports more.
+constexpr size_t kFewReturns = 3, kFewEchoes = 6, kManyEchoes = 16;
 // Metres: the beams of a list are projected from a place not farther from their lasers.
 constexpr double kFarthestLaser = 0.52;
 
@@ -227,7 +227,7 @@ std::optional<Bounded> riseOf(std::span<const Piece> pieces, const Bounded& sepa
 std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& paths, const SensorPlan& plan,
                          BeamDoubt& doubt, uint64_t& lost) {
   const Effects& request = plan.effects;
-  const size_t most = plan.returns < kFewEchoes ? kFewEchoes : kManyEchoes;
+  const size_t most = plan.returns <= kFewReturns ? kFewEchoes : kManyEchoes;
   std::sort(pieces.begin(), pieces.end(),
             [](const Piece& a, const Piece& b) { return std::pair(a.range, a.order) < std::pair(b.range, b.order); });
   const auto behind = [&](const Piece& piece) { return Bounded(piece.range, doubt.tolerance) + piece.reach; };
@@ -282,13 +282,13 @@ std::array<double, 2> cellOf(const SensorPlan& plan) {
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;
-  const auto [left, up] = halfAxesOf(plan);
+  const std::array<double, 2> halfAxes = halfAxesOf(plan);
   const uint32_t count = asked.subRays;
   std::vector<FootprintRay> rays;
   double sum = 0, leftOfMiddle = 0, upOfMiddle = 0;
   const auto addAt = [&](double x, double y) {
     const bool gaussian = asked.profile == Effects::Divergence::Profile::gaussian;
-    rays.push_back({left * x, up * y, gaussian ? std::exp(-2 * (x * x + y * y)) : 1.0});
+    rays.push_back({halfAxes[0] * x, halfAxes[1] * y, gaussian ? std::exp(-2 * (x * x + y * y)) : 1.0});
     sum += rays.back().weight;
     leftOfMiddle += rays.back().weight * rays.back().left;
     upOfMiddle += rays.back().weight * rays.back().up;

@@ -49,7 +49,7 @@ struct BeamDoubt {
   double tolerance = 0;
 };
 
-/// Returns at most 6 echoes, or 16 if a beam reports more than 5 returns, in order of range: the nearest, the farthest,
+/// Returns at most 6 echoes, or 16 if a beam reports more than 3 returns, in order of range: the nearest, the farthest,
 /// and the strongest of those between. Adds to `lost` the number of the others, and one for a beam whose
 /// light goes on after four surfaces.
 std::vector<Echo> echoesOf(const View& view, const Beam& beam, const Light& light, const BeamEffects& effects,

@@ -16,13 +16,14 @@ double wrapped(double value, AlphaImage::Wrap wrap) {
 }
 
 /// Alpha 0..1 of the pixel that contains the point; 1 if the coordinates are not finite, since they lie in no pixel.
-double alphaAt(const AlphaImage& image, double u, double v) {
+/// Alpha is rounded as in shaders/holes.glsl, so that one at the cut-off, a float, is on the same side as on a device.
+float alphaAt(const AlphaImage& image, double u, double v) {
   if (image.alpha.empty() || !std::isfinite(u) || !std::isfinite(v)) return 1;
   const auto pixel = [](double place, uint32_t count) {
     return std::min(static_cast<size_t>(place * count), size_t{count} - 1);
   };
   const size_t x = pixel(wrapped(u, image.wrapU), image.width), y = pixel(wrapped(v, image.wrapV), image.height);
-  return image.alpha[y * image.width + x] / 255.0;
+  return static_cast<float>(image.alpha[y * image.width + x]) * (1.0f / 255.0f);
 }
 
 }  // namespace
@@ -50,7 +51,7 @@ Vec3 normalTowardsOrigin(const Vec3 (&corners)[3]) {
 bool isHole(const Scene& scene, const Triangle& triangle, const Weights& weights) {
   const Material& material = scene.materials[materialOf(scene, triangle)];
   if (material.alphaMode != AlphaMode::mask) return false;
-  double alpha = material.baseColor[3];
+  float alpha = material.baseColor[3];
   const Mesh& mesh = scene.meshes[scene.instances[triangle.instance].mesh];
   if (material.alphaImage != kNoImage && !mesh.uvs.empty()) {
     double u = 0, v = 0;

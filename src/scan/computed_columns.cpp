@@ -23,7 +23,8 @@ void setColumn(Scan& scan, Field field, bool wanted, const ValueOf& valueOf) {
 
 }  // namespace
 
-ComputedColumns::ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields) : fields_(fields) {
+ComputedColumns::ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields)
+    : fields_(fields), order_(imageOrderOf(sensor)) {
   if (asks(Field::ring)) checkRings(static_cast<uint32_t>(sensor.channels.size()));
   patterns_.resize(std::max<size_t>(sensor.patterns.size(), 1));
   for (size_t pattern = 0; pattern < patterns_.size(); ++pattern) {
@@ -46,6 +47,8 @@ bool ComputedColumns::asks(Field field) const {
 }
 
 void ComputedColumns::set(const ClassTable& classes, uint64_t frame, Scan& scan) const {
+  scan.firstRowOnTop = order_.firstRowOnTop;
+  scan.firstColumnOnLeft = order_.firstColumnOnLeft;
   const uint32_t returns = scan.returns;
   const Values& pattern = patterns_[frame % patterns_.size()];
   const auto setBeams = [&](Field field, const std::vector<float>& values) {

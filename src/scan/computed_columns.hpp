@@ -6,6 +6,7 @@
 
 #include "gnosphere/scan.hpp"
 #include "scan/class_table.hpp"
+#include "scan/image_order.hpp"
 
 namespace gnosphere {
 
@@ -17,8 +18,8 @@ class ComputedColumns {
   /// Throws Error(invalidArgument) if `ring` is requested and the sensor has too many channels for it.
   ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields);
 
-  /// Sets the requested columns in a scan whose owners and ranges are complete, and removes the others. `frame` is the
-  /// number of the scan.
+  /// Sets the requested columns in a scan whose owners and ranges are complete, and removes the others; sets how its
+  /// image lies, too. `frame` is the number of the scan.
   void set(const ClassTable& classes, uint64_t frame, Scan& scan) const;
 
  private:
@@ -31,6 +32,7 @@ class ComputedColumns {
   };
 
   std::vector<Field> fields_;
+  ImageOrder order_;
   std::vector<Values> patterns_;  // a grid has one
 };
 

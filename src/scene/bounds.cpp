@@ -71,6 +71,18 @@ Bounds meshBounds(const Mesh& mesh) {
   return bounds;
 }
 
+std::vector<Bounds> instanceBounds(const Scene& scene) {
+  std::vector<std::optional<Surface>> surfaces(scene.meshes.size());
+  std::vector<Bounds> boxes(scene.instances.size(), kEmpty);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const uint32_t mesh = scene.instances[i].mesh;
+    if (mesh == kNoMesh) continue;
+    if (!surfaces[mesh]) surfaces[mesh].emplace(meshOf(scene, i));
+    surfaces[mesh]->addTo(boxes[i], scene.instances[i].transform);
+  }
+  return boxes;
+}
+
 Bounds operator*(const Transform& transform, const Bounds& bounds) {
   Bounds moved;
   for (int k = 0; k < 3; ++k) setRange(&transform.rows[4 * k], bounds, moved.min.*kAxes[k], moved.max.*kAxes[k]);

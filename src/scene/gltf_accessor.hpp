@@ -86,9 +86,10 @@ struct GltfTexture {
   int texCoord = 0;
   std::array<double, 6> transform = {1, 0, 0, 0, 1, 0};
 };
-/// Returns an entry per material of the file, empty if it has no alpha image. Fills the scene's alpha images.
+/// Returns an entry per material of the file, empty if it has no alpha image. Fills the scene's alpha images, and
+/// counts the cut-out materials whose image has colours.
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
-                                                       Scene& scene);
+                                                       Scene& scene, LeftOut& leftOut);
 
 /// How the nodes of a scene use a mesh of the file.
 struct GltfMeshUse {

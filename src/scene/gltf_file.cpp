@@ -6,8 +6,10 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "base/json_text.hpp"
+#include "base/lasting.hpp"
 
 namespace gnosphere {
 namespace {
@@ -57,6 +59,32 @@ Container splitGlb(Bytes bytes, const Source& source) {
 }
 
 enum class Kind { object, array, text, boolean, number, numbers, count, index, indices };
+
+/// A property of a material that changes how much light a surface reflects or lets through, and that is not read.
+struct UnreadProperty {
+  const char* extension;
+  const char* name;  ///< null: the extension itself
+  Json neutral;      ///< the value that changes nothing; null: any value changes something
+};
+
+const std::vector<UnreadProperty>& unreadProperties() {
+  static const auto& kProperties = lasting(std::vector<UnreadProperty>{
+      {"KHR_materials_pbrSpecularGlossiness", nullptr, {}},
+      {"KHR_materials_unlit", nullptr, {}},
+      {"KHR_materials_ior", "ior", 1.5},
+      {"KHR_materials_specular", "specularFactor", 1},
+      {"KHR_materials_specular", "specularColorFactor", Json::array({1, 1, 1})},
+      {"KHR_materials_specular", "specularTexture", {}},
+      {"KHR_materials_specular", "specularColorTexture", {}},
+      {"KHR_materials_clearcoat", "clearcoatFactor", 0},
+      {"KHR_materials_sheen", "sheenColorFactor", Json::array({0, 0, 0})},
+      {"KHR_materials_iridescence", "iridescenceFactor", 0},
+      {"KHR_materials_anisotropy", "anisotropyStrength", 0},
+      {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", 0},
+      {"KHR_materials_volume", "attenuationDistance", {}},  // without it the volume takes no light away
+  });
+  return kProperties;
+}
 
 struct Key {
   const char* name;
@@ -370,11 +398,24 @@ class Tidying {
           {"doubleSided", Kind::boolean},
           {"extensions", Kind::object}});
     if (o.contains("pbrMetallicRoughness")) surface(o["pbrMetallicRoughness"], where, o.value("alphaMode", ""));
-    if (o.contains("extensions") && o["extensions"].contains("KHR_materials_pbrSpecularGlossiness"))
-      leftOut_.add("materials' properties of KHR_materials_pbrSpecularGlossiness");
+    if (o.contains("extensions")) leaveOutProperties(o["extensions"]);
     extension(o, where, "KHR_materials_transmission", [&](Json& e, const std::string& at) {
+      const bool isTextured = e.contains("transmissionTexture");
       keep(e, at, {{"transmissionFactor", Kind::number}});
+      if (!isTextured || e.value("transmissionFactor", 0.0) == 0) return;
+      // The texture says where the surface is glass, so the factor alone would make glass of a whole car.
+      leftOut_.add(kTextureTransmissions);
+      e["transmissionFactor"] = 0;
     });
+  }
+
+  /// Counts each extension of a material of which a property that is not read has an effect.
+  void leaveOutProperties(const Json& extensions) {
+    std::set<std::string> found;
+    for (const auto& [extension, name, neutral] : unreadProperties())
+      if (const auto stated = extensions.find(extension); stated != extensions.end())
+        if (name == nullptr || (stated->contains(name) && (*stated)[name] != neutral)) found.insert(extension);
+    for (const std::string& extension : found) leftOut_.add("materials' properties of " + extension);
   }
 
   /// Keeps the properties of a surface; of its textures, only those that cut holes.

@@ -55,24 +55,31 @@ std::array<double, 6> transformOf(const tinygltf::Value& extension) {
   return {c * scaleU, s * scaleV, number("offset", 0, 0), -s * scaleU, c * scaleV, number("offset", 1, 0)};
 }
 
+/// A texture of a cut-out material: its alpha, and whether its colours count.
+struct Decoded {
+  uint32_t alphaImage = kNoImage;  ///< kNoImage also if nothing is transparent, or the image cannot be read
+  bool isWhite = false;            ///< whether it is read and all its colours are white, so that they change nothing
+};
+
 class ImageReader {
  public:
-  ImageReader(const GltfFile& file, GltfArrays& arrays, const Source& source, Scene& scene)
-      : file_(file), arrays_(arrays), source_(source), scene_(scene) {}
+  ImageReader(const GltfFile& file, GltfArrays& arrays, const Source& source, Scene& scene, LeftOut& leftOut)
+      : file_(file), arrays_(arrays), source_(source), scene_(scene), leftOut_(leftOut) {}
 
   /// Returns nothing if the material has no alpha image.
   std::optional<GltfTexture> read(size_t material);
 
  private:
-  uint32_t imageOf(const tinygltf::Texture& texture, const std::string& user);
-  uint32_t decode(int image, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user);
-  uint32_t decodePng(Bytes bytes, AlphaImage image, const std::string& who);
+  Decoded imageOf(const tinygltf::Texture& texture, const std::string& user);
+  Decoded decode(int image, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user);
+  Decoded decodePng(Bytes bytes, AlphaImage image, const std::string& who);
 
   const GltfFile& file_;
   GltfArrays& arrays_;
   const Source& source_;
   Scene& scene_;
-  std::map<std::tuple<int, AlphaImage::Wrap, AlphaImage::Wrap>, uint32_t> decoded_;
+  LeftOut& leftOut_;
+  std::map<std::tuple<int, AlphaImage::Wrap, AlphaImage::Wrap>, Decoded> decoded_;
 };
 
 std::optional<GltfTexture> ImageReader::read(size_t index) {
@@ -82,9 +89,10 @@ std::optional<GltfTexture> ImageReader::read(size_t index) {
   const std::string who = gltfLabel("material", index, material.name);
   if (static_cast<size_t>(info.index) >= file_.model.textures.size())
     source_.fail(who + ": texture " + std::to_string(info.index) + " does not exist");
-  const uint32_t image = imageOf(file_.model.textures[static_cast<size_t>(info.index)], who);
-  scene_.materials[index].alphaImage = image;
-  if (image == kNoImage) return {};
+  const Decoded image = imageOf(file_.model.textures[static_cast<size_t>(info.index)], who);
+  scene_.materials[index].alphaImage = image.alphaImage;
+  if (!image.isWhite) leftOut_.add(kTextureColours);
+  if (image.alphaImage == kNoImage) return {};
 
   GltfTexture texture;
   texture.texCoord = info.texCoord;
@@ -95,7 +103,7 @@ std::optional<GltfTexture> ImageReader::read(size_t index) {
   return texture;
 }
 
-uint32_t ImageReader::imageOf(const tinygltf::Texture& texture, const std::string& user) {
+Decoded ImageReader::imageOf(const tinygltf::Texture& texture, const std::string& user) {
   AlphaImage::Wrap wrapU = AlphaImage::Wrap::repeat, wrapV = AlphaImage::Wrap::repeat;
   if (texture.sampler >= 0) {
     if (static_cast<size_t>(texture.sampler) >= file_.model.samplers.size())
@@ -104,16 +112,16 @@ uint32_t ImageReader::imageOf(const tinygltf::Texture& texture, const std::strin
     wrapU = wrapOf(sampler.wrapS);
     wrapV = wrapOf(sampler.wrapT);
   }
-  const auto [found, isNew] = decoded_.emplace(std::tuple(texture.source, wrapU, wrapV), kNoImage);
+  const auto [found, isNew] = decoded_.emplace(std::tuple(texture.source, wrapU, wrapV), Decoded());
   if (isNew) found->second = decode(texture.source, wrapU, wrapV, user);
   return found->second;
 }
 
-/// Returns the index of the new image; kNoImage if it has no alpha channel or cannot be read, which is counted.
-uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user) {
+/// Adds the alpha image of an image of the file, and counts images that cannot be read.
+Decoded ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user) {
   const auto unread = [&] {
     ++scene_.unreadImages;
-    return kNoImage;
+    return Decoded();
   };
   if (index < 0) return unread();  // only an extension gives its source: KTX2, WebP
   const std::string who = user + ": image " + std::to_string(index);
@@ -131,12 +139,12 @@ uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap
       return unread();
     }
   }
-  if (startsWith(bytes, "\xff\xd8\xff")) return kNoImage;  // JPEG has no alpha
+  if (startsWith(bytes, "\xff\xd8\xff")) return {};  // JPEG has no alpha
   if (!startsWith(bytes, "\x89PNG\r\n\x1a\n")) return unread();
   return decodePng(bytes, {0, 0, {}, wrapU, wrapV}, who);
 }
 
-uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string& who) {
+Decoded ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string& who) {
   const auto fail = [&](const std::string& why) { source_.fail(who + " is not a valid PNG file: " + why); };
   if (bytes.size() > std::numeric_limits<int>::max()) fail("it is larger than 2 GiB");
   const int size = static_cast<int>(bytes.size());
@@ -157,10 +165,16 @@ uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string
   image.width = static_cast<uint32_t>(width);
   image.height = static_cast<uint32_t>(height);
   image.alpha.resize(pixels);
-  for (size_t i = 0; i < pixels; ++i) image.alpha[i] = colours.get()[4 * i + 3];
-  if (std::all_of(image.alpha.begin(), image.alpha.end(), [](uint8_t alpha) { return alpha == 255; })) return kNoImage;
+  Decoded decoded = {kNoImage, true};
+  for (size_t i = 0; i < pixels; ++i) {
+    const stbi_uc* const pixel = colours.get() + 4 * i;
+    image.alpha[i] = pixel[3];
+    decoded.isWhite = decoded.isWhite && pixel[0] == 255 && pixel[1] == 255 && pixel[2] == 255;
+  }
+  if (std::all_of(image.alpha.begin(), image.alpha.end(), [](uint8_t alpha) { return alpha == 255; })) return decoded;
+  decoded.alphaImage = static_cast<uint32_t>(scene_.alphaImages.size());
   scene_.alphaImages.push_back(std::move(image));
-  return static_cast<uint32_t>(scene_.alphaImages.size() - 1);
+  return decoded;
 }
 
 }  // namespace
@@ -183,8 +197,8 @@ std::vector<uint8_t> pngOf(const AlphaImage& image) {
 }
 
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
-                                                       Scene& scene) {
-  ImageReader reader(file, arrays, source, scene);
+                                                       Scene& scene, LeftOut& leftOut) {
+  ImageReader reader(file, arrays, source, scene, leftOut);
   std::vector<std::optional<GltfTexture>> textures;
   for (size_t i = 0; i < file.model.materials.size(); ++i) textures.push_back(reader.read(i));
   return textures;

@@ -87,6 +87,7 @@ class Reader {
   std::vector<int> parents() const;
   std::vector<int> roots() const;
   void readNodes();
+  void countOutside(const std::vector<int>& roots);
   void place(size_t node, const Transform& transform, const StatedClass& byNodes);
   void add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
            const std::string& who);
@@ -179,6 +180,20 @@ std::vector<int> Reader::roots() const {
   return roots;
 }
 
+/// Counts the nodes with a mesh that are not below one of these roots.
+void Reader::countOutside(const std::vector<int>& roots) {
+  const auto hasMesh = [](const tinygltf::Node& node) { return node.mesh >= 0; };
+  auto outside = static_cast<uint64_t>(std::ranges::count_if(model_.nodes, hasMesh));
+  std::vector<int> below = roots;
+  while (!below.empty()) {
+    const tinygltf::Node& node = model_.nodes[static_cast<size_t>(below.back())];
+    below.pop_back();
+    outside -= hasMesh(node) ? 1 : 0;
+    below.insert(below.end(), node.children.begin(), node.children.end());
+  }
+  if (outside > 0) leftOut_.add("nodes with a mesh that are not in the scene which the file shows", outside);
+}
+
 void Reader::readNodes() {
   // An explicit stack: recursion through a chain of a million nodes would overflow the call stack.
   struct Visit {
@@ -188,6 +203,7 @@ void Reader::readNodes() {
   };
   std::vector<Visit> stack;
   const std::vector<int> roots = this->roots();
+  countOutside(roots);
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}, {}});
   while (!stack.empty()) {
     const Visit visit = std::move(stack.back());
@@ -276,7 +292,7 @@ void Reader::readMeshes() {
     use.placed = true;
     use.skinned = use.skinned || (model_.nodes[placements_[i].node].skin >= 0 && !placements_[i].instanced);
   }
-  const auto textures = readGltfImages(file_, arrays_, source_, scene_);
+  const auto textures = readGltfImages(file_, arrays_, source_, scene_, leftOut_);
   scene_.meshes = readGltfMeshes(model_, arrays_, source_, uses, textures, scene_.materials, leftOut_);
   for (size_t i = 0, next = 0; i < uses.size(); ++i)
     if (uses[i].placed) newIndex[i] = static_cast<uint32_t>(next++);

@@ -2,6 +2,10 @@
 // Makes one scene of two.
 #include "scene/join.hpp"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "base/finite.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/error.hpp"
@@ -12,6 +16,15 @@ namespace {
 template <typename T>
 void append(std::vector<T>& all, const std::vector<T>& more) {
   all.insert(all.end(), more.begin(), more.end());
+}
+
+/// Throws the error of validate(), which begins with the name of the scene then.
+void check(const Scene& scene, const std::string& name) {
+  try {
+    validate(scene);
+  } catch (const Error& error) {
+    throw Error(error.code(), "joined: `" + name + "`: " + error.what());
+  }
 }
 
 uint32_t countOf(const auto& list) {
@@ -75,7 +88,8 @@ uint32_t appendMeshes(Scene& scene, const Scene& other) {
 }
 
 Scene joined(Scene scene, const Scene& other, const Transform& transform) {
-  validate(other);
+  check(scene, "scene");
+  check(other, "other");
   if (!allFinite(transform.rows)) throw Error(ErrorCode::invalidArgument, "joined: the transform is not finite");
   const uint32_t firstInstance = countOf(scene.instances), firstMesh = appendMeshes(scene, other);
   for (Instance instance : other.instances) {

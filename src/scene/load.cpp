@@ -107,14 +107,21 @@ Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {
 }
 
 Scene loadScene(const fs::path& file, const LoadOptions& options) {
+  std::vector<std::string> beside;
+  return loadScene(file, options, beside);
+}
+
+Scene loadScene(const fs::path& file, const LoadOptions& options, std::vector<std::string>& beside) {
   if (!(options.scale > 0) || !std::isfinite(options.scale))
     throw Error(ErrorCode::invalidArgument, "the scale must be a positive number");
   const SceneFormat format = formatOf(file);
   const FileBytes bytes = readFile(file);
   Source source;
   source.name = std::string("'").append(file.string()).append("'");
-  source.sibling = [folder = file.parent_path()](const std::string& relativePath) {
-    return readFile(folder / pathOf(relativePath));
+  source.sibling = [&beside, folder = file.parent_path()](const std::string& relativePath) {
+    FileBytes read = readFile(folder / pathOf(relativePath));
+    beside.push_back(relativePath);
+    return read;
   };
   Scene scene = readScene(format, bytes, source);
 

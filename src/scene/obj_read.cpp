@@ -24,7 +24,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max(), kNoObject = kNoMaterial;
+constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max();
 
 /// A stream buffer over existing bytes, without a copy.
 class MemoryBuffer : public std::streambuf {
@@ -90,23 +90,26 @@ Material toMaterial(const tinyobj::material_t& from) {
   const auto unit = [](double value) { return static_cast<float>(value >= 0 ? std::min(value, 1.0) : 0); };
   Material material;
   material.name = toUtf8(trimmed(from.name));
-  material.baseColor = {unit(from.diffuse[0]), unit(from.diffuse[1]), unit(from.diffuse[2]), unit(from.dissolve)};
-  if (from.dissolve < 1) material.alphaMode = AlphaMode::blend;
+  // Exporters write the filter Tf = 1 1 1 even for brick, so it counts only in the illumination models of glass. There
+  // it says what passes, and the dissolve d, which some exporters derive from it, must not thin the light a second
+  // time.
+  const bool isGlass = from.illum == 4 || from.illum == 6 || from.illum == 7 || from.illum == 9;
+  const double filter = (from.transmittance[0] + from.transmittance[1] + from.transmittance[2]) / 3;
+  if (isGlass && filter > 0)
+    material.transmission = unit(filter);
+  else if (from.dissolve < 1)
+    material.alphaMode = AlphaMode::blend;
+  const float alpha = material.alphaMode == AlphaMode::blend ? unit(from.dissolve) : 1;
+  material.baseColor = {unit(from.diffuse[0]), unit(from.diffuse[1]), unit(from.diffuse[2]), alpha};
   material.metallic = unit(from.metallic);
   // Without the PBR extension, roughness follows from the Blinn-Phong exponent n: about sqrt(2 / (n + 2)).
-  material.roughness = unit(from.roughness > 0 ? from.roughness : std::sqrt(2 / (std::max(from.shininess, 0.0) + 2)));
-  // Exporters write the filter Tf = 1 1 1 even for brick, so it counts only in the illumination models of glass.
-  const bool isGlass = from.illum == 4 || from.illum == 6 || from.illum == 7 || from.illum == 9;
-  const auto& filter = from.transmittance;
-  if (isGlass) {
-    const double mean = (filter[0] + filter[1] + filter[2]) / 3;
-    material.transmission = unit(mean > 0 ? mean : 1 - from.dissolve);
-  }
+  material.roughness = unit(from.roughness >= 0 ? from.roughness : std::sqrt(2 / (std::max(from.shininess, 0.0) + 2)));
   return material;
 }
 
 /// Returns a material library in the words that tinyobjloader knows: with three values of each colour, which may state
-/// one for all, and without the option of `d`.
+/// one for all, and without the option of `d`. Each material begins with a roughness of -1, which remains if it states
+/// none: tinyobjloader itself has 0 then, as for a mirror.
 std::string withPlainWords(std::string_view text) {
   std::string result;
   while (!text.empty()) {
@@ -120,6 +123,7 @@ std::string withPlainWords(std::string_view text) {
     else
       result += line;
     result += '\n';
+    if (key == "newmtl" && !value.empty()) result += "Pr -1\n";
   }
   return result;
 }
@@ -227,8 +231,9 @@ struct Faces {
   size_t vertexCount = 0;
   std::vector<uint32_t> corners;
   std::vector<Face> faces;
-  Names names, objects;  ///< of materials, and of `o` lines; faces before the first one are of an object without a name
-  uint32_t name = kNoMaterial, object = kNoObject;
+  Names names;                       ///< of materials
+  std::vector<std::string> objects;  ///< names of `o` lines; faces before the first one are of an object without a name
+  uint32_t name = kNoMaterial;
 
   /// OBJ counts vertices from 1, or backwards with -1 as the latest vertex.
   void addFace(const tinyobj::index_t* indices, int count) {
@@ -240,8 +245,8 @@ struct Faces {
                     " is out of range");
       corners.push_back(static_cast<uint32_t>(index));
     }
-    if (object == kNoObject) object = objects.add("");
-    faces.push_back({static_cast<uint32_t>(count), name, object});
+    if (objects.empty()) objects.emplace_back();
+    faces.push_back({static_cast<uint32_t>(count), name, static_cast<uint32_t>(objects.size() - 1)});
   }
 };
 
@@ -335,8 +340,7 @@ Scene readObj(Bytes bytes, const Source& source) {
     faces.name = faces.names.add(name);
   };
   callbacks.object_cb = [](void* user, const char* name) {
-    Faces& faces = *static_cast<Faces*>(user);
-    faces.object = faces.objects.add(name);
+    static_cast<Faces*>(user)->objects.push_back(toUtf8(trimmed(name)));
   };
   MemoryBuffer buffer(text);
   std::istream stream(&buffer);
@@ -356,7 +360,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());
 
   std::vector<Object> objects;
-  for (const std::string& name : gathered.objects.all) objects.push_back({name, {}, {}});
+  for (const std::string& name : gathered.objects) objects.push_back({name, {}, {}});
   bool usesUnnamed = false;
   std::span<const uint32_t> rest(gathered.corners);
   for (size_t i = 0; i < gathered.faces.size(); ++i) {

@@ -55,6 +55,8 @@ inline constexpr const char* kVertexColours = "sets of vertex colours";
 inline constexpr const char* kTextureColours = "materials' colours of textures; the base colours alone count";
 inline constexpr const char* kTextureMetals =
     "materials' metalness and roughness of textures; metalness 0 and the roughness factor count instead";
+inline constexpr const char* kTextureTransmissions =
+    "materials' transmission of textures; transmission 0 counts instead";
 inline constexpr const char* kTextureAlphas = "materials' alpha of textures; only glTF's alpha mode MASK makes holes";
 
 enum class SceneFormat { gltf, obj, ply, stl };
@@ -65,6 +67,10 @@ Scene readGltf(Bytes bytes, const Source& source);
 Scene readObj(Bytes bytes, const Source& source);
 Scene readPly(Bytes bytes, const Source& source);
 Scene readStl(Bytes bytes, const Source& source);
+
+/// Reads a file as the public loadScene() does, and appends to `beside` the paths, from its folder, of the other files
+/// that it has read for it: buffers, images and material libraries.
+Scene loadScene(const std::filesystem::path& file, const LoadOptions& options, std::vector<std::string>& beside);
 
 /// Calls the reader of a format. Exceptions of third-party code become Error(format), lack of memory
 /// Error(outOfMemory).

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere info, and scans of animated models.
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -64,9 +65,66 @@ TEST_CASE("info --json lists the names and classes of instances and materials") 
   place.put("cars.gltf", file.text());
   const nlohmann::json info = place.runJson("info cars.gltf --json");
   CHECK(info["instances"] == 2);
-  CHECK(info["instance_list"] == Json::parse(R"([{"name": "car 1", "class": "car", "mesh": "tri"},
-                                                 {"name": "", "class": null, "mesh": "tri"}])"));
-  CHECK(info["material_list"] == Json::parse(R"([{"name": "paint", "class": 7}, {"name": "glass", "class": null}])"));
+  const auto namesOf = [&](const char* list) {
+    Json names = Json::array();
+    for (const auto& item : info[list]) names.push_back({item["name"], item["class"]});
+    return names;
+  };
+  CHECK(namesOf("instance_list") == Json::parse(R"([["car 1", "car"], ["", null]])"));
+  for (const auto& instance : info["instance_list"]) CHECK(instance["mesh"] == "tri");
+  CHECK(namesOf("material_list") == Json::parse(R"([["paint", 7], ["glass", null]])"));
+}
+
+TEST_CASE("info --json tells of every mesh, instance and material") {
+  const Workplace place;
+  GltfFileMaker file = triangleFile();
+  file.json["materials"] =
+      Json::parse(R"([{"name": "glass", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
+      "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 0.75], "metallicFactor": 0.5, "roughnessFactor": 0.25},
+      "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}, "extras": {"retro": 3}}])");
+  file.json["meshes"][0]["primitives"][0]["material"] = 0;
+  file.node({{"mesh", 0}, {"translation", {10, 20, 30}}});
+  place.put("two.gltf", file.text());
+  const nlohmann::json info = place.runJson("info two.gltf --json");
+  CHECK(info["mesh_list"] == Json::parse(R"([{"name": "tri", "vertices": 3, "triangles": 1}])"));
+  REQUIRE(info["instance_list"].size() == 2);
+  for (const char* side : {"min", "max"}) {
+    const auto first = info["instance_list"][0]["bounds"][side], second = info["instance_list"][1]["bounds"][side];
+    for (size_t axis = 0; axis < 3; ++axis)  // glTF's y is up
+      CHECK(std::abs(second[axis].get<double>() - first[axis].get<double>() - std::array{10., -30., 20.}[axis]) < 1e-6);
+    CHECK(info["bounds"][side] ==
+          (std::string(side) == "min" ? Json{first[0], second[1], first[2]} : Json{second[0], first[1], second[2]}));
+  }
+  CHECK(info["material_list"][0] ==
+        Json::parse(R"({"name": "glass", "class": null, "base_color": [0.5, 0.25, 0.125, 0.75],
+      "metallic": 0.5, "roughness": 0.25, "transmission": 0.75, "alpha_mode": "mask", "alpha_cutoff": 0.25,
+      "double_sided": true, "retro": 3.0})"));
+  CHECK(info["non_finite"] == 0);
+  CHECK(info["degenerate"] == 0);
+}
+
+TEST_CASE("info warns as scan does of a scene whose triangles are nowhere") {
+  const Workplace place;
+  const std::string corners = "v 5 -5 0\nv 5 5 0\nv 5 0 5\nv nan 0 0\n";
+  place.put("odd.obj", corners + "f 1 2 3\nf 1 2 4\nf 1 1 3\nf 2 3 3\n");
+  place.put("none.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+  for (const char* scene : {"odd.obj", "none.ply"}) {
+    INFO(scene);
+    const Result scan = place.run(std::string("scan ") + scene + " --device reference --sensor VLP-16 --effects clean");
+    const Result info = place.run(std::string("info ") + scene);
+    CHECK_THAT(info.err,
+               Catch::Matchers::ContainsSubstring(
+                   "warning: " + std::string(scene == std::string("odd.obj") ? "1 triangle of " : "") + scene));
+    CHECK(info.err == scan.err);
+    CHECK(info.status == 0);
+  }
+  CHECK_THAT(place.run("info odd.obj").out,
+             Catch::Matchers::ContainsSubstring("degenerate 2 triangles with equal corners\n"));
+  const nlohmann::json info = place.runJson("info odd.obj --json");
+  CHECK(info["non_finite"] == 1);
+  CHECK(info["degenerate"] == 2);
 }
 
 TEST_CASE("scan shows a scene at a time of an animation") {

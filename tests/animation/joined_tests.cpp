@@ -113,7 +113,10 @@ TEST_CASE("materials and images of joined scenes stay with their triangles") {
 TEST_CASE("a scene that is wrong, or a place that is not finite, is not joined") {
   Scene wrong = square();
   wrong.instances[0].mesh = 9;
-  CHECK(problemOf([&] { joined({}, wrong); }) == "instance 0: mesh 9 does not exist, the scene has 1");
+  const std::string problem = "instance 0: mesh 9 does not exist, the scene has 1";
+  CHECK(problemOf([&] { joined({}, wrong); }) == "joined: `other`: " + problem);
+  // The meshes of the other scene must not become those that a wrong index of the first one means.
+  CHECK(problemOf([&] { joined(wrong, square()); }) == "joined: `scene`: " + problem);
   Transform nowhere;
   nowhere.rows[3] = std::numeric_limits<double>::quiet_NaN();
   CHECK(problemOf([&] { joined({}, square(), nowhere); }) == "joined: the transform is not finite");

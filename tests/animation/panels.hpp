@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace gnosphere::test {
 
@@ -10,7 +11,11 @@ namespace gnosphere::test {
 std::string panels();
 
 /// A glTF file with a blade, whose tips are 0.2 m from the axis about which the clip "spin" turns it a hundred times a
-/// second.
-std::string rotor();
+/// second. Its node turns, or, if it is skinned, the joint that its vertices follow.
+std::string rotor(bool skinned = false);
+
+/// A glTF file, z-up, with a cube of 1 m around the origin, whose clip "move" moves or scales its node linearly: `path`
+/// is "translation" or "scale", with 3 values per time.
+std::string movedCube(const char* path, const std::vector<float>& times, const std::vector<float>& values);
 
 }  // namespace gnosphere::test

@@ -2,7 +2,14 @@
 // The functions of the operating system, with the same expectations on each.
 #include <catch2/catch_test_macros.hpp>
 #include <cerrno>
+#include <csignal>
 #include <fstream>
+#include <string>
+#include <vector>
+#ifndef _WIN32
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 
 #include "base/file.hpp"
 #include "base/os.hpp"
@@ -34,6 +41,68 @@ TEST_CASE("a link is not opened for its lock, and the file that it names is not 
   if (failed) return;
   CHECK(os::openForLock(folder.path() / "lock", false) < 0);
   CHECK(!std::filesystem::exists(folder.path() / "elsewhere"));
+}
+
+#ifndef _WIN32
+namespace {
+
+/// Runs `work` in a process of its own, which sends itself a signal afterwards. Returns the signal that has ended it,
+/// or 0.
+template <typename Work>
+int endOf(int signal, const Work& work) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::signal(signal, SIG_DFL);  // Catch2 has a handler
+    work();
+    ::raise(signal);
+    ::_exit(0);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+}  // namespace
+
+TEST_CASE("signals that end a program remove its unfinished files if it wishes, and no others") {
+  const test::Folder folder;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    INFO("signal " << signal);
+    const auto write = [&] {
+      AtomicFile done(folder / "done");
+      done.commit();
+      static AtomicFile open(folder / "open");
+      open.write("text");
+      static AtomicFile part(folder / "resumed", folder / "resumed.part");
+    };
+    CHECK(endOf(signal, write) == signal);
+    CHECK(std::filesystem::exists(folder / ".open.part"));
+    CHECK(endOf(signal, [&] { os::removeUnfinishedAtEnd(), write(); }) == signal);
+    CHECK(!std::filesystem::exists(folder / ".open.part"));
+    CHECK(std::filesystem::exists(folder / "done"));
+    CHECK(std::filesystem::exists(folder / "resumed.part"));
+    const auto ignore = [&] {
+      std::signal(signal, SIG_IGN);
+      os::removeUnfinishedAtEnd();
+      write();
+    };
+    CHECK(endOf(signal, ignore) == 0);
+    CHECK(std::filesystem::exists(folder / ".open.part"));
+  }
+}
+#endif
+
+TEST_CASE("more files may be unfinished than are removed at a program's end") {
+  const test::Folder folder;
+  std::vector<int> places;
+  for (int i = 0; i < 100; ++i) places.push_back(os::addUnfinished(folder / std::to_string(i)));
+  CHECK(places[0] >= 0);
+  CHECK(places.back() == -1);
+  for (const int place : places) os::dropUnfinished(place);
+  const int again = os::addUnfinished(folder / "again");
+  CHECK(again == places[0]);
+  os::dropUnfinished(again);
+  CHECK(os::addUnfinished(folder / std::string(5000, 'a')) == -1);
 }
 
 TEST_CASE("an open file can be written, renamed and replaced, and knows whether a name is its own") {

@@ -81,34 +81,48 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
   CHECK(rigid > 100);
 }
 
-TEST_CASE("a run warns of an animation that turns parts of an actor within a scan") {
+TEST_CASE("a run warns of an animation that turns parts or limbs within a scan") {
   const DriveFolder folder;
-  put(folder / "rotor.gltf", rotor());
   Json json = panelDrive();
   json["models"]["panels"]["file"] = "rotor.gltf";
   json["actors"] = {json["actors"][0]};
-  const auto warnings = [&](double speed) {
-    json["actors"][0]["animation"] = {{"clip", "spin"}, {"speed", speed}};
+  const auto warnings = [&] {
     std::vector<std::string> texts;
-    drive::RunOptions options;
-    options.out = folder / ("out" + std::to_string(speed));
-    options.simulator.device = DeviceChoice::Kind::reference;
+    drive::RunOptions options = optionsFor(folder / "out");
     options.simulator.warn = [&](const std::string& text) { texts.push_back(text); };
+    fs::remove_all(options.out);
     drive::run(folder.read(json), options);
     std::erase_if(texts, [](const std::string& text) { return text.find("within scan ") == text.npos; });
     return texts;
   };
-  for (const double speed : {1.0, 0.97, -0.8}) {
-    INFO(speed);
-    const std::vector<std::string> texts = warnings(speed);
-    REQUIRE(texts.size() == 1);
-    CHECK_THAT(texts[0],
-               StartsWith("within scan 0 of 'top' the actor 'front' moves its parts, and its points, which go straight "
-                          "from where they are at the start to where they are at the end of a scan, are up to 0.") &&
-                   ContainsSubstring(speed == 0.97 ? " 0.39 m off" : " 0.4 m off") &&
-                   EndsWith("; shorter scans keep nearer to them"));
+  const auto check = [&](const std::string& of, const std::string& name) {
+    for (const double speed : {1.0, 0.97, -0.8}) {
+      CAPTURE(name, speed);
+      json[Json::json_pointer(of)] = {{"clip", "spin"}, {"speed", speed}};
+      const std::vector<std::string> texts = warnings();
+      REQUIRE(texts.size() == 1);
+      CHECK_THAT(texts[0],
+                 StartsWith("within scan 0 of 'top' " + name +
+                            " moves its parts, and its points, which go straight from where they are at the start to "
+                            "where they are at the end of a scan, are up to 0.") &&
+                     ContainsSubstring(speed == 0.97 ? " 0.39 m off" : " 0.4 m off") &&
+                     EndsWith("; shorter scans keep nearer to them"));
+    }
+    json[Json::json_pointer(of)]["speed"] = 0.01;
+    CHECK(warnings().empty());  // a tenth of a turn in a scan leads the tips 1 cm off
+  };
+  for (const bool skinned : {false, true}) {
+    CAPTURE(skinned);
+    put(folder / "rotor.gltf", rotor(skinned));
+    check("/actors/0/animation", "the actor 'front'");
   }
-  CHECK(warnings(0.01).empty());  // a tenth of a turn in a scan leads the tips 1 cm off
+  json["actors"] = Json::array();
+  json["scenes"].push_back({{"file", "rotor.gltf"}, {"up", "z"}, {"pose", {{"position", {5, 0, 0}}}}});
+  for (const bool skinned : {false, true}) {
+    CAPTURE(skinned);
+    put(folder / "rotor.gltf", rotor(skinned));
+    check("/scenes/1/animation", "scenes[1]");
+  }
 }
 
 TEST_CASE("a scene of a drive shows an animation, with the same frames in any order") {
@@ -138,6 +152,69 @@ TEST_CASE("a scene of a drive shows an animation, with the same frames in any or
     CHECK_THAT(row.x, WithinAbs(5.7 + row.time, 1e-4));
   }
   CHECK(soft > 5);
+}
+
+TEST_CASE("the size of an actor is that of the first state of its clip") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", movedCube("scale", {0, 1}, {0.5f, 1, 2, 0.5f, 1, 1}));
+  Json json = panelDrive();
+  json["outputs"] = {{{"format", "boxes"}, {"all_actors", true}}};
+  json["sensors"][0]["effects"] = "clean";
+  json["actors"] = {json["actors"][0]};
+  json["actors"][0]["animation"] = {{"clip", "move"}};
+  json["actors"][0]["size"] = {0.5, 1, 1.8};
+  REQUIRE(folder.read(json).warnings.empty());
+  folder.run(json);
+  const auto sizeIn = [&](int scan, const std::string& out) {
+    return Json::parse(folder.get(out + "/boxes/top/00000" + std::to_string(scan) + ".jsonl"))["size"];
+  };
+  const auto check = [](const Json& size, double x, double y, double z) {
+    CHECK_THAT(size[0].get<double>(), WithinAbs(x, 1e-6));
+    CHECK_THAT(size[1].get<double>(), WithinAbs(y, 1e-6));
+    CHECK_THAT(size[2].get<double>(), WithinAbs(z, 1e-6));
+  };
+  check(sizeIn(0, "out"), 0.5, 1, 1.8);
+  check(sizeIn(5, "out"), 0.5, 1, 1.35);
+  json["actors"][0]["animation"]["offset"] = 0.5;  // figures of a crowd are alike, wherever each is in its clip
+  folder.run(json, "later");
+  check(sizeIn(0, "later"), 0.5, 1, 1.35);
+}
+
+TEST_CASE("velocities are those of the way, without the bob of a short clip that loops") {
+  const DriveFolder folder;
+  Json json = panelDrive();
+  json["outputs"] = {{{"format", "boxes"}, {"all_actors", true}}};
+  json["actors"] = {json["actors"][0]};
+  // Returns the greatest difference of velocities in m/s from a way of so much along x, and checks what moves.
+  const auto greatest = [&](double speed, const Json& animation, const std::string& effects) {
+    json["sensors"][0]["effects"] = effects;
+    json["actors"][0]["animation"] = animation;
+    json["actors"][0]["trajectory"]["waypoints"] = {waypoint(-1, 5 - speed, 0, 1), waypoint(2, 5 + 2 * speed, 0, 1)};
+    fs::remove_all(folder / "out");
+    folder.run(json);
+    double most = 0;
+    for (int scan = 0; scan < 10; ++scan) {
+      const Json box = Json::parse(folder.get("out/boxes/top/00000" + std::to_string(scan) + ".jsonl"));
+      const Json& v = box["velocity"];
+      const Vec3 off = {v[0].get<double>() - speed, v[1].get<double>(), v[2].get<double>()};
+      most = std::max(most, std::sqrt(off.x * off.x + off.y * off.y + off.z * off.z));
+      const double own = std::abs(v[0].get<double>()) + std::abs(v[2].get<double>());
+      CHECK(box["moving"] == (own > 0.1));
+    }
+    return most;
+  };
+  for (const std::string effects : {"auto", "clean"}) {
+    CAPTURE(effects);
+    put(folder / "panels.gltf", movedCube("translation", {0, 0.2f, 0.4f}, {0, 0, 0, 0.1f, 0, 0.1f, 0, 0, 0}));
+    CHECK(greatest(1.5, {{"clip", "move"}}, effects) < 1e-9);
+    CHECK(greatest(0, {{"clip", "move"}}, effects) < 1e-9);
+    CHECK(greatest(0, {{"clip", "move"}, {"speed", -0.21}}, effects) < 1e-9);
+    CHECK(greatest(1.5, {{"clip", "move"}, {"speed", 0.19}}, effects) > 0.1);  // it takes more than 2 s
+    CHECK(greatest(1.5, {{"clip", "move"}, {"loop", false}}, effects) > 0.6);
+    // A clip that moves its actor away moves it back when it begins anew.
+    put(folder / "panels.gltf", movedCube("translation", {0, 1}, {0, 0, 0, 3, 0, 0}));
+    CHECK(greatest(0, {{"clip", "move"}, {"offset", 0.35}}, effects) < 1e-9);
+  }
 }
 
 TEST_CASE("a wrong animation in a drive file is told with its path and the nearest clip") {

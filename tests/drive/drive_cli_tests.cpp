@@ -40,7 +40,8 @@ TEST_CASE("gnosphere drive says what it will do, and what it did") {
   const Result check = place.make("");
   CHECK(check.status == 0);
   CHECK(check.err.empty());
-  CHECK_THAT(check.out, ContainsSubstring("small, 10 frames at 10 Hz, 1 s") && ContainsSubstring("2 actors") &&
+  CHECK_THAT(check.out, ContainsSubstring("small, 10 frames at 10 Hz, 1 s") &&
+                            ContainsSubstring("2 actors\nmodels     cube 1 x 1 x 1 m\n") &&
                             ContainsSubstring("\noutput     semantickitti in semantickitti/, sensor top\n") &&
                             ContainsSubstring("\noutput     mcap in mcap/, sensors top, side\n"));
   const Result some = place.make("-o out_a --frames 2:5");
@@ -79,6 +80,26 @@ TEST_CASE("a seed on the command line is that of a drive file that states it") {
   CHECK_THAT(place.make("-o seven --seed 8").err, ContainsSubstring("holds frames of another drive"));
 }
 
+TEST_CASE("a name on the command line is that of a drive file that states it") {
+  const DrivePlace place;
+  Json json = Json::parse(place.get("drive.json"));
+  json["outputs"] = {{{"format", "nuscenes"}, {"version", "v1.0-mini"}}};
+  place.put("drive.json", json.dump());
+  CHECK_THAT(place.make("-o named --name scene-0061").out, StartsWith("drive      scene-0061, 10 frames"));
+  CHECK_THAT(place.get("named/nuscenes/v1.0-mini/scene.json"), ContainsSubstring("\"name\": \"scene-0061\""));
+  CHECK_THAT(place.get("named/nuscenes/v1.0-mini/sample_data.json"),
+             ContainsSubstring("\"samples/top/scene-0061__top__"));
+  CHECK_THAT(place.get("named/manifest/drive_file.json"), ContainsSubstring("\"name\": \"scene-0061\""));
+  json["name"] = "scene-0061";
+  place.put("drive.json", json.dump());
+  CHECK(place.make("-o stated").status == 0);
+  CHECK(place.difference("named", "stated") == "");
+  CHECK_THAT(place.make("-o named --name other").err, ContainsSubstring("holds frames of another drive"));
+  const Result wrong = place.make("-o wrong --name ../escaped");
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.err, ContainsSubstring("--name: must have letters, digits, _ and - only, is \"../escaped\""));
+}
+
 TEST_CASE("a drive without any point is told, and so is a file that has been changed") {
   const DrivePlace place;
   Json json = Json::parse(place.get("drive.json"));
@@ -90,7 +111,8 @@ TEST_CASE("a drive without any point is told, and so is a file that has been cha
   CHECK(
       far.err ==
       "gnosphere: warning: no scan has a point; the scenes span x -20..20, y -20..20, z 0..0 m, 2 actors start within "
-      "x 1..3, y -3..3, z 0.75..0.9 m, and sensor 'top' starts at 5000, 0, 1.8\n");
+      "x 1..3, y -3..3, z 0.75..0.9 m, and sensor 'top' starts at 5000, 0, 1.8 and sees as far as 60 "
+      "m\n");
   json = Json::parse(place.get("drive.json"));
   json["weather"] = Json::array();
   for (Json& sensor : json["sensors"]) sensor["effects"] = {{"drop-out", {{"general_rate", 1}}}};
@@ -103,7 +125,8 @@ TEST_CASE("a drive without any point is told, and so is a file that has been cha
   json["sensors"][1]["sensor"]["near_hits"] = "hide";
   place.put("hidden.json", json.dump());
   CHECK_THAT(place.run("drive hidden.json --device reference -o hidden").err,
-             ContainsSubstring("starts at 5000, 0, 1.8; surfaces nearer than the least range of sensor 'side', 0.1 m, "
+             ContainsSubstring("starts at 5000, 0, 1.8 and sees as far as 60 m; surfaces nearer than the least range "
+                               "of sensor 'side', 0.1 m, "
                                "hide what is behind them, because its near_hits is hide\n"));
   REQUIRE(place.make("-o out_c --frames :1").err.empty());
   REQUIRE(place.make("-o out_c").status == 0);

@@ -67,11 +67,13 @@ TEST_CASE("a mistake in a drive file is told with its path, what is expected and
                {"sensors[0].mount.orientation: must be a quaternion"});
   checkRefused(changed("/sensors/1/mount/orientation", Json::array({0, 0, 0, 1})),
                {"sensors[1].mount.yaw_pitch_roll_deg: is an alternative to orientation"});
+  checkRefused(changed("/sensors/1/mount/yaw_deg", 90),
+               {"sensors[1].mount.yaw_deg: is an alternative to yaw_pitch_roll_deg; keep one"});
   checkRefused(changed("/ego/trajectory", Json::object()), {"ego.trajectory: needs a file or waypoints"});
   checkRefused(changed("/ego/trajectory", {{"file", "no.tum"}}), {"ego.trajectory.file: ", "no.tum: cannot be read"});
   checkRefused(changed("/ego/trajectory", {{"file", "no.tum"}, {"speed", 3}}),
                {"ego.trajectory.speed: is only for files of the format carla-route"});
-  checkRefused(changed("/ego/trajectory/waypoints/1/time", 0), {"ego.trajectory: the time of pose 1"});
+  checkRefused(changed("/ego/trajectory/waypoints/1/time", 0), {"ego.trajectory: the time of pose 2 of 2"});
   checkRefused(changed("/scenes/0/file", "flor.obj"), {"scenes[0].file: ", "flor.obj"});
   checkRefused(changed("/scenes/0/instances", {{"*", "car2"}}), {"scenes[0].instances.*: 'car2' is unknown"});
   checkRefused(changed("/outputs/0/format", "kiti"), {"outputs[0].format: 'kiti' is unknown; the nearest are kitti"});
@@ -81,6 +83,19 @@ TEST_CASE("a mistake in a drive file is told with its path, what is expected and
   checkRefused(changed("/outputs/1", {{"format", "npy"}}), {"outputs[1].folder: another output writes there, too"});
   checkRefused(changed("/outputs/1", {{"format", "las"}, {"keyframes", 2}}),
                {"outputs[1].keyframes: is only for nuscenes"});
+  checkRefused(changed("/outputs/1", {{"format", "las"}, {"version", "v1.0-mini"}}),
+               {"outputs[1].version: is only for nuscenes"});
+  checkRefused(changed("/outputs/1", {{"format", "nuscenes"}, {"sequence", 2}}),
+               {"outputs[1].sequence: is only for kitti, semantickitti and kitti-raw"});
+  Json labelled = changed("/outputs/1", {{"format", "nuscenes"}, {"lidarseg", true}});
+  CHECK(DriveFolder().read(labelled).outputs[1].lidarseg);
+  labelled.erase("classes");
+  labelled.erase("actors");
+  labelled["scenes"] = {{{"file", "floor.obj"}}};
+  checkRefused(labelled, {"outputs[1].lidarseg: labels have one byte, so the drive needs 1 to 255 classes, has 0"});
+  for (const char* version : {"samples", "v1/../..", "mini", "v1.", "v"})
+    checkRefused(changed("/outputs/1", {{"format", "nuscenes"}, {"version", version}}),
+                 {"outputs[1].version: must be v and a number, such as v1.0-mini"});
   checkRefused(changed("/weather/1/time", 0.2), {"weather[1].time: comes before"});
   checkRefused(changed("/ego", {{"trajectory", {{"waypoints", {waypoint(0, 0, 0, 0)}}}}}), {"duration: is missing"});
 }
@@ -107,6 +122,49 @@ TEST_CASE("names that are one on Windows and macOS, or that Windows keeps for de
                  {"outputs[0].folder: '" + std::string(device) + "' has the name of a device on Windows"});
 }
 
+TEST_CASE("names that lead out of the folder, that Windows cannot hold or that are too long for files are refused") {
+  for (const char* member : {"/name", "/sensors/0/name"}) {
+    const std::string path = std::string(member) == "/name" ? "drive.json: name: " : "sensors[0].name: ";
+    for (const char* name : {"../../escaped", "a/b", "a\\b", "a:b", "my drive", "stra\u00dfe", "."})
+      checkRefused(changed(member, name), {path + "must have letters, digits, _ and - only, is "});
+    checkRefused(changed(member, "nul"), {path + "'nul' is the name of a device on Windows"});
+    checkRefused(changed(member, std::string(101, 'a')), {path + "has 101 characters"});
+    CHECK(DriveFolder().read(changed(member, std::string(100, 'a'))).sensors.size() == 2);
+  }
+  for (const char* folder : {"a/../b", "b/..", "/b", "..", "a/./../../c"})
+    checkRefused(changed("/outputs/0/folder", folder), {"outputs[0].folder: must be a folder in the output folder"});
+  for (const char* folder : {"a:b", "C:b", "a\\..\\b", "clouds./b", "clouds /b", "what?", "a\nb"})
+    checkRefused(changed("/outputs/0/folder", folder), {"outputs[0].folder: ", " cannot be a folder on Windows"});
+  for (const char* folder : {"a/b/", "./a", "a..b", ".hidden", "a b", "stra\u00dfe"}) {
+    INFO(folder);
+    CHECK(DriveFolder().read(changed("/outputs/0/folder", folder)).outputs[0].folder == folder);
+  }
+}
+
+TEST_CASE("a drive without a name has that of its file, as data sets can have it") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json.erase("name");
+  for (const auto& [file, name] :
+       std::map<std::string, std::string>{{"town-2.json", "town-2"},
+                                          {"my drive (2).json", "my_drive_2_"},
+                                          {"stra\u00dfe v1.2.json", "stra_e_v1_2"},
+                                          {".json", "_json"},
+                                          {"con.json", "con_"},
+                                          {std::string(120, 'a') + ".json", std::string(100, 'a')},
+                                          {"\xff.json", "_"}}) {
+    INFO(file);
+    const drive::Drive drive = drive::readDrive(put(folder / file, json.dump()));
+    CHECK(drive.name == name);
+    CHECK(drive::mistakeOfName(drive.name) == "");
+    // The manifest's copy of the drive file is read as the same drive under any name of a file.
+    CHECK(drive::readDrive(put(folder / "drive_file.json", drive.file)).fingerprint == drive.fingerprint);
+  }
+  CHECK(drive::readDrive(put(folder / "drive.json", json.dump()), {}, "other").name == "other");
+  CHECK_THROWS_WITH(drive::readDrive(folder / "drive.json", {}, "../other"),
+                    ContainsSubstring("drive.json: name: must have letters"));
+}
+
 TEST_CASE("a drive and its trajectories in UTF-16 are refused with what to do") {
   const DriveFolder folder;
   const std::string drive = "\xff\xfe{\0}\0"s, tum =
@@ -131,6 +189,17 @@ TEST_CASE("all mistakes are told at once") {
   json["sensors"][1]["sensor"] = "none";
   json["scenes"][0]["file"] = "none.obj";
   checkRefused(json, {"actors[0].class: ", "sensors[1].sensor: ", "scenes[0].file: "});
+}
+
+TEST_CASE("a pose states its yaw alone") {
+  const DriveFolder folder;
+  put(folder / "figure.obj", "v 0 0 0\nv 0 -1 0\nv 0 -1 1\nf 1 2 3\n");
+  Json json = smallDrive();
+  json["actors"] = Json::array();
+  json["models"] = {{"figure", {{"file", "figure.obj"}, {"pose", {{"yaw_deg", 90}}}}}};
+  const Bounds bounds = worldBounds(folder.read(json).models[0]);
+  CHECK_THAT(bounds.max.x, WithinAbs(1, 1e-12));
+  CHECK_THAT(bounds.min.y, WithinAbs(0, 1e-12));
 }
 
 TEST_CASE("a pattern that matches no instance is told, and the longest that matches counts") {

@@ -17,6 +17,7 @@
 using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 using Catch::Matchers::WithinAbs;
 
 namespace {
@@ -185,6 +186,23 @@ TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
   CHECK_THAT(first[8], WithinAbs(4, 1e-6));
 }
 
+TEST_CASE("KITTI raw data: deskewed clouds have the time of their frame, the start of the scan") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["outputs"] = {{{"format", "kitti-raw"}}, {{"format", "pcd"}, {"fields", "x,y,z"}}};
+  json["epoch"] = 1700000000;
+  json["sensors"][0]["effects"] = {{"sensor-motion", {{"deskew", true}}}};
+  folder.run(json, "out");
+  const std::string drive = "out/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/";
+  const std::string starts = folder.get(drive + "velodyne_points/timestamps_start.txt");
+  CHECK_THAT(starts, StartsWith("2023-11-14 22:13:20.000000000\n"));
+  CHECK(folder.get(drive + "velodyne_points/timestamps.txt") == starts);
+  CHECK(folder.get(drive + "oxts/timestamps.txt") == starts);
+  // Poses have the times of the trajectory, which a joined set of files must know.
+  CHECK_THAT(folder.get("out/pcd/" + json["sensors"][0]["name"].get<std::string>() + "/poses.txt"),
+             StartsWith("# t x y z qx qy qz qw\n# t is Unix time less 1700000000.0 s\n0.000000000 "));
+}
+
 TEST_CASE("KITTI raw data: the turn rates of a vehicle that leans, about its own axes and about level ones") {
   constexpr double kLean = 0.5, kTurnRate = 0.8;  // rad, rad/s
   const DriveFolder folder;
@@ -270,84 +288,21 @@ TEST_CASE("dates have fractions of a second from 0 on, also before 1970") {
   CHECK(drive::dateText(-1'000'000'000) == "1969-12-31 23:59:59.000000000");
 }
 
-TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {
-  const DriveFolder& folder = made();
-  const auto table = [&](const std::string& name) {
-    return Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json"));
-  };
-  std::map<std::string, Json> byToken;
-  for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map", "sample",
-                           "sample_annotation", "sample_data", "scene", "sensor", "visibility"})
-    for (const Json& row : table(name)) byToken[std::string(name) + row["token"].get<std::string>()] = row;
-  const auto has = [&](const std::string& name, const Json& token) {
-    return token == "" || byToken.contains(name + token.get<std::string>());
-  };
-  CHECK(table("sample").size() == 2);  // frames 0 and 5
-  CHECK(table("sample_data").size() == 15);
-  for (const Json& data : table("sample_data")) {
-    CHECK((has("sample", data["sample_token"]) && has("ego_pose", data["ego_pose_token"])));
-    CHECK((has("calibrated_sensor", data["calibrated_sensor_token"]) && has("sample_data", data["next"]) &&
-           has("sample_data", data["prev"])));
-    const std::string file = data["filename"];
-    CHECK(file.starts_with(data["is_key_frame"] ? "samples/" : "sweeps/"));
-    // By the schema of nuScenes, a sweep points to the sample that follows closest in time; the last ones have none.
-    const Json& sample = byToken["sample" + data["sample_token"].get<std::string>()];
-    CHECK((data["is_key_frame"] || sample["next"] == "" || sample["timestamp"] > data["timestamp"]));
-    const std::string points = folder.get("out/nuscenes/" + file);
-    REQUIRE(points.size() > 0);
-    REQUIRE(points.size() % 20 == 0);
-    for (size_t i = 0; i < points.size(); i += 20) {
-      const float ring = at<float>(points, i + 16);
-      CHECK((ring >= 0 && ring <= 7 && ring == std::floor(ring)));
-    }
-  }
-  bool car = false;
-  for (const Json& note : table("sample_annotation")) {
-    CHECK((has("sample", note["sample_token"]) && has("instance", note["instance_token"]) &&
-           has("visibility", note["visibility_token"]) && has("attribute", note["attribute_tokens"][0])));
-    CHECK(note["num_lidar_pts"] > 0);
-    const Json& instance = byToken["instance" + note["instance_token"].get<std::string>()];
-    if (byToken["category" + instance["category_token"].get<std::string>()]["name"] != "car") continue;
-    car = true;
-    CHECK(note["size"] == Json::array({2.0, 4.0, 1.5}));  // width, length, height
-    CHECK(note["rotation"] == Json::array({1.0, 0.0, 0.0, 0.0}));
-    const double time = byToken["sample" + note["sample_token"].get<std::string>()]["timestamp"].get<double>() / 1e6;
-    // The car is where it is when the scans that begin with the sample hit it.
-    const double after = (note["translation"][0].get<double>() - 3) / 5 - (time - 1700000000);
-    CHECK(after > 1e-3);
-    CHECK(after < 0.1);
-  }
-  CHECK(car);
-}
-
-TEST_CASE("nuScenes: of two lidars that see an actor, the one with more points has the box, and the best view counts") {
+TEST_CASE("KITTI: an output states the number of its sequence or drive") {
   const DriveFolder folder;
-  put(folder / "wall.obj", "v 2 -9 0\nv 2 9 0\nv 2 9 0.5\nv 2 -9 0.5\nf 1 2 3\nf 1 3 4\n");
-  Json json = quietDrive();
-  json["weather"] = Json::array();
+  Json json = smallDrive();
   json["duration"] = 0.1;
-  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
-  json["scenes"].push_back({{"file", "wall.obj"}, {"class", "ground"}});
-  json["actors"] = {json["actors"][0]};
-  json["actors"][0]["trajectory"]["waypoints"] = {waypoint(0, 8, 0, 0.75), waypoint(1, 13, 0, 0.75)};
-  json["sensors"][0]["sensor"]["columns"] = 720;
-  json["sensors"][0]["effects"] = "auto";
-  // The lower lidar looks over the wall with three of its channels.
-  json["sensors"][1]["mount"] = {{"position", {0, 0, 0.3}}};
-  json["sensors"][1]["sensor"]["elevation_deg"] = {0, 2, 4, 6, 8, 9};
-  json["outputs"] = {{{"format", "nuscenes"}}, {{"format", "boxes"}}};
+  json["outputs"] = {{{"format", "kitti"}, {"sequence", 3}},
+                     {{"format", "semantickitti"}, {"sequence", 21}},
+                     {{"format", "kitti-raw"}, {"sequence", 0}}};
   REQUIRE(folder.run(json).finished);
-  const Json top = Json::parse(folder.get("out/boxes/top/000000.jsonl")),
-             side = Json::parse(folder.get("out/boxes/side/000000.jsonl")),
-             notes = Json::parse(folder.get("out/nuscenes/v1.0-drive/sample_annotation.json"));
-  REQUIRE(notes.size() == 1);
-  REQUIRE(top["points"].get<uint64_t>() > side["points"].get<uint64_t>());
-  REQUIRE(top["visibility"] == 1);
-  REQUIRE(side["visibility"].get<double>() < 0.8);
-  REQUIRE(top["world_frame"]["position"] != side["world_frame"]["position"]);
-  CHECK(notes[0]["num_lidar_pts"] == top["points"].get<uint64_t>() + side["points"].get<uint64_t>());
-  CHECK(notes[0]["translation"] == top["world_frame"]["position"]);
-  CHECK(notes[0]["visibility_token"] == "4");
+  for (const char* file :
+       {"kitti/sequences/03/velodyne/000000.bin", "kitti/sequences/03/calib.txt", "kitti/poses/03.txt",
+        "semantickitti/sequences/21/labels/000000.label", "semantickitti/poses/21.txt",
+        "kitti-raw/1970_01_01/1970_01_01_drive_0000_sync/oxts/timestamps.txt"}) {
+    INFO(file);
+    CHECK(fs::exists(folder / "out" / file));
+  }
 }
 
 // The tutorial for custom data sets of OpenPCDet, and its custom_dataset.py.

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the boxes of a drive are where its points are, move as these do, and say how much of an actor is seen.
+#include <array>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <set>
 #include <sstream>
+#include <tuple>
 
+#include "base/quaternion.hpp"
+#include "base/units.hpp"
 #include "base/vector.hpp"
 #include "bits.hpp"
 #include "cpu_time.hpp"
@@ -12,6 +17,7 @@
 #include "drive/world.hpp"
 #include "drive_support.hpp"
 #include "npy_rows.hpp"
+#include "sensor/beams.hpp"
 #include "support.hpp"
 
 using namespace gnosphere;
@@ -180,6 +186,89 @@ TEST_CASE("actors that no beam has hit have boxes where an output asks for all")
 
   json["outputs"][0]["all_actors"] = true;
   CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[0].all_actors: is only for boxes"));
+}
+
+TEST_CASE("visibility counts each beam where the sensor and the actor are when it fires") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["duration"] = 0.3;
+  // The turn starts ahead, where one half of a car is seen at the start of a scan and the other half at its end.
+  Json& rigged = json["sensors"][0];
+  rigged["sensor"]["columns"] = 1440;
+  rigged["sensor"]["azimuth_start_deg"] = 0;
+  rigged["mount"] = {{"position", {0, 0, 0.7}}};
+  json["scenes"] = {{{"file", "floor.obj"}, {"class", "ground"}, {"pose", {{"position", {0, 0, -0.5}}}}}};
+  put(folder / "wall.obj", "v 40 -40 -1\nv 40 40 -1\nv 40 40 9\nv 40 -40 9\nf 1 2 3\nf 1 3 4\n");
+  json["scenes"].push_back({{"file", "wall.obj"}, {"class", "ground"}});
+  const Vec3 size = {4, 2, 1.5};
+  json["outputs"] = {{{"format", "npy"}, {"fields", "range,beam,time,instance"}},
+                     {{"format", "boxes"}, {"all_actors", true}}};
+  rigged["sensor"]["elevation_deg"] = {-4, -3, -2, -1, 0, 1, 2, 3};
+  for (const auto& [ego, actor, turn] : {std::array{20.0, 0.0, 0.0}, {0.0, -15.0, 0.0}, {20.0, 15.0, 60.0}}) {
+    json["ego"]["trajectory"]["waypoints"] = {facing(waypoint(0, 0, 0, 0), 0), facing(waypoint(1, ego, 0, 0), turn)};
+    json["actors"] = {car("near", {facing(waypoint(0, 11, -1.1, 0.75), 0)}),
+                      car("far", {facing(waypoint(0, 22, 0, 0.75), 0), facing(waypoint(1, 22 + actor, 0, 0.75), 0)}),
+                      car("behind", {facing(waypoint(0, 40.4, 0, 0.75), 90)})};
+    json["actors"][2]["size"] = {6, 0.5, 1.5};
+    for (const bool deskew : {false, true}) {
+      CAPTURE(ego, actor, turn, deskew);
+      rigged["effects"] = {{"divergence", {{"use", "off"}}}, {"sensor-motion", {{"deskew", deskew}}}};
+      const std::string out = "out" + std::to_string(static_cast<int>(100 + ego + actor)) + (deskew ? "d" : "");
+      folder.run(json, out);
+      const Sensor sensor = folder.read(json).sensors[0].sensor;
+      for (const int scan : {0, 2}) {
+        const std::map<std::string, Json> boxes = boxesOf(folder, scan, out);
+        REQUIRE(boxes.contains("far"));
+        const auto object = boxes.at("far")["object"].get<uint32_t>();
+        const std::string bytes = folder.get(out + "/npy/top/00000" + std::to_string(scan) + ".npy");
+        double through = 0, seen = 0;
+        for (size_t row = 10 + at<uint16_t>(bytes, 8); row + 16 <= bytes.size(); row += 16) {
+          const auto range = at<float>(bytes, row);
+          const double time = 0.1 * scan + at<float>(bytes, row + 8);
+          const Vec3 along =
+              drive::yawPitchRoll(turn * kDegree * time, 0, 0) * directionOf(sensor, at<uint32_t>(bytes, row + 4));
+          // From the sensor to the middle of the car.
+          const Vec3 way = {22 + actor * time - ego * time, 0, 0.75 - 0.7};
+          double near = 0, far = INFINITY;
+          for (const auto& [step, middle, length] :
+               {std::tuple(along.x, way.x, size.x), std::tuple(along.y, way.y, size.y),
+                std::tuple(along.z, way.z, size.z)}) {
+            const double a = (middle - length / 2) / step, b = (middle + length / 2) / step;
+            near = std::max(near, std::min(a, b));
+            far = std::min(far, std::max(a, b));
+          }
+          if (near > far) continue;
+          ++through;
+          seen += at<uint32_t>(bytes, row + 12) == object || range >= near - 0.1;
+        }
+        REQUIRE(through > 100);
+        CHECK(seen > 0.3 * through);
+        CHECK(seen < 0.9 * through);
+        CHECK_THAT(boxes.at("far")["visibility"].get<double>(), WithinAbs(seen / through, 0.004));
+        CHECK(boxes.at("behind")["visibility"] == 0);
+      }
+    }
+  }
+}
+
+TEST_CASE("an actor of which only the edges of beams meet anything has points and no visibility") {
+  const DriveFolder folder;
+  Json json = actorDrive();
+  json["duration"] = 0.1;
+  json["epoch"] = 1700000000;
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "on"}, {"horizontal", 0.04}, {"vertical", 0.04}}}};
+  // A pole between two columns, which are 1 degree apart: the middles of beams pass it by.
+  const double azimuth = 30.5 * kDegree;
+  json["actors"] = {car("pole", {facing(waypoint(0, 8 * std::cos(azimuth), 8 * std::sin(azimuth), 1), 30.5)})};
+  json["actors"][0]["size"] = {0.06, 0.06, 2};
+  json["outputs"] = {{{"format", "boxes"}}, {{"format", "nuscenes"}, {"keyframes", 1}}};
+  REQUIRE(folder.run(json).finished);
+  const Json pole = boxesOf(folder, 0).at("pole");
+  CHECK(pole["points"] > 0);
+  CHECK_FALSE(pole.contains("visibility"));
+  const Json notes = Json::parse(folder.get("out/nuscenes/v1.0-drive/sample_annotation.json"));
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0]["visibility_token"] == "4");
 }
 
 TEST_CASE("the velocity of an actor is taken within its trajectory, and it stands before and after that") {
@@ -392,6 +481,50 @@ TEST_CASE("instances of a scene whose classes have boxes are actors that stand")
       if (row.instance == parkedBox["object"])
         CHECK(isIn(drive::operator*(toBox, Vec3{row.x, row.y, row.z}), size, 0.01));
   }
+}
+
+TEST_CASE("labels of SemanticKITTI lead to objects.json and classes.json") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"].push_back({{"format", "semantickitti"}});
+  json["scenes"].push_back({{"file", "floor.obj"}, {"pose", {{"position", {0, 0, -1}}}}});
+  REQUIRE(folder.run(json).finished);
+  std::map<uint32_t, Json> objects;  // by label
+  for (const Json& object : Json::parse(folder.get("out/objects.json"))) {
+    CHECK(object.contains("label") == object["actor"].get<bool>());
+    if (object.contains("label")) CHECK(objects.emplace(object["label"].get<uint32_t>(), object).second);
+  }
+  CHECK(objects.size() == 2);
+  const Json classes = Json::parse(folder.get("out/classes.json"));
+  CHECK(classes.dump() == R"({"car":10,"ground":40,"person":30,"moving-car":252,"moving-person":254})");
+  std::set<std::string> seen;
+  for (int scan = 0; scan < 10; ++scan) {
+    CAPTURE(scan);
+    const std::vector<Row> rows = rowsOf(folder.get("out/npy/top/00000" + std::to_string(scan) + ".npy"));
+    const std::string labels =
+        folder.get("out/semantickitti/sequences/00/labels/00000" + std::to_string(scan) + ".label");
+    REQUIRE(labels.size() == 4 * rows.size());
+    for (size_t i = 0; i < rows.size(); ++i) {
+      const uint32_t label = at<uint32_t>(labels, 4 * i), actor = label >> 16;
+      if (actor == 0) continue;
+      REQUIRE(objects.contains(actor));
+      CHECK(objects[actor]["object"] == rows[i].instance);
+      for (const auto& [name, id] : classes.items())
+        if (id == (label & 0xffff)) seen.insert(name);
+    }
+  }
+  CHECK(seen == std::set<std::string>{"moving-car", "person"});
+
+  // A class that the drive file states keeps its number and its name.
+  json["classes"] = {{"ground", {{"id", 40}}},
+                     {"car", {{"id", 10}, {"moving_id", 252}}},
+                     {"person", {{"id", 30}, {"moving_id", 254}}},
+                     {"moving-car", {{"id", 7}}},
+                     {"stroller", {{"id", 254}}}};
+  json["duration"] = 0.1;
+  folder.run(json, "own");
+  CHECK(Json::parse(folder.get("own/classes.json")).dump() ==
+        R"({"car":10,"ground":40,"moving-car":7,"person":30,"stroller":254})");
 }
 
 TEST_CASE("actors that a scene has had share a model if they differ by their places and yaws alone") {

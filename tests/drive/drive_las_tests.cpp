@@ -82,6 +82,43 @@ TEST_CASE("LAS: the returns of a beam have their number below and their count ab
   CHECK(at<uint64_t>(las, 263) == counts[0x22]);
 }
 
+TEST_CASE("LAS: the direction in which a mirror moves, and the ends of its lines") {
+  // A mirror that swings, and one with facets, which goes on from the left after it has reached the right.
+  const auto flags = [](const std::vector<double>& degrees, uint32_t lines = 1) {
+    const DriveFolder folder;
+    Json directions = Json::array(), rings = Json::array(), json = smallDrive();
+    for (size_t i = 0; i < degrees.size(); ++i) {
+      const double angle = degrees[i] * std::numbers::pi / 180;  // below the vehicle, to its right
+      directions.push_back({std::cos(angle), std::sin(angle), 0});
+      rings.push_back(i % lines);
+    }
+    json["weather"] = Json::array();
+    json["actors"] = Json::array();
+    json["duration"] = 0.1;
+    json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 5)}}};
+    json["sensors"] = {{{"name", "mirror"},
+                        {"mount", {{"yaw_pitch_roll_deg", {0, 90, 0}}}},
+                        {"sensor",
+                         {{"name", "mirror"},
+                          {"range", {{"min", 1}, {"max", 100}}},
+                          {"patterns", {{{"directions", directions}, {"rings", rings}}}}}}}};
+    json["outputs"] = {{{"format", "las"}}};
+    REQUIRE(folder.run(json).finished);
+    const std::string las = folder.get("out/las/mirror/000000.las");
+    std::vector<int> all;
+    for (size_t p = at<uint32_t>(las, 96); p < las.size(); p += 34) {
+      all.push_back(at<uint8_t>(las, p + 15));
+      CHECK_THAT(at<int16_t>(las, p + 18) * 0.006, WithinAbs(-degrees[all.size() - 1], 0.01));
+    }
+    return all;
+  };
+  constexpr int kRight = 1 << 6, kEnd = 1 << 7;
+  CHECK(flags({20, 10, 0, -10, -20, -10, 0, 10}) == std::vector{kEnd, kRight, kRight, kRight, kRight | kEnd, 0, 0, 0});
+  CHECK(flags({22, 11, 1, -10, -20, 21, 11, 0, -10, -21}) ==
+        std::vector{kRight, kRight, kRight, kRight, kRight | kEnd, kRight, kRight, kRight, kRight, kRight | kEnd});
+  CHECK(flags({20, 10, 0, -10}, 2) == std::vector{0, 0, 0, 0});
+}
+
 TEST_CASE("LAS: a coordinate reference system, and times of a trajectory whose clock is small") {
   const DriveFolder folder;
   Json json = smallDrive();
@@ -238,14 +275,22 @@ TEST_CASE("LAS: what an output of a survey must not say") {
   early["outputs"] = {{{"format", "las"}}};
   const std::vector<std::string> warnings = folder.read(early).warnings;
   REQUIRE(warnings.size() == 1);
-  CHECK_THAT(warnings[0], ContainsSubstring("outputs[0].format: LAS has GPS times, and the drive begins before 1980"));
+  CHECK_THAT(warnings[0],
+             ContainsSubstring("outputs[0].format: LAS has GPS times, and the drive begins before 2000; give "
+                               "an epoch, of adjusted standard GPS times 1315964782"));
   early["epoch"] = 315964800;
   CHECK(folder.read(early).warnings.empty());
   early["epoch"] = 315964799.5;
-  CHECK(folder.read(early).warnings.size() == 1);
+  REQUIRE(folder.read(early).warnings.size() == 1);
+  CHECK_THAT(folder.read(early).warnings[0], ContainsSubstring("begins before 1980; give another epoch"));
   early["sensors"][1]["offset"] = 0;  // so that its last scan ends with the drive
   early["start"] = early["duration"] = 0.5;
   CHECK(folder.read(early).warnings.empty());
+  early["epoch"] = 1.7e9;
+  early["sensors"][0]["effects"]["intensity"]["scale"] = "raw";
+  REQUIRE(folder.read(early).warnings.size() == 1);
+  CHECK_THAT(folder.read(early).warnings[0], ContainsSubstring("of those of 'top', whose intensity.scale is raw, "
+                                                               "nearly nothing is left"));
   Json many = smallDrive();
   many["classes"]["car"]["id"] = 300;
   many["outputs"] = {{{"format", "las"}}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames of a drive: what is in them, and that nothing but the drive file decides it.
 #include <algorithm>
+#include <array>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -11,7 +12,6 @@
 #include <sstream>
 #include <tuple>
 
-#include "base/hash.hpp"
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
 #include "no_more_threads.hpp"
@@ -113,45 +113,6 @@ TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and co
   CHECK(again.device.empty());  // nothing was scanned
 }
 
-TEST_CASE("a data set says what has made it, once for all runs that are alike, and keeps the drive file") {
-  const DriveFolder folder;
-  Json json = smallDrive();
-  json["simulator"] = {{"faces", "both"}};
-  json["seed"] = 12;
-  const drive::Drive drive = folder.read(json);
-  const auto makers = [&](const std::string& out) {
-    std::vector<Json> all;
-    for (const auto& entry : fs::directory_iterator(folder / out / "manifest/made_by"))
-      all.push_back(Json::parse(bytesOf(entry.path())));
-    return all;
-  };
-  drive::RunOptions options = optionsFor(folder / "out");
-  options.simulator.cache = "off";  // concerns the machine alone
-  for (options.shard = 0, options.shardCount = 3; options.shard < 3; ++options.shard) drive::run(drive, options);
-  const auto made = makers("out");
-  REQUIRE(made.size() == 1);
-  CHECK(made[0]["version"].get<std::string>().find('.') != std::string::npos);
-  CHECK(made[0]["device"] == drive::run(drive, optionsFor(folder / "whole")).device);
-  CHECK(made[0]["type"] == "reference");
-  CHECK(made[0]["accuracy"] == "standard");
-  CHECK(made[0]["options"] == Json{{"faces", "both"}});
-  CHECK(made[0]["seed"] == 12);
-  CHECK(made[0]["fingerprint"] == drive.fingerprint);
-  CHECK(made[0]["drive_file"] == hashOf(folder.get("out/manifest/drive_file.json")));
-  checkSameFiles(folder / "whole", folder / "out");
-
-  put(folder / "copy.json", folder.get("out/manifest/drive_file.json"));
-  CHECK(drive::readDrive(folder / "copy.json").fingerprint == drive.fingerprint);
-
-  fs::remove(folder / "out/manifest/frames/000004.json");
-  options.shardCount = 1;
-  options.shard = 0;
-  options.simulator.tuning.float64 = false;
-  CHECK(drive::run(drive, options).kept == 9);
-  CHECK(makers("out").size() == 2);
-  CHECK(drive::run(drive, options).kept == 10);  // makes nothing, so it is no maker
-}
-
 TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") {
   needVulkan();
   const DriveFolder folder;
@@ -240,6 +201,47 @@ TEST_CASE("a folder with frames of another drive is refused, and so is this driv
   CHECK_THROWS_WITH(folder.run(json), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
   put(folder / "cube.obj", std::string(kCube) + "f 1 2 3\n");  // the drive file is the same, a model is not
   CHECK_THROWS_WITH(folder.run(smallDrive()), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
+}
+
+TEST_CASE("a folder that holds a shorter drive, and is else of this one, tells both durations") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["duration"] = 0.3;
+  folder.run(json);
+  json["duration"] = 0.5;
+  CHECK_THROWS_WITH(folder.run(json),
+                    ContainsSubstring("out: holds frames of this drive with a duration of 0.3 s, and it "
+                                      "now has a duration of 0.5 s; a drive that has begun keeps its "
+                                      "duration, so choose another folder or the old duration"));
+  json.erase("duration");
+  CHECK_THROWS_WITH(folder.run(json), ContainsSubstring("it now has the duration of the vehicle's trajectory"));
+  json["seed"] = 2;
+  CHECK_THROWS_WITH(folder.run(json), ContainsSubstring("holds frames of another drive"));
+  json.erase("seed");
+  put(folder / "cube.obj", std::string(kCube) + "f 1 2 3\n");  // a model is another one, too
+  CHECK_THROWS_WITH(folder.run(json), ContainsSubstring("holds frames of another drive"));
+}
+
+TEST_CASE("clouds of a drive that are not compact have every beam, and why it has no return") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["duration"] = 0.1;
+  json["outputs"] = {{{"format", "npy"}, {"sensors", {"top"}}, {"fields", "x,y,z,range,cause"}, {"compact", false}},
+                     {{"format", "pcd"}, {"sensors", {"top"}}, {"fields", "x,y,z,range"}}};
+  folder.run(json);
+  const Scan whole = readCloud(folder / "out/npy/top/000000.npy"),
+             compact = readCloud(folder / "out/pcd/top/000000.pcd");
+  const Sensor head = sensorFromJson(smallHead().dump(), "head");
+  CHECK(whole.columns == head.columns);
+  REQUIRE(whole.channels == head.channels.size());
+  CHECK(whole.counters.misses > 10);
+  CHECK(compact.beamCount() == whole.counters.hits);
+  const auto causes = whole.column<uint8_t>(Field::cause);
+  for (size_t beam = 0; beam < whole.beamCount(); ++beam)
+    CHECK(whole.returned(beam) == (causes[beam] == static_cast<uint8_t>(Cause::returned)));
+  json["outputs"] = {{{"format", "las"}, {"compact", false}}};
+  CHECK_THROWS_WITH(folder.read(json),
+                    Catch::Matchers::ContainsSubstring("outputs[0].compact: is only for pcd and npy"));
 }
 
 TEST_CASE("a material table of a drive gives reflectances to the materials of its scenes and models") {

@@ -145,6 +145,13 @@ TEST_CASE("times of trajectories are moved, cut and turned along the way as aske
   REQUIRE(cut.stamps().size() == 2);
   CHECK(cut.begin() == -1);
   checkPose(cut.at(0), {0, 2, 2}, {});
+  for (const double clock : {4e8, 1.7e9}) {  // adjusted standard GPS time and Unix time
+    const auto line = [&](double after) { return std::to_string(clock + after) + " 0 0 0 0 0 0 1\n"; };
+    put(folder / "flight.tum", line(0) + line(0.25) + line(0.5) + line(0.75) + line(10));
+    const auto flight = read({{"file", "flight.tum"}, {"from", clock + 0.25}, {"to", clock + 0.75}});
+    CHECK(flight.begin() == clock + 0.25);
+    CHECK(flight.end() == clock + 0.75);
+  }
   checkPose(read({{"file", "ego.tum"}, {"heading", true}}).at(101), {0, 1, 0}, {0, 0, kHalf, kHalf});
 
   put(folder / "twice.tum", "1 0 0 0 0 0 0 1\n2 5 0 0 0 0 0 1\n2 6 0 0 0 0 0 1\n3 7 0 0 0 0 0 1\n");

@@ -46,6 +46,63 @@ TEST_CASE("trajectories beside the time of the drive are warned of") {
                  "the time; \"begin\" moves its first time (of 2 trajectories beside the drive this is the first)"});
 }
 
+TEST_CASE("triangles that are nowhere are warned of by file, and counted by scan") {
+  const DriveFolder folder;
+  put(folder / "hole.obj", std::string(kFloor) + "v nan 0 0\nf 1 2 -1\nf 2 3 -1\n");
+  Json json = quietDrive();
+  json["duration"] = 0.2;
+  json["models"]["hole"] = {{"file", "hole.obj"}};
+  json["actors"][0]["model"] = "hole";
+  json["actors"][0].erase("size");
+  json["scenes"].push_back({{"file", "hole.obj"}, {"pose", {{"position", {0, 0, -1}}}}});
+  CHECK(folder.read(json).warnings ==
+        Warnings{
+            "scenes[1].file: 2 triangles of 'hole.obj' are dropped because a corner is NaN, infinite or beyond 1e9 m"});
+  folder.run(json);
+  const Json scans = Json::parse(folder.get("out/manifest/frames/000001.json"))["scans"];
+  REQUIRE(scans.size() > 0);
+  for (const Json& scan : scans) {
+    CHECK(scan["non_finite"] == 4);
+    CHECK(scan["lost_echoes"] == 0);
+  }
+}
+
+TEST_CASE("a model that is no size of anything in traffic is warned of, unless its actors have a size of their own") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["actors"][0]["trajectory"]["waypoints"] = {waypoint(0, 0, 200, 0)};  // sensors are not in its box
+  const std::string remedy =
+      " m; files are in metres, and \"scale\" changes that: 0.01 for centimetres, 0.001 for millimetres";
+  for (const auto& [scale, warned] : {std::pair(101.0, "101"), {99.0, ""}, {0.021, ""}, {0.019, "0.019"}}) {
+    CAPTURE(scale);
+    json["models"]["cube"]["scale"] = scale;
+    json["actors"][0].erase("size");
+    CHECK(folder.read(json).warnings ==
+          (*warned ? Warnings{std::string("models.cube.file: measures ") + warned + remedy} : Warnings{}));
+    json["actors"][0]["size"] = {4, 2, 1.5};
+    CHECK(folder.read(json).warnings.empty());
+  }
+}
+
+TEST_CASE("a size that distorts its model is warned of, unless the model is a box") {
+  const DriveFolder folder;
+  put(folder / "wedge.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0.5 0.5 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  Json json = quietDrive();
+  json["actors"][0]["size"] = {40, 1, 1};
+  CHECK(folder.read(json).warnings.empty());
+  json["models"]["cube"]["file"] = "wedge.obj";
+  json["actors"][0]["size"] = {4, 2, 2.9};
+  json["actors"][1]["size"] = {4, 2, 2.9};
+  CHECK(folder.read(json).warnings.empty());
+  json["actors"][1]["size"] = {4, 2, 3.28};
+  const std::string text =
+      "actors[1].size: scales the model of 'person-1' by 2, 2 and 3.28 along x, y and z, which distorts it; the model "
+      "measures 2, 1 and 1 m: give a size of its proportions, or turn it by its \"pose\"";
+  CHECK(folder.read(json).warnings == Warnings{text});
+  json["actors"][0]["size"] = {4, 2, 3.1};
+  CHECK(folder.read(json).warnings == Warnings{text + " (of 2 actors that are distorted this is the most)"});
+}
+
 TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is warned of") {
   const DriveFolder folder;
   const auto recorded = [&](double unit, double gap, double moved) {  // at 100 Hz, with a gap after half a second
@@ -72,6 +129,47 @@ TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is w
   };
   CHECK(has(recorded(1e4, 0, 0.02), "100 s; times are in seconds, and these look like milliseconds"));
   CHECK(has(recorded(1e6, 0, 0.02), "10000 s; times are in seconds, and these look like microseconds"));
+}
+
+TEST_CASE("an epoch for times that are Unix times already is warned of") {
+  Json json = quietDrive();
+  json["actors"] = Json::array();
+  const auto warnings = [&](double epoch, double begin) {
+    json["epoch"] = epoch;
+    json["start"] = begin;
+    json["ego"]["trajectory"] = {
+        {"waypoints",
+         {{{"time", begin}, {"position", {0, 0, 0}}}, {{"time", begin + 100}, {"position", {100, 0, 0}}}}}};
+    return warningsOf(json);
+  };
+  CHECK(
+      warnings(1700000000, 1403636579.75) ==
+      Warnings{"epoch: is added to the times of the trajectory, and the drive begins at 1403636579.75 s of them, which "
+               "look like Unix times: without an epoch they are"});
+  CHECK(warnings(0, 1403636579.75).empty());
+  CHECK(warnings(1700000000, 0).empty());
+  CHECK(warnings(1315964782, 4e8).empty());        // adjusted standard GPS time
+  CHECK(warnings(315964800 - 18, 1.4e9).empty());  // seconds since the beginning of GPS time
+}
+
+TEST_CASE("a pose file that has the vehicle upside down is warned of") {
+  const DriveFolder folder;
+  const auto warnings = [&](const std::string& quaternion, double x) {
+    std::string lines;
+    for (int i = 0; i < 20; ++i)
+      lines += std::to_string(0.1 * i) + " " + std::to_string(x + 0.1 * i) + " 0 0 " + quaternion + "\n";
+    put(folder / "ego.tum", lines);
+    Json json = quietDrive();
+    json["actors"] = Json::array();
+    json["ego"]["trajectory"] = {{"file", "ego.tum"}};
+    json["duration"] = 1;
+    return folder.read(json).warnings;
+  };
+  CHECK(warnings("0 0 0.0872 0.9962", 0).empty());
+  CHECK(warnings("0.9962 0 0 0.0872", 0) ==
+        Warnings{"ego.trajectory.file: has the vehicle upside down in 11 of 11 poses; lines are t x y z qx qy qz qw, "
+                 "with w last"});
+  CHECK(warnings("1 0 0 0", 5e6).empty());  // seen from the centre of the earth
 }
 
 TEST_CASE("actors and vehicles that jump from one stamp to the next are warned of") {
@@ -137,8 +235,13 @@ TEST_CASE("a file whose positions have steps of single precision is warned of on
                                      "steps of 0.5 m at 5300020 m; "));
 }
 
-TEST_CASE("a drive that goes on when its vehicle has arrived is warned of") {
+TEST_CASE("a drive that begins before its vehicle, or goes on when that has arrived, is warned of") {
   Json json = quietDrive();
+  json["start"] = -0.25;
+  json["duration"] = 0.5;
+  CHECK(warningsOf(json) ==
+        Warnings{"ego.trajectory: begins at 0 s, and the drive from -0.25 s to 0.25 s, so the vehicle stands for the "
+                 "first 0.25 s; give a later start"});
   json["start"] = 0.2;
   json["duration"] = 1.5;
   CHECK(warningsOf(json) ==
@@ -247,12 +350,39 @@ TEST_CASE("a drive that leaves out scans of a faster sensor is warned of") {
   CHECK(warningsOf(json).empty());
 }
 
+TEST_CASE("samples without a scan of a sensor are warned of, with its offset or its rate as the cause") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["sensors"][1]["rate"] = 10;
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 2}}};
+  const auto warningsWith = [&](double rate, double offset) {
+    json["sensors"][1]["rate"] = rate;
+    json["sensors"][1]["offset"] = offset;
+    std::string lines;
+    for (const std::string& warning : folder.read(json).warnings)
+      if (warning.find("samples") != warning.npos) lines += warning + "\n";
+    return lines;
+  };
+  CHECK(warningsWith(10, 0.05) == "");
+  CHECK(warningsWith(5, 0) == "");
+  CHECK(warningsWith(5, 0.1) ==
+        "outputs[0]: 'side' starts no scan in 5 of 5 samples, which lack its data, because its first scan starts 0.1 s "
+        "after the start of the drive; choose another offset or other keyframes\n");
+  CHECK(warningsWith(10, 0.3) ==
+        "outputs[0]: 'side' starts no scan in 2 of 5 samples, which lack its data, because its first scan starts 0.3 s "
+        "after the start of the drive; choose another offset or other keyframes\n");
+  CHECK(
+      warningsWith(2.5, 0) ==
+      "outputs[0]: 'side' starts no scan in 2 of 5 samples, which lack its data, because it makes 2.5 scans a second; "
+      "choose another rate or other keyframes\n");
+}
+
 TEST_CASE("long scans of a vehicle that shakes are warned of") {
-  const auto shaken = [](double seconds, double hertz) {
+  const auto shaken = [](double seconds, double hertz, double height = 50) {
     Json json = quietDrive(), waypoints = Json::array(), times = Json::array(), directions = Json::array();
     for (int i = 0; i <= 400 * seconds; ++i) {  // by half a degree
       const double half = 0.0087 / 2 * std::sin(2 * M_PI * hertz * i / 400 + 0.6);
-      Json point = waypoint(i / 400.0, i / 400.0, 0, 50);
+      Json point = waypoint(i / 400.0, i / 400.0, 0, height);
       point["orientation"] = {std::sin(half), 0, 0, std::cos(half)};
       waypoints.push_back(std::move(point));
     }
@@ -266,7 +396,7 @@ TEST_CASE("long scans of a vehicle that shakes are warned of") {
     json["sensors"] = {{{"name", "line"},
                         {"sensor",
                          {{"name", "line"},
-                          {"range", {{"min", 1}, {"max", 300}}},
+                          {"range", {{"min", 1}, {"max", 2000}}},
                           {"patterns", {{{"directions", directions}, {"times", times}}}}}}}};
     json["rate"] = 1 / seconds;
     json["duration"] = seconds;
@@ -277,6 +407,14 @@ TEST_CASE("long scans of a vehicle that shakes are warned of") {
       Warnings{"sensors[0].sensor: a scan of 'line' lasts 7.92 s and knows 2048 poses, between which beams 100 m long "
                "are up to 0.56 m off where the trajectory leads them; in scans of at most 0.1 s they are within a "
                "centimetre"});
+  // The beams of an aircraft are longer, but no longer than it sees.
+  const auto length = [&](double height) {
+    const Warnings warnings = warningsOf(shaken(8, 100, height));
+    REQUIRE(warnings.size() == 1);
+    return warnings[0].substr(warnings[0].find("beams "), 35);
+  };
+  CHECK(length(1000) == "beams 1000 m long are up to 5.55 m ");
+  CHECK(length(5000) == "beams 2000 m long are up to 11.11 m");
   CHECK(warningsOf(shaken(0.1, 100)).empty());
   CHECK(warningsOf(shaken(8, 0.1)).empty());  // a vehicle that rolls slowly
 }
@@ -289,6 +427,19 @@ TEST_CASE("weather of the drive that the effects of a sensor turn off is warned 
   CHECK(warningsOf(json) ==
         Warnings{"sensors[1].effects: turn fog and snow off, so that of the drive's weather does not "
                  "reach 'side'; \"use\": \"auto\" lets it"});
+}
+
+TEST_CASE("causes in clouds that leave out the beams that have them are warned of") {
+  Json json = quietDrive();
+  json["outputs"] = {{{"format", "npy"}, {"fields", "range,cause"}}, {{"format", "mcap"}, {"fields", "x,y,z,cause"}}};
+  const std::string why =
+      ".fields: have cause, which is 0 (returned) everywhere, because these clouds leave out beams without a return; ";
+  CHECK(warningsOf(json) ==
+        Warnings{"outputs[0]" + why + "with \"compact\": false they have all beams",
+                 "outputs[1]" + why + "an output pcd or npy with \"compact\": false has all beams"});
+  json["outputs"][0]["compact"] = false;
+  json["outputs"].erase(1);
+  CHECK(warningsOf(json).empty());
 }
 
 TEST_CASE("motion within scans that effects turn off is warned of where points have times") {

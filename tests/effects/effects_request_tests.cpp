@@ -228,6 +228,28 @@ TEST_CASE("values set in C++ are checked like values read from JSON") {
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("snow must be off, on or automatic"));
 }
 
+TEST_CASE("a value that asks for nothing leaves its effect to auto") {
+  for (const char* assignment : {"fog.visibility=0", "rain.rate=0", "snow.rate=0", "volumes.boxes=[]",
+                                 "drop-out.general_rate=0", "drop-out.dead_beams=[]", "range-noise.sigma=0",
+                                 "range-noise.step=0", "angle-noise.elevation=0", "intensity-noise.sigma=0"}) {
+    INFO(assignment);
+    Effects effects = Effects::none();
+    assign(effects, assignment);
+    const std::string name(assignment, std::string_view(assignment).find('.'));
+    for (const EffectInfo& info : effectTable())
+      CHECK(info.use(effects) == (info.name == name ? EffectUse::automatic : EffectUse::off));
+  }
+  Effects effects = Effects::none();
+  assign(effects, "range-noise.sigma_per_metre=0.001");
+  assign(effects, "range-noise.sigma=0");
+  CHECK(effects.rangeNoise.use == EffectUse::on);
+  assign(effects, "detection.range=0");  // 10 % at the range that the sensor states
+  CHECK(effects.detection.use == EffectUse::on);
+  CHECK(read(R"({"rain": {"rate": 0}})").rain.use == EffectUse::automatic);
+  CHECK(read(R"({"rain": {"rate": 0, "use": "on"}})").rain.use == EffectUse::on);
+  CHECK(read(R"({"rain": {"rate": 1}})").rain.use == EffectUse::on);
+}
+
 TEST_CASE("an assignment sets a parameter and enables its effect, or sets a use") {
   Effects effects = Effects::none();
   assign(effects, "fog.visibility=2e2");

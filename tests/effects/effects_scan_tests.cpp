@@ -481,7 +481,7 @@ TEST_CASE("every device counts the beams whose light goes on behind four surface
   TestOptions options = optionsOn("vulkan");
   options.effects = physical();
   options.effects.transmission.use = options.effects.returns.use = EffectUse::on;
-  options.effects.returns.count = 5;
+  options.effects.returns.count = 3;
   std::vector<uint64_t> lost;
   for (const uint32_t subRays : {1u, 19u}) {
     INFO(subRays << " sub-rays");

@@ -77,7 +77,7 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     options.effects.divergence = {EffectUse::on, 61, Effects::Divergence::Profile::uniform, 2 * std::atan(kTangent),
                                   2 * std::atan(kTangent)};
     options.effects.returns.use = EffectUse::on;
-    options.effects.returns.count = 5;
+    options.effects.returns.count = 3;
 
     std::vector<Seen> alone;
     for (const Strip& strip : kStrips) {
@@ -97,8 +97,13 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     uint64_t lost = 0;
     const std::vector<Seen> all = returnsOf(kStrips, options, &lost);
     CHECK(lost == 2);
-    REQUIRE(all.size() == 5);
+    REQUIRE(all.size() == 3);
     checkFirst(all, kept);
+    options.effects.returns.count = 4;
+    const std::vector<Seen> four = returnsOf(kStrips, options, &lost);
+    CHECK(lost == 0);
+    REQUIRE(four.size() == 4);
+    checkFirst(four, alone);
     options.effects.returns.count = 8;
     const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
     CHECK(lost == 0);

@@ -92,7 +92,7 @@ TEST_CASE("docs/limits.md has the table of limits, and the kernels keep to it") 
   CHECK(limits::kLayers.most == gpu::kMaxLayers);
   CHECK(limits::kEchoes.most == gpu::kMaxEchoes);
   CHECK(limits::kEchoes.what == "echoes per beam, " + std::to_string(gpu::kFewEchoes) + " if it has at most " +
-                                    std::to_string(gpu::kFewEchoes - 1) + " returns");
+                                    std::to_string(gpu::kFewReturns) + " returns");
   CHECK(limits::kCoordinate.holds(gpu::kCoordinateLimit));
   CHECK_FALSE(limits::kCoordinate.holds(1.0001 * gpu::kCoordinateLimit));
   CHECK(limits::kPlaced.most == limits::kCoordinate.most);

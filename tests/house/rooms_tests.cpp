@@ -36,9 +36,9 @@ const std::map<std::string, Names> kRooms = {
     {"c", {"base"}},
     {"rgl", {"base"}},
     {"drive",
-     {"base", "option_table.hpp", "sensor/beams.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp",
-      "ros2/driver_cloud.hpp", "scene/bounds.hpp", "scene/coarse_positions.hpp", "scene/join.hpp",
-      "scene/used_vertices.hpp"}},
+     {"base", "option_table.hpp", "sensor/beams.hpp", "effects/trajectory.hpp", "geometry/dropped_triangles.hpp",
+      "output/cloud_bytes.hpp", "ros2/driver_cloud.hpp", "scene/bounds.hpp", "scene/coarse_positions.hpp",
+      "scene/join.hpp", "scene/readers.hpp", "scene/used_vertices.hpp"}},
 };
 
 /// Files of src outside rooms. Loose files are above all rooms and may include any of them.

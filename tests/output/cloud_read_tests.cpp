@@ -5,6 +5,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <limits>
 
+#include "base/npy.hpp"
 #include "cloud_support.hpp"
 #include "output/cloud_table.hpp"
 #include "problem.hpp"
@@ -252,7 +253,18 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
       "# gnosphere columns 65535 channels 65535\nFIELDS x y z beam\nWIDTH 1\nHEIGHT 1\nDATA ascii\n0 0 0 1\n");
   CHECK_THAT(problemOf(folder / "b.pcd"), ContainsSubstring("65535 columns"));
   put(folder / "c.csv", "a,b\n1,2\n");
-  CHECK_THAT(problemOf(folder / "c.csv"), ContainsSubstring("neither x, y, z nor range"));
+  CHECK_THAT(problemOf(folder / "c.csv"), ContainsSubstring("as x,y,z,range, and has 'a,b'"));
+  put(folder / "e.csv", "x,y,beam\n1,2,3\n");
+  CHECK_THAT(problemOf(folder / "e.csv"), ContainsSubstring("neither x, y, z nor range"));
+  const auto npy = [&](const std::string& shape, const std::string& data) {
+    const std::string header = "{'descr': [('range', '<f4')], 'fortran_order': False, 'shape': " + shape + ", }\n";
+    put(folder / "f.npy", std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header + data);
+    return problemOf(folder / "f.npy");
+  };
+  CHECK_THAT(npy("(4294967295, 4294967295, 4294967295)", ""), ContainsSubstring("more points than a 32-bit index"));
+  CHECK_THAT(npy("(65536, 65536, 0)", ""), ContainsSubstring("columns"));
+  CHECK_THAT(npy("(1, 1, 17)", std::string(68, '\0')), ContainsSubstring("return number 17; there may be 16"));
+  CHECK_THAT(npy("(1, 1, 1, 1)", std::string(4, '\0')), ContainsSubstring("one to three dimensions"));
   put(folder / "d.csv", "");
   CHECK_THAT(problemOf(folder / "d.csv"), ContainsSubstring("empty"));
 }
@@ -263,6 +275,79 @@ TEST_CASE("a CSV cloud may begin with the mark of UTF-8, and one in UTF-16 is re
   CHECK(readCloud(folder / "a.csv").points == std::vector<float>{1, 2, 2});
   std::ofstream(folder / "b.csv") << std::string("\xff\xfex\0,\0", 6);
   CHECK_THAT(problemOf(folder / "b.csv"), ContainsSubstring("b.csv: is text in UTF-16; save it as UTF-8"));
+}
+
+TEST_CASE("a CSV cloud may have quoted names, comments above them, and lines that end with a carriage return") {
+  const Folder folder;
+  for (const char* text :
+       {"\"x\",\"y\",\"z\"\n1,2,3\n4,5,6\n", "x,y,z\r1,2,3\r4,5,6\r", "# made by hand\n\nx,y,z\n1,2,3\n4,5,6\n",
+        "# x,y,z\n1,2,3\n4,5,6\n", "# made by hand\n#x y z\n1 2 3\n\n4 5 6", "x,y,z,\n1,2,3,\n4,5,6,\n"}) {
+    INFO(text);
+    put(folder / "a.csv", text);
+    CHECK(readCloud(folder / "a.csv").points == std::vector<float>{1, 2, 3, 4, 5, 6});
+  }
+}
+
+TEST_CASE("a CSV cloud that cannot be read is refused by the line at fault") {
+  const Folder folder;
+  const auto problem = [&](const std::string& text) {
+    put(folder / "a.csv", text);
+    return problemOf(folder / "a.csv");
+  };
+  CHECK_THAT(problem("x;y;z\n1;2;3\n"),
+             ContainsSubstring("names of fields with commas between") && ContainsSubstring("and has 'x;y;z'"));
+  CHECK_THAT(problem("1,2,3\n4,5,6\n"), ContainsSubstring("and has '1,2,3'"));
+  CHECK_THAT(problem("# comment\nx,y,z\n1,2,3\n\n4,5,6,7\n"),
+             ContainsSubstring("line 5 has 4 values, the head names 3"));
+  CHECK_THAT(problem("x,y,z\n1,2\n3,4,5,6\n"), ContainsSubstring("line 2 has 2 values, the head names 3"));
+  CHECK_THAT(problem("x,y,z\n1,2,3\n4, ,6\n"), ContainsSubstring("line 3 has an empty value; write nan"));
+  CHECK_THAT(problem("x,y,z\n,2,3\n"), ContainsSubstring("line 2 has an empty value"));
+  CHECK_THAT(problem("x,y,z,x\n1,2,3,4\n"), ContainsSubstring("has the field 'x' twice"));
+  CHECK_THAT(problem("range,Beam,beam\n1,2,3\n"), ContainsSubstring("has the field 'beam' twice"));
+}
+
+TEST_CASE("NPY arrays with gaps, of big-endian numbers, and without names of fields are read") {
+  const Folder folder;
+  const auto bytesOfAll = [](auto... values) {
+    std::string bytes;
+    (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
+    return bytes;
+  };
+  const auto swapped = [&](auto... values) {
+    std::string bytes;
+    const auto append = [&](auto value) {
+      const std::string one = bytesOfAll(value);
+      bytes.append(one.rbegin(), one.rend());
+    };
+    (append(values), ...);
+    return bytes;
+  };
+  const auto points = [&](const std::string& type, const std::string& shape, const std::string& data) {
+    put(folder / "a.npy", npyHeaderOf(type, shape) + data);
+    return readCloud(folder / "a.npy");
+  };
+  const std::vector<float> expected = {1, 2, 3, 4, 5, 6};
+  CHECK(points("[('x', '<f4'), ('', '|V4'), ('y', '<f8'), ('z', '<f4'), ('', '|V1')]", "(2,)",
+               bytesOfAll(1.f, 0, 2., 3.f, '\0', 4.f, 0, 5., 6.f, '\0'))
+            .points == expected);
+  CHECK(points(
+            "[('x', '>f8'), ('y', '>f4'), ('z', '<f4'), ('beam', '>u2')]", "(2,)",
+            swapped(1., 2.f) + bytesOfAll(3.f) + swapped(uint16_t{0}, 4., 5.f) + bytesOfAll(6.f) + swapped(uint16_t{1}))
+            .points == expected);
+  CHECK(points("'<f8'", "(2, 3)", bytesOfAll(1., 2., 3., 4., 5., 6.)).points == expected);
+  CHECK(points("'>f4'", "(2, 3)", swapped(1.f, 2.f, 3.f, 4.f, 5.f, 6.f)).points == expected);
+  const Scan four = points("'<f4'", "(2, 4)", bytesOfAll(1.f, 2.f, 3.f, 7.f, 4.f, 5.f, 6.f, 8.f));
+  CHECK(four.points == expected);
+  CHECK(valuesOf<float>(four, Field::intensity) == std::vector<float>{7, 8});
+  std::string columns = npyHeaderOf("'<f4'", "(2, 3)") + bytesOfAll(1.f, 4.f, 2.f, 5.f, 3.f, 6.f);
+  columns.replace(columns.find("False, "), 7, "True,  ");
+  put(folder / "b.npy", columns);
+  CHECK(readCloud(folder / "b.npy").points == expected);
+  for (const auto& [type, shape] : {std::pair("'<i4'", "(2, 3)"), std::pair("'<f4'", "(3, 2)"),
+                                    std::pair("'<f4'", "(6,)"), std::pair("'<f4'", "(1, 2, 3)")}) {
+    put(folder / "c.npy", npyHeaderOf(type, shape) + std::string(24, '\0'));
+    CHECK_THAT(problemOf(folder / "c.npy"), ContainsSubstring("with the shape (N, 3) for x, y, z or (N, 4)"));
+  }
 }
 
 TEST_CASE("errors of reading name the file") {

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <fstream>
+#include <iomanip>
 #include <limits>
 
+#include "base/npy.hpp"
+#include "bits.hpp"
 #include "columns.hpp"
 #include "folder.hpp"
 #include "output/cloud_file.hpp"
@@ -318,6 +323,85 @@ TEST_CASE("a hit without a range counts as wrong") {
   CHECK_FALSE(compare(reference, other).same());
 }
 
+TEST_CASE("files with coordinates far from the origin are compared to the millimetre") {
+  const test::Folder folder;
+  const std::string ending = GENERATE("csv", "pcd", "npy");
+  // Two points as in UTM; those of the other file are 3 mm, or 30 cm, higher.
+  const auto write = [&](const std::string& name, double higher) {
+    const double points[2][3] = {{500'012.3456, 5'400'034.5678, 123.4567 + higher},
+                                 {500'001.2345, 5'400'002.3456, 99.8765}};
+    std::ofstream out(folder / (name + "." + ending), std::ios::binary);
+    if (ending == "csv") {
+      out << std::setprecision(17) << "x,y,z,range,beam,triangle,instance\n";
+    } else if (ending == "pcd") {
+      out << "FIELDS x y z range beam triangle instance\nSIZE 8 8 8 4 4 4 4\nTYPE F F F F U U U\nWIDTH 2\nHEIGHT 1\n"
+             "DATA binary\n";
+    } else {
+      out << npyHeaderOf(
+          "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('range', '<f4'), ('beam', '<u4'), ('triangle', '<u4'), "
+          "('instance', '<u4')]",
+          "(2,)");
+    }
+    for (uint32_t i = 0; i < 2; ++i) {
+      const float range = 20;
+      const uint32_t numbers[3] = {i, i, 0};
+      if (ending == "csv") {
+        for (const double x : points[i]) out << x << ',';
+        out << range << ',' << i << ',' << i << ",0\n";
+      } else {
+        out.write(reinterpret_cast<const char*>(points[i]), sizeof(points[i]));
+        out.write(reinterpret_cast<const char*>(&range), sizeof(range));
+        out.write(reinterpret_cast<const char*>(numbers), sizeof(numbers));
+      }
+    }
+    return folder / (name + "." + ending);
+  };
+  const std::filesystem::path a = write("a", 0), b = write("b", 0.003), c = write("c", 0.3);
+  for (const auto& [other, apart] : {std::pair(a, 0.0), std::pair(b, 0.003), std::pair(c, 0.3)}) {
+    const auto [one, two] = readCloudFiles(a, other);
+    CHECK(one.origin == Origin{499'712, 5'399'552, 0});
+    CHECK(two.origin == one.origin);
+    CHECK(one.floatStep == 0);
+    CHECK(roundingCentre(one, two) == one.origin);
+    const FileComparison result = compareFiles(one, two, 1e-3);
+    CHECK(result.wrongPoint == (apart > 0));
+    CHECK(std::abs(result.pointErrorMax - apart) < 1e-4);
+    CHECK(result.wrongRange == 0);
+  }
+  CHECK(readCloudFile(a).origin == Origin{});
+}
+
+TEST_CASE("points of files that hold floats may be apart by the floats' steps") {
+  const test::Folder folder;
+  Scan reference = street();
+  for (size_t i = 0; i < reference.points.size(); ++i) reference.points[i] += i % 3 == 1 ? 5'400'000 : 0;
+  Scan other = reference;
+  for (float& x : other.points) x = std::nextafter(x, 1e9f);
+  for (const std::string ending : {"pcd", "ply", "npy", "csv"}) {
+    INFO(ending);
+    writeCloud(reference, folder / ("a." + ending));
+    writeCloud(other, folder / ("b." + ending));
+    const auto [a, b] = readCloudFiles(folder / ("a." + ending), folder / ("b." + ending));
+    CHECK(a.floatStep == 0.5);
+    CHECK(b.floatStep == 0.5);
+    CHECK(roundingCentre(a, b) == Origin{});
+    const FileComparison result = compareFiles(a, b, 1e-3);
+    CHECK(result.wrongPoint == 0);
+    CHECK(result.pointErrorMax >= 0.5);
+  }
+}
+
+TEST_CASE("files with coordinates near the origin are taken from the frame's") {
+  const test::Folder folder;
+  const Scan reference = street();
+  writeCloud(reference, folder / "a.pcd");
+  writeCloud(reference, folder / "b.csv");
+  const auto [a, b] = readCloudFiles(folder / "a.pcd", folder / "b.csv");
+  CHECK(a.origin == Origin{});
+  CHECK(test::sameFloats(a.scan.points, reference.points));
+  CHECK(test::sameFloats(b.scan.points, reference.points));
+}
+
 TEST_CASE("clouds of different beams, or without the arrays to compare, are refused") {
   const Scan reference = street();
   CHECK_THROWS_WITH(compare(reference, syntheticScan(builtinSensor("VLP-32"))),
@@ -326,7 +410,8 @@ TEST_CASE("clouds of different beams, or without the arrays to compare, are refu
   poor.triangles.clear();
   CHECK_THROWS_WITH(compare(reference, poor), ContainsSubstring("the other cloud") && ContainsSubstring("triangle"));
   CHECK_THROWS_WITH(compare(poor, reference), ContainsSubstring("the reference cloud"));
-  CHECK_THROWS_WITH(compare(reference, reference, std::nan("")), ContainsSubstring("tolerance"));
+  for (const double tolerance : {std::nan(""), double{INFINITY}, -1e-3})
+    CHECK_THROWS_WITH(compare(reference, reference, tolerance), ContainsSubstring("number of metres from 0 on"));
 }
 
 TEST_CASE("two clouds without beams are equal") {

@@ -16,6 +16,7 @@
 
 #include "base/file.hpp"
 #include "cloud_support.hpp"
+#include "scan/image_order.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -137,9 +138,9 @@ TEST_CASE("the data of an NPY file starts at a multiple of 64 bytes and has the 
   CHECK(bytes[10 + length - 1] == '\n');
   const std::string header = bytes.substr(10, length);
   CHECK_THAT(header, ContainsSubstring("{'descr': [('x', '<f4')"));
-  CHECK_THAT(header, ContainsSubstring(options.compact ? "'shape': (5,), }" : "'shape': (2, 3), }"));
+  CHECK_THAT(header, ContainsSubstring(*options.compact ? "'shape': (5,), }" : "'shape': (2, 3), }"));
   const size_t rowBytes = options.fields.size() == 1 ? 4 : options.fields.size() == 3 ? 7 : 35;
-  CHECK(bytes.size() == 10 + length + (options.compact ? 5 : 6) * rowBytes);
+  CHECK(bytes.size() == 10 + length + (*options.compact ? 5 : 6) * rowBytes);
 }
 
 TEST_CASE("Python reads an NPY cloud according to the format") {
@@ -276,6 +277,40 @@ TEST_CASE("a picture is no mirror image, whichever way the head turns") {
   sensor.azimuthSpanDeg = -360;
   writePicture(syntheticScan(sensor), folder / "right.png");
   CHECK(bytesOf(folder / "left.png") == bytesOf(folder / "right.png"));
+}
+
+TEST_CASE("an image of any head lies as its beams do, whatever they hit") {
+  const std::vector<CatalogueHead>& heads = sensorCatalogue();
+  REQUIRE(heads.size() > 40);
+  for (const CatalogueHead& head : heads) {
+    const Sensor sensor = builtinSensor(head.name);
+    const uint32_t columns = sensor.width(), channels = sensor.height();
+    INFO(head.name << ", " << channels << " x " << columns);
+    const BeamList beams = beamsOf(sensor);
+    const ImageOrder order = imageOrderOf(sensor);
+    const auto heightOf = [&](uint32_t row) {
+      double sum = 0;
+      for (uint32_t column = 0; column < columns; ++column) sum += beams.directions[size_t{row} * columns + column].z;
+      return sum / columns;
+    };
+    if (channels > 1) CHECK(order.firstRowOnTop == (heightOf(0) > heightOf(channels - 1)));
+    const Vec3 &first = beams.directions[0], &last = beams.directions[columns - 1];
+    const bool turnsRight = sensor.isGrid() ? sensor.azimuthSpanDeg < 0 : first.x * last.y < first.y * last.x;
+    if (channels > 1) CHECK(order.firstColumnOnLeft == turnsRight);
+  }
+}
+
+TEST_CASE("points of the upper or the lower channels alone tell how the image of a file lies") {
+  Sensor sensor = builtinSensor("HDL-64E");
+  sensor.azimuthSpanDeg = GENERATE(360, -360);
+  if (GENERATE(false, true)) std::reverse(sensor.channels.begin(), sensor.channels.end());
+  const bool upper = GENERATE(false, true);
+  Scan scan = syntheticScan(sensor);
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam)
+    if ((beam / scan.columns < 32) == upper) std::fill_n(&scan.points[3 * beam], 3, std::nanf(""));
+  const ImageOrder order = imageOrderOf(scan);
+  CHECK(order.firstRowOnTop == scan.firstRowOnTop);
+  CHECK(order.firstColumnOnLeft == scan.firstColumnOnLeft);
 }
 
 TEST_CASE("what is to the left of the sensor is in the left half of both pictures") {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The alpha of cut-out textures, and its mapping to a mesh.
+#include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <functional>
 
+#include "scene/readers.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -72,7 +74,24 @@ TEST_CASE("the alpha of a cut-out texture is read with its sampler and coordinat
   CHECK(scene.materials[0].alphaImage == 0);
   CHECK(scene.meshes[0].uvs == Floats{0, 0, 1, 0, 0.25f, 2});
   CHECK(scene.unreadImages == 0);
-  CHECK(scene.leftOut.empty());
+}
+
+TEST_CASE("colours of a cut-out texture are told as left out, unless all are white") {
+  const std::string told = "1 materials' colours of textures; the base colours alone count";
+  const auto toldOf = [&](const std::string& uri) {
+    const std::vector<std::string> lines = cutOut(uri).load().leftOut;
+    return std::count(lines.begin(), lines.end(), told) == 1;
+  };
+  CHECK(toldOf(kHoles));
+  CHECK(toldOf(kSolid));
+  CHECK(toldOf("missing.png"));
+  CHECK(toldOf(packed({0xff, 0xd8, 0xff, 0xe0, 0, 1})));  // JPEG
+  CHECK(cutOut(packed(pngOf({2, 2, {0, 255, 128, 64}}))).load().leftOut.empty());
+  // Each material that has the image counts.
+  GltfFileMaker twice = cutOut();
+  twice.json["materials"].push_back(twice.json["materials"][0]);
+  CHECK(twice.load().leftOut ==
+        std::vector<std::string>{"2 materials' colours of textures; the base colours alone count"});
 }
 
 TEST_CASE("an image may be in a bufferView, and samplers may be omitted") {

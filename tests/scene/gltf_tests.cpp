@@ -96,8 +96,11 @@ TEST_CASE("the default scene is read, else the first, else every root") {
   GltfFileMaker file = triangleFile();
   file.json["nodes"] = {{{"name", "a"}, {"mesh", 0}}, {{"name", "b"}, {"mesh", 0}}};
   CHECK(file.load().instances.size() == 2);
+  CHECK(file.load().leftOut.empty());
   file.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}}};
   CHECK(file.load().instances.at(0).name == "a");
+  CHECK(file.load().leftOut ==
+        std::vector<std::string>{"1 nodes with a mesh that are not in the scene which the file shows"});
   file.json["scene"] = 1;
   CHECK(file.load().instances.at(0).name == "b");
   file.json["scene"] = 2;
@@ -283,6 +286,59 @@ TEST_CASE("materials with a texture of metalness are read as no metals, and coun
   CHECK(scene.leftOut ==
         std::vector<std::string>{
             "2 materials' metalness and roughness of textures; metalness 0 and the roughness factor count instead"});
+}
+
+TEST_CASE("materials with a texture of transmission are read as opaque, and counted") {
+  GltfFileMaker file = triangleFile();
+  const char* const kGlass = R"([
+    {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}},
+    {"extensions": {"KHR_materials_transmission": {"transmissionTexture": {"index": 0}}}},
+    {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}])";
+  file.json["materials"] = Json::parse(kGlass);
+  const Scene scene = file.load();
+  CHECK(scene.materials.at(0).transmission == 0);
+  CHECK(scene.materials.at(1).transmission == 0);
+  CHECK(scene.materials.at(2).transmission == 0.5f);
+  CHECK(scene.leftOut ==
+        std::vector<std::string>{"1 materials' transmission of textures; transmission 0 counts instead"});
+}
+
+TEST_CASE("extensions of materials that change their intensity and are not read are told where they have an effect") {
+  const auto toldOf = [](const char* name, const char* properties) {
+    GltfFileMaker file = triangleFile();
+    file.json["materials"] = Json::array({{{"extensions", {{name, Json::parse(properties)}}}}});
+    const std::vector<std::string> told = file.load().leftOut;
+    CHECK((told.empty() || told == std::vector<std::string>{std::string("1 materials' properties of ") + name}));
+    return !told.empty();
+  };
+  const auto check = [&](const char* name, std::vector<const char*> without, std::vector<const char*> with) {
+    for (const char* properties : without) {
+      CAPTURE(name, properties);
+      CHECK(!toldOf(name, properties));
+    }
+    for (const char* properties : with) {
+      CAPTURE(name, properties);
+      CHECK(toldOf(name, properties));
+    }
+  };
+  check("KHR_materials_ior", {"{}", R"({"ior": 1.5})"}, {R"({"ior": 1.33})", R"({"ior": 2})"});
+  check("KHR_materials_specular",
+        {"{}", R"({"specularFactor": 1})", R"({"specularFactor": 1.0, "specularColorFactor": [1.0, 1, 1]})"},
+        {R"({"specularFactor": 0})", R"({"specularColorFactor": [1, 0.5, 1]})", R"({"specularTexture": {"index": 0}})",
+         R"({"specularColorTexture": {"index": 0}})"});
+  check("KHR_materials_clearcoat", {"{}", R"({"clearcoatFactor": 0, "clearcoatRoughnessFactor": 0.5})"},
+        {R"({"clearcoatFactor": 0.1})"});
+  check("KHR_materials_sheen", {"{}", R"({"sheenColorFactor": [0, 0.0, 0], "sheenRoughnessFactor": 1})"},
+        {R"({"sheenColorFactor": [0, 0.5, 0]})"});
+  check("KHR_materials_iridescence", {"{}", R"({"iridescenceFactor": 0})"}, {R"({"iridescenceFactor": 1})"});
+  check("KHR_materials_anisotropy", {"{}", R"({"anisotropyStrength": 0})"}, {R"({"anisotropyStrength": 0.6})"});
+  check("KHR_materials_diffuse_transmission", {"{}", R"({"diffuseTransmissionFactor": 0})"},
+        {R"({"diffuseTransmissionFactor": 0.25})"});
+  check("KHR_materials_volume", {"{}", R"({"thicknessFactor": 1})"}, {R"({"attenuationDistance": 0.5})"});
+  check("KHR_materials_unlit", {}, {"{}"});
+  check("KHR_materials_pbrSpecularGlossiness", {}, {"{}"});
+  check("KHR_materials_emissive_strength", {R"({"emissiveStrength": 5})"}, {});
+  check("KHR_materials_dispersion", {R"({"dispersion": 0.1})"}, {});
 }
 
 TEST_CASE("extras of nodes, meshes and materials state classes") {

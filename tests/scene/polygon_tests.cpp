@@ -10,6 +10,7 @@
 
 #include "base/utf8.hpp"
 #include "cpu_time.hpp"
+#include "gnosphere/effects.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -19,6 +20,14 @@ using Catch::Approx;
 namespace {
 
 const char* const kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+/// The only material of a library.
+Material materialOf(const std::string& lines) {
+  const Folder folder;
+  put(folder / "m.mtl", "newmtl a\n" + lines);
+  return loadScene(put(folder / "a.obj", "mtllib m.mtl\n" + std::string(kSquareObj) + "usemtl a\nf 1 2 3\n"))
+      .materials.at(0);
+}
 
 /// Area in the x y plane. Without signs, triangles outside the outline increase the sum.
 double area(const Mesh& mesh, bool withSign = false) {
@@ -109,8 +118,8 @@ TEST_CASE("OBJ materials come from the library beside the file, and parts are ru
   CHECK(scene.materials[0].transmission == 0);  // Tf is ignored for materials that are not glass
   CHECK(scene.materials[0].alphaMode == AlphaMode::opaque);
   CHECK(scene.materials[1].name == "glass");
-  CHECK(scene.materials[1].alphaMode == AlphaMode::blend);
-  CHECK(scene.materials[1].baseColor[3] == 0.25f);
+  CHECK(scene.materials[1].alphaMode == AlphaMode::opaque);
+  CHECK(scene.materials[1].baseColor[3] == 1);
   CHECK(scene.materials[1].transmission == 0.5f);
   CHECK(scene.materials[2].name == "lost");
   CHECK(scene.materials[3].name.empty());
@@ -180,11 +189,32 @@ TEST_CASE("an MTL material is glass in the illumination models 4, 6, 7 and 9, an
   }
 }
 
-TEST_CASE("glass of MTL without a filter lets through what its dissolve leaves") {
-  const Folder folder;
-  put(folder / "m.mtl", "newmtl a\nd 0.25\nillum 4\n");
-  const std::string uses = "mtllib m.mtl\nusemtl a\nf 1 2 3\n";
-  CHECK(loadScene(put(folder / "a.obj", kSquareObj + uses)).materials.at(0).transmission == 0.75f);
+TEST_CASE("a dissolve of MTL lets through what it leaves, once, unless a filter of glass says it") {
+  for (const std::string stated : {"d 0.25\n", "Tr 0.75\n"})
+    for (int model = 0; model <= 10; ++model) {
+      CAPTURE(stated, model);
+      const Optics optics = opticsOf(materialOf("Kd 0.8 0.8 0.8\n" + stated + "illum " + std::to_string(model) + "\n"));
+      CHECK(optics.transmission == 0.75f);
+      CHECK(optics.reflectance == 0.8f * 0.25f);
+    }
+  for (const int model : {4, 6, 7, 9}) {
+    CAPTURE(model);
+    const std::string glass = "Kd 0.8 0.8 0.8\nTf 0.25 0.5 0.75\nillum " + std::to_string(model) + "\n";
+    for (const std::string dissolve : {"", "d 1\n", "d 0.5\n"}) {
+      const Optics optics = opticsOf(materialOf(glass + dissolve));
+      CHECK(optics.transmission == 0.5f);
+      CHECK(optics.reflectance == 0.8f * 0.5f);
+    }
+  }
+  CHECK(opticsOf(materialOf("Tf 0.25 0.5 0.75\nd 0.75\nillum 2\n")).transmission == 0.25f);
+}
+
+TEST_CASE("an MTL material may be as smooth as a mirror") {
+  CHECK(materialOf("Ns 6\nPr 0\n").roughness == 0);
+  CHECK(materialOf("Pr 0.01\nNs 6\n").roughness == 0.01f);
+  CHECK(materialOf("Ns 6\n").roughness == 0.5f);
+  CHECK(materialOf("Pr 0\n\nnewmtl b\nNs 6\n").roughness == 0);
+  CHECK(materialOf("").roughness == static_cast<float>(std::sqrt(2 / 3.0)));
 }
 
 TEST_CASE("lines and points of OBJ are told as left out") {
@@ -224,17 +254,19 @@ TEST_CASE("georeferenced coordinates keep their millimetres by an origin") {
   CHECK(loadText("a.obj", "v 1000000 0.5 0\nv 1000001 0 0\nv 0 0 1\nf 1 2 3\n").meshes.at(0).origin.x == 0);
 }
 
-TEST_CASE("OBJ objects are instances with their names, and those that touch have the same positions") {
-  const Scene scene =
-      loadText("a.obj",
-               "v 450000.1 0 0\nv 450001.1 0 0\nv 450001.1 1 0\nv 450000.1 1 0\nv 450002.1 0.3 0\n"
-               "o tree\nusemtl bark\nf 1 2 3\no empty\no house\nf 2 5 3\no tree\nusemtl leaf\nf 1 3 4\n");
-  REQUIRE(scene.instances.size() == 2);
-  REQUIRE(scene.meshes.size() == 2);
+TEST_CASE("each OBJ object is an instance with its name, and objects that touch have the same positions") {
+  const Scene scene = loadText(
+      "a.obj",
+      "v 450000.1 0 0\nv 450001.1 0 0\nv 450001.1 1 0\nv 450000.1 1 0\nv 450002.1 0.3 0\n"
+      "o tree\nusemtl bark\nf 1 2 3\no empty\no house\nf 2 5 3\no tree\nusemtl leaf\nf 1 3 4\nusemtl bark\nf 1 2 4\n");
+  REQUIRE(scene.instances.size() == 3);
+  REQUIRE(scene.meshes.size() == 3);
   CHECK(scene.instances[0].name == "tree");
   CHECK(scene.instances[1].name == "house");
-  CHECK(scene.meshes[0].triangleCount() == 2);
-  CHECK(scene.meshes[0].parts.size() == 2);
+  CHECK(scene.instances[2].name == "tree");  // an object of its own
+  CHECK(scene.meshes[0].triangleCount() == 1);
+  CHECK(scene.meshes[2].triangleCount() == 2);
+  CHECK(scene.meshes[2].parts.size() == 2);
   CHECK(scene.meshes[1].triangleCount() == 1);
   CHECK(scene.meshes[1].vertexCount() == 3);
   CHECK(scene.meshes[0].origin.x == scene.meshes[1].origin.x);

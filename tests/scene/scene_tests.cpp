@@ -106,6 +106,7 @@ TEST_CASE("the holes of cut-out materials are kept by writing and reading") {
   writeGlb(scene, folder / "a.glb");
   const Scene read = loadScene(folder / "a.glb");
   CHECK(read.unreadImages == 0);
+  CHECK(read.leftOut.empty());
   REQUIRE(read.alphaImages.size() == 2);
   REQUIRE(read.materials.size() == 4);
   for (size_t m : {2, 3}) {

@@ -148,6 +148,7 @@ TEST_CASE("the built-in HDL-64E-S2 starts its beams where the calibration that i
 
 TEST_CASE("SHA-256 of texts that Python's hashlib has hashed") {
   CHECK(sha256("") == bytesOfHex("e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"));
+  CHECK(sha256Text("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   CHECK(sha256("abc") == bytesOfHex("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"));
   CHECK(sha256(std::string(119, 'a')) ==
         bytesOfHex("31eba51c313a5c08226adf18d4a359cfdfd8d2e816b13f4af952f7ea6584dcfb"));

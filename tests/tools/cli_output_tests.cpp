@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The output of the command line: places that it is written to, warnings, and the comparison of clouds.
+// The output of the command line: places that it is written to, warnings, reports, and the comparison of clouds.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "base/sha256.hpp"
 #include "gnosphere/output.hpp"
 #include "tools/cli_support.hpp"
 
@@ -213,6 +216,98 @@ TEST_CASE("compare looks at points, names the fields that it ignores, and counts
   CHECK_THAT(place.run("compare a.pcd b.pcd").out, ContainsSubstring("point error   max 2.06 m\n"));
 }
 
+TEST_CASE("a message on a terminal erases no line if there is no progress bar") {
+  const Workplace place;
+  const Result result =
+      place.run("-qec \"'" GNOSPHERE_BINARY "' scan none.glb\" /dev/null </dev/null", "TERM=xterm", "script");
+  if (result.status == 127) SKIP("no program `script`, which makes a terminal");
+  CHECK_THAT(result.out, StartsWith("gnosphere: cannot read") && !ContainsSubstring("\x1b"));
+}
+
+TEST_CASE("a scan that a signal ends leaves no unfinished file") {
+  const Workplace place;
+  // The shell lets its jobs ignore SIGINT, so that is tested in os_tests.
+  for (const auto& [signal, status] : {std::pair("TERM", 128 + 15), std::pair("HUP", 128 + 1)}) {
+    INFO(signal);
+    place.put("end.sh", std::string("'" GNOSPHERE_BINARY
+                                    "' scan floor.obj --sensor HDL-64E --device reference --effects clean -o a.csv &\n"
+                                    "while kill -0 $! && [ ! -s .a.csv.part ]; do :; done\n"
+                                    "kill -") +
+                            signal + " $!\nwait $!\n");
+    CHECK(place.run("end.sh", "", "/bin/sh").status == status);
+    CHECK_FALSE(std::filesystem::exists(place / ".a.csv.part"));
+    CHECK_FALSE(std::filesystem::exists(place / "a.csv"));
+  }
+}
+
+TEST_CASE("compare says of points, grids and coordinates what it does not know") {
+  const Workplace place;
+  const std::string head = "range,beam,triangle,instance\n";
+  place.put("a.csv", head + "1,0,0,0\n2,4,1,0\n");
+  place.put("b.csv", "x,y,z," + head + "1,0,0,1,0,0,0\n2,0,0,2,4,1,0\n");
+  place.put("c.csv", "x,y,z," + head + "3,0,0,1,0,0,0\n2,0,0,2,4,1,0\n");
+  const std::string none = "-, not compared, as not both files have x, y, z\n";
+  for (const char* files : {"a.csv b.csv", "b.csv a.csv"}) {
+    const Result bare = place.run(std::string("compare ") + files);
+    CHECK_THAT(bare.out,
+               ContainsSubstring("\npoint error   " + none) &&
+                   ContainsSubstring("\nwrong point              -  not compared, as not both files") &&
+                   ContainsSubstring("beams                    5  at least, as neither file states its grid\n"));
+    const auto json = place.runJson(std::string("compare --json ") + files);
+    CHECK(json.at("point_error_max_m").is_null());
+    CHECK(json.at("wrong_point").is_null());
+  }
+  CHECK_THAT(place.run("compare b.csv c.csv").out,
+             ContainsSubstring("wrong point              1  x, y, z further apart than that plus 1e-6 of the range, or "
+                               "2.4e-7 of the distance from the origin if more\n") &&
+                 ContainsSubstring("\npoint error   max 2 m\n"));
+  REQUIRE(place.run("scan floor.obj -o a.pcd" + kQuick).status == 0);
+  CHECK_THAT(place.run("compare a.pcd a.pcd").out, !ContainsSubstring("at least"));
+
+  place.put("far.csv", "x,y,z," + head + "500000.123,5400000.456,7.891,1,0,0,0\n");
+  place.put("moved.csv", "x,y,z," + head + "500000.123,5400000.458,7.891,1,0,0,0\n");
+  const Result moved = place.run("compare far.csv moved.csv");
+  CHECK(moved.status == 1);
+  CHECK(moved.err.empty());
+  CHECK_THAT(moved.out, ContainsSubstring("of the distance from (499712, 5399552, 0) if more"));
+  const auto json = nlohmann::json::parse(place.run("compare far.csv moved.csv --json").out);
+  CHECK(std::abs(json.at("point_error_max_m").get<double>() - 0.002) < 1e-4);
+  place.put("floats.csv", "x,y,z," + head + "500000.12,5400000.5,7.891,1,0,0,0\n");
+  const Result floats = place.run("compare far.csv floats.csv");
+  CHECK(floats.err ==
+        "gnosphere: warning: floats.csv: its coordinates are 32-bit floats, whose steps of 0.5 m are more than "
+        "--tolerance 0.001; write doubles, or coordinates from an origin nearby\n");
+  CHECK_THAT(floats.out, ContainsSubstring("of the distance from the origin if more"));
+  CHECK(place.run("compare far.csv floats.csv --tolerance 0.5").err.empty());
+  for (const char* tolerance : {"inf", "nan", "-1"}) {
+    const Result refused = place.run("compare b.csv b.csv --tolerance " + std::string(tolerance));
+    CHECK(refused.status == 2);
+    CHECK(refused.err == "gnosphere: the tolerance must be a number of metres from 0 on\n");
+  }
+}
+
+TEST_CASE("beams that never fire are called masked wherever beams are counted") {
+  const Workplace place;
+  place.put("head.json", R"({"name": "down", "columns": 30, "elevation_deg": [-60, -45],
+      "range": {"min": 0.5, "max": 100}, "masked_beams": [0, 1, 2, 2]})");
+  const std::string scan = "scan floor.obj --pose 0,0,1.8 --device reference --sensor head.json ";
+  CHECK_THAT(place.run(scan + "--effects clean").out,
+             ContainsSubstring("hits       57 of 60 beams (95.0 %), 3 masked\n") && !ContainsSubstring("lost  "));
+  place.put("t.tum", "0 0 0 1.8 0 0 0 1\n1 2 0 1.8 0 0 0 1\n");
+  CHECK_THAT(place.run("scan floor.obj --device reference --sensor head.json --effects clean --trajectory t.tum").out,
+             ContainsSubstring(" of 120 beams (95.0 %), 6 masked\n"));
+  // Beam 2 is masked and dead, beam 5 is dead alone.
+  place.put("dead.json", R"({"drop-out": {"dead_beams": [2, 5]}})");
+  const std::string both = place.run(scan + "--effects dead.json").out;
+  CHECK_THAT(both, ContainsSubstring("hits       56 of 60 beams (93.3 %), 3 masked\n") &&
+                       ContainsSubstring("lost       1 dead\n"));
+  CHECK_THAT(place.run("plan floor.obj --device reference --sensor head.json").out,
+             ContainsSubstring("down: 60 beams, 3 masked, 1 return each\n"));
+  CHECK_THAT(place.run("sensors head.json").out, ContainsSubstring("57 in a cloud of 30 x 2, 3 masked\n"));
+  CHECK_THAT(place.run("sensors").out,
+             ContainsSubstring("  beams   masked  ") && ContainsSubstring(" 115,200   28,800 "));
+}
+
 TEST_CASE("compare ends with status 2 if a file is cut short") {
   const Workplace place;
   REQUIRE(place.run("scan floor.obj -o a.pcd -o b.npy" + kQuick).status == 0);
@@ -220,4 +315,36 @@ TEST_CASE("compare ends with status 2 if a file is cut short") {
   const Result cut = place.run("compare a.pcd b.npy");
   CHECK(cut.status == 2);
   CHECK_THAT(cut.err, ContainsSubstring("b.npy: is cut short"));
+}
+
+TEST_CASE("scan --stats - prints only JSON, with the documented names") {
+  const Workplace place;
+  const auto stats = place.runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
+  CHECK(stats.at("device").at("type") == "reference");
+  for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
+    CHECK(stats.at("scene").contains(key));
+  }
+  CHECK(stats.at("sensor").at("beams") == 28800);
+  for (const char* key : {"effects", "stages", "accuracy", "binning", "bytes", "dispatches"})
+    CHECK(stats.at("plan").contains(key));
+  const auto& madeBy = stats.at("made_by");
+  CHECK(madeBy.at("version") == "0.3.0");
+  CHECK(madeBy.at("arguments") ==
+        nlohmann::json{
+            {"scene", "floor.obj"}, {"repeat", "3"}, {"stats", "-"}, {"device", "reference"}, {"sensor", "VLP-16"}});
+  CHECK(madeBy.at("effects").at("seed") == 1);
+  CHECK(madeBy.at("effects").at("fog").at("visibility") == 0);
+  const std::string floor = place.get("floor.obj");
+  CHECK(madeBy.at("inputs") ==
+        nlohmann::json{{{"path", "floor.obj"}, {"bytes", floor.size()}, {"sha256", gnosphere::sha256Text(floor)}}});
+  CHECK(stats.at("frame").at("runs") == 3);
+  CHECK(stats.at("frame").at("wall_ms").at("min") <= stats.at("frame").at("wall_ms").at("median"));
+  CHECK(stats.at("frame").contains("gpu_ms"));
+  CHECK(stats.at("frame").at("stages_ms").is_object());
+  const auto& counters = stats.at("counters");
+  CHECK(counters.at("hits").get<uint64_t>() + counters.at("misses").get<uint64_t>() == 28800);
+  for (const char* key : {"beams", "triangles", "non_finite", "degenerate", "culled_by_cluster", "culled_by_range",
+                          "culled_by_face", "culled_between_beams", "projected", "candidates", "retries"}) {
+    CHECK(counters.contains(key));
+  }
 }

@@ -69,6 +69,7 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --fields '' -o a.npy", 2, "''");
   checkRefused("scan floor.obj --fields x,y", 2, "--fields changes cloud files, and there is no --output");
   checkRefused("scan floor.obj --compact", 2, "--compact changes cloud files, and there is no --output");
+  checkRefused("scan floor.obj --no-compact", 2, "--no-compact changes cloud files, and there is no --output");
   checkRefused("scan floor.obj --fields range -o k.bin", 2, "--fields: files of KITTI (.bin) always have x, y, z");
   checkRefused("scan floor.obj --sensor VLP-16:10Hz", 2,
                "the sensor VLP-16 is an ideal head of the paper and has no modes");
@@ -289,27 +290,6 @@ TEST_CASE("a file whose positions have steps of single precision is warned of") 
   CHECK(place.run("info wide.ply").err == "");
 }
 
-TEST_CASE("scan --stats - prints only JSON, with the documented names") {
-  const auto stats = Workplace().runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
-  CHECK(stats.at("device").at("type") == "reference");
-  for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
-    CHECK(stats.at("scene").contains(key));
-  }
-  CHECK(stats.at("sensor").at("beams") == 28800);
-  for (const char* key : {"effects", "stages", "accuracy", "binning", "bytes", "dispatches"})
-    CHECK(stats.at("plan").contains(key));
-  CHECK(stats.at("frame").at("runs") == 3);
-  CHECK(stats.at("frame").at("wall_ms").at("min") <= stats.at("frame").at("wall_ms").at("median"));
-  CHECK(stats.at("frame").contains("gpu_ms"));
-  CHECK(stats.at("frame").at("stages_ms").is_object());
-  const auto& counters = stats.at("counters");
-  CHECK(counters.at("hits").get<uint64_t>() + counters.at("misses").get<uint64_t>() == 28800);
-  for (const char* key : {"beams", "triangles", "non_finite", "degenerate", "culled_by_cluster", "culled_by_range",
-                          "culled_by_face", "culled_between_beams", "projected", "candidates", "retries"}) {
-    CHECK(counters.contains(key));
-  }
-}
-
 TEST_CASE("a scene without triangles gives a cloud of misses and a warning") {
   const Workplace place;
   place.put("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
@@ -370,9 +350,12 @@ TEST_CASE("a scan whose beams are all lost tells why, and what helps") {
   std::vector<uint32_t> beams(60);
   std::iota(beams.begin(), beams.end(), 0);
   CHECK(with("masked_beams", beams, "--effect drop-out.general_rate=0.5") ==
-        lost + "60 of 60 beams dead; drop-out.dead_beams, or masked_beams of the sensor, names them\n");
+        lost + "60 of 60 beams masked; masked_beams of the sensor names them\n");
   CHECK(with("masked_beams", beams, "--effects clean") ==
-        lost + "60 of 60 beams dead; masked_beams of the sensor names them\n");
+        lost + "60 of 60 beams masked; masked_beams of the sensor names them\n");
+  place.put("dead.json", nlohmann::json{{"drop-out", {{"dead_beams", beams}}}}.dump());
+  CHECK(with("max_returns", 1, "--effects dead.json") ==
+        lost + "60 of 60 beams dead; drop-out.dead_beams, or masked_beams of the sensor, names them\n");
   // A few dead beams are not why the others meet nothing.
   CHECK_THAT(with("masked_beams", {0, 1}, "--pose 0,0,-2 --effect drop-out.general_rate=0.5"),
              StartsWith("gnosphere: warning: no beam hits anything; floor.obj spans x -10..10"));
@@ -435,6 +418,25 @@ TEST_CASE("a scan in fog tells how many beams have no surface") {
   REQUIRE(scattered > 100);
   CHECK_THAT(foggy.out, ContainsSubstring("%), " + grouped(scattered) + " of them by fog alone\n"));
   CHECK_THAT(place.run(scan).out, !ContainsSubstring("alone"));
+}
+
+TEST_CASE("causes in a cloud that leaves out beams without a return come with a warning and a way out") {
+  const Workplace place;
+  const std::string one = "scan floor.obj -o a.csv --fields beam,cause" + kQuick;
+  const std::string several = "scan floor.obj -o a.csv --fields beam,return,cause --effect returns.count=2" + kQuick;
+  for (const std::string& scan : {one + "--compact", several}) {
+    const Result warned = place.run(scan);
+    CHECK(warned.status == 0);
+    CHECK_THAT(warned.err, StartsWith("gnosphere: warning: --fields: the clouds leave out beams without a return, so "
+                                      "`cause` is 0 everywhere; --no-compact writes every beam"));
+  }
+  CHECK(place.run(one).err.empty());
+  const Result whole = place.run(several + "--no-compact --stats s.json");
+  CHECK(whole.status == 0);
+  CHECK(whole.err.empty());
+  const std::string rows = place.get("a.csv"), stats = place.get("s.json");
+  CHECK_THAT(rows, ContainsSubstring(",0,1\n") && ContainsSubstring(",1,0\n"));
+  CHECK_THAT(stats, ContainsSubstring("\"compact\": false,"));
 }
 
 TEST_CASE("the field class of a scene without classes comes with a warning") {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere town as a script would run it.
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <sstream>
 
 #include "tools/cli_support.hpp"
@@ -44,6 +48,14 @@ TEST_CASE("a town along a network is written, baked and scanned from the poses o
   CHECK_THAT(scan.out, ContainsSubstring("hits"));
 }
 
+TEST_CASE("gnosphere town warns of roads without room") {
+  const Workplace place;
+  const Result town = place.run("town -o town.glb --triangles 1000" + kNetwork);
+  CHECK(town.status == 0);
+  CHECK(town.err.starts_with("gnosphere: warning: 1000 triangles have room for "));
+  CHECK(std::count(town.err.begin(), town.err.end(), '\n') == 1);
+}
+
 TEST_CASE("a town that cannot be made leaves no file") {
   checkRefused("town -o town.glb --xodr nowhere.xodr", 1, "nowhere.xodr: cannot be read: No such file");
   checkRefused("town -o town.glb --xodr floor.obj", 1, "invalid XML: No document element found");
@@ -59,4 +71,43 @@ TEST_CASE("a drive through a town needs a name of the town that JSON can have") 
   CHECK(town.status == 2);
   CHECK_THAT(town.err, ContainsSubstring("JSON, which is UTF-8"));
   CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+}
+
+TEST_CASE("the cars of a network's example drive keep to the middle of their lane in tight bends") {
+  const Workplace place;
+  place.put("circle.xodr",
+            "<OpenDRIVE><header/><road id='1' length='340' junction='-1'><planView>"
+            "<geometry s='0' x='0' y='0' hdg='0' length='340'><arc curvature='0.1'/></geometry></planView><lanes>"
+            "<laneSection s='0'><center><lane id='0'/></center><right><lane id='-1' type='driving'>"
+            "<width sOffset='0' a='3.5' b='0' c='0' d='0'/></lane></right></laneSection></lanes></road></OpenDRIVE>");
+  REQUIRE(place.run("town -o town.glb --triangles 20000 --xodr circle.xodr --drive a.json").status == 0);
+  std::istringstream lines(place.get("a.tum"));
+  std::string line;
+  size_t poses = 0;
+  while (std::getline(lines, line)) {
+    double t, x, y;
+    if (std::sscanf(line.c_str(), "%lf %lf %lf", &t, &x, &y) != 3) continue;
+    // The circle's middle is at (0, 10), and the lane, outside of it, is 3.5 m wide.
+    REQUIRE(std::abs(std::sqrt(x * x + (y - 10) * (y - 10)) - 11.75) < 0.05);
+    ++poses;
+  }
+  CHECK(poses == 400);
+}
+
+TEST_CASE("the example drive of a town labels carriageway, sidewalk, markings and grass by their materials") {
+  const std::string roads = GENERATE(std::string(), kNetwork);
+  const Workplace place;
+  REQUIRE(place.run("town -o town.glb --triangles 100000 --drive a.json" + roads).status == 0);
+  const Result drive = place.run("drive a.json -o made --frames 0:1 --device reference");
+  CAPTURE(roads, drive.err);
+  REQUIRE(drive.status == 0);
+  const std::string bytes = place.get("made/semantickitti/sequences/00/labels/000000.label");
+  std::map<int, size_t> points;  // by class
+  for (size_t i = 0; i + 4 <= bytes.size(); i += 4)
+    ++points[static_cast<uint8_t>(bytes[i]) + 256 * static_cast<uint8_t>(bytes[i + 1])];
+  CHECK(points[40] > 5000);
+  for (int ground : {48, 60, 72}) {
+    CAPTURE(ground);
+    CHECK(points[ground] > 100);
+  }
 }

@@ -112,11 +112,17 @@ TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each 
       StartsWith(
           "gnosphere: warning: dense.tum has a pose every 0.01 s, and a turn of VLP-16 takes 0.1 s, so the scans "
           "overlap; gnosphere drive makes one scan per turn"));
+  std::string nanoseconds;
+  for (int i = 0; i < 10; ++i) nanoseconds += std::to_string(i) + "00000000 0 0 1.8 0 0 0 1\n";
+  place.put("nano.tum", nanoseconds);
+  CHECK(place.run("scan floor.obj --trajectory nano.tum -o n.csv" + quick).err ==
+        "gnosphere: warning: nano.tum has a pose every 1e+08 s; times are in seconds, and these look like "
+        "nanoseconds\n");
   // From half a turn on nothing is told of that. A triangle that is dropped from every scan is one triangle.
   place.put("half.tum", "0 0 0 1.8 0 0 0 1\n0.06 0 0 1.8 0 0 0 1\n0.12 0 0 1.8 0 0 0 1\n");
   place.put("hole.obj", place.get("floor.obj") + "v nan 0 0\nf 1 2 -1\n");
   CHECK(place.run("scan hole.obj --trajectory half.tum -o d.csv" + quick).err ==
-        "gnosphere: warning: 1 triangles of hole.obj are dropped because a corner is NaN, infinite or beyond 1e9 m\n");
+        "gnosphere: warning: 1 triangle of hole.obj is dropped because a corner is NaN, infinite or beyond 1e9 m\n");
 
   REQUIRE(
       place

@@ -3,11 +3,13 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
 
+#include "base/quaternion.hpp"
 #include "gnosphere/error.hpp"
 #include "problem.hpp"
 #include "town/opendrive/road_mesh.hpp"
@@ -109,7 +111,32 @@ std::vector<std::array<double, 4>> moments(const Scene& scene) {
 }
 
 double headingOf(const Pose& pose) {
-  return 2 * std::atan2(pose.orientation.z, pose.orientation.w);
+  const Vec3 x = pose.orientation * Vec3{1, 0, 0};
+  return std::atan2(x.y, x.x);
+}
+
+/// A network of one road with a lane of 3.5 m to each side.
+std::string oneRoad(double length, double heading, const std::string& shape, const std::string& profiles,
+                    const std::string& heights = "") {
+  const auto lane = [&](int id) {
+    return "<lane id='" + std::to_string(id) + "' type='driving'><width sOffset='0' a='3.5' b='0' c='0' d='0'/>" +
+           heights + "</lane>";
+  };
+  const std::string metres = std::to_string(length);
+  return "<OpenDRIVE><header/><road id='1' length='" + metres +
+         "' junction='-1'><planView><geometry s='0' x='0' y='0' " + "hdg='" + std::to_string(heading) + "' length='" +
+         metres + "'>" + shape + "</geometry></planView>" + profiles + "<lanes><laneSection s='0'><left>" + lane(1) +
+         "</left><center><lane id='0'/></center><right>" + lane(-1) +
+         "</right></laneSection></lanes></road></OpenDRIVE>";
+}
+
+/// The positions of the four wheels of a car with this transform or pose.
+template <typename Turn>
+std::vector<Vec3> wheelsOf(const Turn& turn) {
+  std::vector<Vec3> wheels;
+  for (double x : {-1.3, 1.3})
+    for (double y : {-0.75, 0.75}) wheels.push_back(turn(Vec3{x, y, 0}));
+  return wheels;
 }
 
 }  // namespace
@@ -157,6 +184,30 @@ TEST_CASE("every lane exists at its height, with asphalt on driving lanes") {
   CHECK(missing == 0);
   CHECK(off == 0);
   CHECK(wrong == 0);
+}
+
+TEST_CASE("roads come before what stands beside them, and a town without room for all of them says so") {
+  std::string warning;
+  TownOptions options = {2'000, 1, kJunction, [&](const std::string& message) { warning = message; }};
+  (void)makeTown(options);
+  int placed = 0, all = 0;
+  unsigned long long needed = 0;
+  CAPTURE(warning);
+  REQUIRE(std::sscanf(warning.c_str(),
+                      "2000 triangles have room for %d of %d roads and junctions; all of them need --triangles %llu",
+                      &placed, &all, &needed) == 3);
+  CHECK(placed < all);
+  CHECK(all == 5);  // roads 1 to 4 and the junction
+  options.triangles = needed - 1;
+  (void)makeTown(options);
+  CHECK(warning.starts_with(std::to_string(needed - 1) + " triangles have room for 4 of 5 roads"));
+  warning.clear();
+  options.triangles = needed;
+  const GroundView ground(makeTown(options));
+  CHECK(warning == "");
+  size_t without = 0;
+  for (const Pose& pose : makeDrive(options)) without += ground.at(pose.position.x, pose.position.y) ? 0 : 1;
+  CHECK(without == 0);
 }
 
 TEST_CASE("only vehicles stand on a carriageway") {
@@ -224,6 +275,64 @@ TEST_CASE("a drive has even steps, is smooth, stays in the right lane 1.8 m abov
       if (std::abs(ahead) < 2 && std::abs(left) < 1.4 && std::abs(d.z) < 4) FAIL(instance.name << " at pose " << i);
     }
   }
+}
+
+TEST_CASE("vehicles and the drive stand on a road with a slope, a superelevation and heights of lanes") {
+  const double heading = 0.5, slope = 0.1, roll = 0.06, height = 0.2;
+  const fs::path file = fs::temp_directory_path() / "gnosphere-inclined.xodr";
+  std::ofstream(file) << oneRoad(400, heading, "<line/>",
+                                 "<elevationProfile><elevation s='0' a='3' b='0.1' c='0' d='0'/></elevationProfile>"
+                                 "<lateralProfile><superelevation s='0' a='0.06' b='0' c='0' d='0'/></lateralProfile>",
+                                 "<height sOffset='0' inner='0.2' outer='0.2'/>");
+  const TownOptions options = {200'000, 1, file};
+  const std::vector<Pose> drive = makeDrive(options);
+  const Scene scene = makeTown(options);
+  fs::remove(file);
+  // The road's axes: along it, to its left, and upright on both; its points at s and t.
+  const Vec3 level = {std::cos(heading), std::sin(heading), 0};
+  const Vec3 along = 1 / std::sqrt(1 + slope * slope) * (level + Vec3{0, 0, slope});
+  const Vec3 left = {-std::cos(roll) * level.y, std::cos(roll) * level.x, std::sin(roll)};
+  const Vec3 upright = cross(along, left), up = 1 / lengthOf(upright) * upright;
+  const auto heightAt = [&](const Vec3& p) {  // of the lanes' surface
+    const double s = dot(p, level), t = (p.y * level.x - p.x * level.y) / std::cos(roll);
+    return 3 + slope * s + std::sin(roll) * t + height;
+  };
+  for (const Pose& pose : drive) {
+    const double direction = dot(pose.orientation * Vec3{1, 0, 0}, along) > 0 ? 1 : -1;
+    REQUIRE(lengthOf(pose.orientation * Vec3{1, 0, 0} - direction * along) < 1e-6);
+    REQUIRE(lengthOf(pose.orientation * Vec3{0, 0, 1} - up) < 1e-6);
+    REQUIRE(std::abs(pose.position.z - heightAt(pose.position) - 1.8) < 1e-6);
+  }
+  size_t vehicles = 0;
+  for (const Instance& instance : scene.instances) {
+    const auto& rows = instance.transform.rows;
+    if (!isVehicle(instance.name) || std::abs(dot({rows[3], rows[7], 0}, {-level.y, level.x, 0})) > 3.5) continue;
+    INFO(instance.name);
+    ++vehicles;
+    CHECK(std::abs(dot({rows[0], rows[4], rows[8]}, along)) > 1 - 1e-9);
+    CHECK(lengthOf(Vec3{rows[2], rows[6], rows[10]} - up) < 1e-6);
+    CHECK(std::abs(rows[11] - heightAt({rows[3], rows[7], 0})) < 1e-6);
+  }
+  CHECK(vehicles > 2);
+}
+
+TEST_CASE("the wheels of vehicles and of the drive's car touch the road") {
+  const TownOptions options = {600'000, 1, kJunction};
+  const Scene scene = makeTown(options);
+  const GroundView ground(scene);
+  std::vector<Vec3> wheels;
+  for (const Instance& instance : scene.instances)
+    if (isVehicle(instance.name))
+      for (const Vec3& wheel : wheelsOf([&](const Vec3& p) { return instance.transform * p; })) wheels.push_back(wheel);
+  for (const Pose& pose : makeDrive(options))
+    for (const Vec3& wheel : wheelsOf([&](const Vec3& p) { return pose.position + pose.orientation * p; }))
+      wheels.push_back(wheel - Vec3{0, 0, 1.8});
+  CHECK(wheels.size() > 1640);
+  double farthest = 0;
+  for (const Vec3& wheel : wheels)
+    if (const auto road = ground.at(wheel.x, wheel.y); road && std::abs(road->z - wheel.z) < 1)
+      farthest = std::max(farthest, std::abs(road->z - wheel.z));
+  CHECK(farthest < 0.04);
 }
 
 TEST_CASE("an offset in the header moves the town without changing vertices") {

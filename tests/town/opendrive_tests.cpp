@@ -76,6 +76,63 @@ Geometry curve(Shape shape, double length, double from = 0, double to = 0) {
   return geometry;
 }
 
+/// A straight road along x with two lanes of 3.5 m, whose reference line starts at (x, 0).
+Road straightRoad(const std::string& id, double x, double length) {
+  Road road;
+  road.id = id;
+  road.length = length;
+  road.geometries = {curve(Shape::line, length)};
+  road.geometries[0].start = {x, 0, 0};
+  Lane left, centre, right;
+  left.id = 1;
+  right.id = -1;
+  left.use = right.use = LaneUse::carriageway;
+  left.width = right.width = {{0, 3.5}};
+  road.sections = {{0, length, {left, centre, right}}};
+  return road;
+}
+
+struct Triangle {
+  Surface surface;
+  Vec3 corners[3];
+  /// Twice the area that it covers in plan; negative if it is seen from below.
+  double plan() const {
+    const auto& [a, b, c] = corners;
+    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  }
+};
+
+std::vector<Triangle> trianglesOf(const std::vector<GroundPiece>& pieces) {
+  std::vector<Triangle> triangles;
+  for (const GroundPiece& piece : pieces)
+    for (const MeshPart& part : piece.mesh.parts)
+      for (size_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+        Triangle triangle = {static_cast<Surface>(part.material), {}};
+        for (size_t k = 0; k < 3; ++k) {
+          const float* p = &piece.mesh.positions[3 * piece.mesh.indices[3 * t + k]];
+          triangle.corners[k] = piece.at + Vec3{p[0], p[1], p[2]};
+        }
+        triangles.push_back(triangle);
+      }
+  return triangles;
+}
+
+/// Height of the highest triangle at a point in plan; NaN where there is none.
+double heightAt(const std::vector<Triangle>& triangles, double x, double y) {
+  double highest = std::nan("");
+  for (const Triangle& triangle : triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const double area = triangle.plan();
+    if (area < 1e-9) continue;
+    const double u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+    const double v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+    if (u < -1e-6 || v < -1e-6 || u + v > 1 + 1e-6) continue;
+    const double z = a.z + u * (b.z - a.z) + v * (c.z - a.z);
+    if (!(highest >= z)) highest = z;
+  }
+  return highest;
+}
+
 /// All .xodr files under the folder GNOSPHERE_SCENES; none if it is not set.
 std::vector<fs::path> sharedNetworks() {
   std::vector<fs::path> files;
@@ -245,6 +302,116 @@ TEST_CASE("road marks have the area of their kind: solid, broken, double") {
   }
 }
 
+TEST_CASE(
+    "a road has a cross-section where an entry of its profiles or marks starts, and more where its slope changes") {
+  Road road = straightRoad("1", 0, 90);
+  // The road is level up to 31.5 m and rises by 15 % up to 50 m; a curve up to 53 m makes it level again.
+  road.elevation = {{0, 0}, {31.5, 0, 0.15}, {50, 2.775, 0.15, -0.025}, {53, 3, 0}};
+  road.superelevation = {{0, 0}, {70.7, 0, 0.002}};
+  road.laneOffset = {{0, 0}, {20.2, 0, 0.1}, {25.2, 0.5}};
+  Lane& right = road.sections[0].lanes[2];
+  right.width = {{0, 3.5}, {64.4, 3.5, 0.2}, {67.4, 4.1}};
+  right.inner = right.outer = {{0, 0}, {40.4, 0, 0.1}, {41.4, 0.1}};
+  right.hasHeight = true;
+  right.marks = {{0, MarkKind::solid, MarkKind::none, 0.15}, {31.2}};
+  const std::vector<Triangle> triangles = trianglesOf(roadPieces(road));
+  double worst = 0;
+  for (double s = 0.05; s < 90; s += 0.1) {
+    const RoadFrame frame = road.frame(s);
+    const std::vector<double> edges = laneEdges(road, road.sections[0], s);
+    for (double share : {0.05, 0.5, 0.95}) {
+      const Vec3 left = frame.point(edges[0] + share * (edges[1] - edges[0]));
+      const Vec3 below = frame.point(edges[2] + share * (edges[3] - edges[2]));
+      const double height = valueAt(right.inner, s);
+      worst = std::max(worst, std::abs(heightAt(triangles, left.x, left.y) - left.z));
+      worst = std::max(worst, std::abs(heightAt(triangles, below.x, below.y) - below.z - height));
+    }
+    // Just inside the outer edge of the right lane there is a surface, and just outside of it there is none.
+    const Vec3 inside = frame.point(edges[3] + 0.01), outside = frame.point(edges[3] - 0.01);
+    CHECK(std::isfinite(heightAt(triangles, inside.x, inside.y)));
+    CHECK(std::isnan(heightAt(triangles, outside.x, outside.y)));
+  }
+  CHECK(worst < 0.02);
+  double painted = 0;
+  for (const Triangle& triangle : triangles)
+    if (triangle.surface == Surface::roadPaint) painted += triangle.plan() / 2;
+  CHECK(std::abs(painted - 0.15 / 2 * 31.2) < 0.01);
+  const std::vector<double> all = stations(road, 0, 90);
+  for (double s : {20.2, 25.2, 31.2, 31.5, 40.4, 41.4, 64.4, 67.4, 70.7})
+    CHECK(std::find(all.begin(), all.end(), s) != all.end());
+  for (const auto& [from, to] : {std::pair(0.0, 90.0), {31.5, 31.5004}, {10.0, 12.0}}) {
+    const std::vector<double> list = stations(road, from, to);
+    CHECK(list.front() == from);
+    CHECK(list.back() == to);
+    CHECK(std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()) == list.end());
+  }
+}
+
+TEST_CASE("a junction has the heights of the connecting road, and no step where other roads meet it") {
+  constexpr double kStart = 50, kEnd = 81.3;  // metres: where the connecting road C lies between the roads A and B
+  for (const auto& [slope, bend, roll, width] :
+       {std::tuple{0.1, 0.0, 0.0, 3.5}, {0.0, 0.0, 0.06, 14.0}, {0.05, 0.0, -0.04, 7.0}, {0.0, 0.08, 0.02, 3.5}}) {
+    CAPTURE(slope, bend, roll, width);
+    // The slope changes by `bend` at 63.2 m, inside C.
+    const auto elevation = [&, slope = slope, bend = bend](double x) {
+      return slope * x + bend * std::max(0.0, x - 63.2);
+    };
+    Network network;
+    for (const auto& [id, from, to] : {std::tuple{"A", 0.0, kStart}, {"C", kStart, kEnd}, {"B", kEnd, 120.0}}) {
+      Road road = straightRoad(id, from, to - from);
+      road.elevation = {{0, elevation(from), slope + (from > 63.2 ? bend : 0)}};
+      if (from == kStart) road.elevation.push_back({63.2 - from, elevation(63.2), slope + bend});
+      road.superelevation = {{0, roll}};
+      for (Lane& lane : road.sections[0].lanes)
+        if (lane.id != 0) lane.width = {{0, width}};
+      network.roads.push_back(road);
+    }
+    network.roads[0].successor = network.roads[2].predecessor = {RoadLink::junction, "J"};
+    network.roads[1].junction = "J";
+    const std::vector<Triangle> junction = trianglesOf(junctionPieces(network, "J"));
+    const std::vector<Triangle> before = trianglesOf(roadPieces(network.roads[0]));
+    double inside = 0, seam = 0, step = 0;
+    size_t missing = 0;
+    for (double t = -width + 0.1; t < width - 0.1; t += 0.31) {  // corners are rounded
+      const double y = t * std::cos(roll);
+      const auto error = [&](double x) {
+        const double off = std::abs(heightAt(junction, x, y) - elevation(x) - t * std::sin(roll));
+        missing += std::isfinite(off) ? 0 : 1;
+        return off;
+      };
+      for (double x = kStart + 0.05; x < kEnd; x += 0.37) inside = std::max(inside, error(x));
+      for (double x : {kStart + 0.002, kEnd - 0.002}) seam = std::max(seam, error(x));
+      step = std::max(step, std::abs(heightAt(before, kStart - 0.002, y) - heightAt(junction, kStart + 0.002, y)));
+    }
+    CHECK(missing == 0);
+    CHECK(step < 0.002);
+    CHECK(inside < (bend == 0 ? 0.001 : 0.02));
+    CHECK(seam < 0.001);
+  }
+}
+
+TEST_CASE(
+    "where connecting roads at different heights overlap, the junction leads from one to the other without steps") {
+  Network network;
+  network.roads = {straightRoad("C", 0, 40), straightRoad("D", 20, 40)};
+  network.roads[1].geometries[0].start = {20, -20, 0};
+  network.roads[1].geometries[0].heading = M_PI / 2;
+  network.roads[1].elevation = {{0, 0.3}};
+  for (Road& road : network.roads) road.junction = "J";
+  const std::vector<Triangle> junction = trianglesOf(junctionPieces(network, "J"));
+  CHECK(std::abs(heightAt(junction, 20, 0) - 0.15) < 0.01);
+  for (double y : {-2.0, 0.3, 1.7}) {
+    double before = 0;
+    for (double x = 0.05; x < 40; x += 0.05) {
+      const double z = heightAt(junction, x, y);
+      CAPTURE(x, y, z, before);
+      CHECK(std::abs(z - before) < 0.02);
+      if (std::abs(x - 20) > 4) CHECK(std::abs(z) < 0.01);
+      before = z;
+    }
+  }
+}
+
 TEST_CASE("a network is centred, and the header's offset transforms back to the world") {
   const Network plain = readNetwork(kJunction);
   const TemporaryFile moved(
@@ -257,6 +424,22 @@ TEST_CASE("a network is centred, and the header's offset transforms back to the 
   CHECK(distance(there, {x * std::cos(0.5) - y * std::sin(0.5), x * std::sin(0.5) + y * std::cos(0.5),
                          inFile.z + 100}) < 1e-5);
   CHECK(distance(plain.toFile * plain.road("1")->frame(0).at, {0, 0, 0}) < 1e-9);
+}
+
+TEST_CASE("traffic goes forward on the right, on the left of left-hand roads, and the other way on reversed lanes") {
+  for (const bool leftHand : {false, true})
+    for (const bool reversed : {false, true}) {
+      const std::string direction = reversed ? " direction=\"reversed\"" : "", rule = leftHand ? "LHT" : "RHT";
+      const std::string width = "<width sOffset=\"0\" a=\"3\" b=\"0\" c=\"0\" d=\"0\"/></lane>";
+      const TemporaryFile file(
+          "<OpenDRIVE><header/><road id=\"1\" length=\"400\" junction=\"-1\" rule=\"" + rule +
+          "\"><planView><geometry s=\"0\" x=\"0\" y=\"0\" hdg=\"0\" length=\"400\"><line/></geometry></planView><lanes>"
+          "<laneSection s=\"0\"><center><lane id=\"0\"/></center><right><lane id=\"-1\" type=\"driving\"" +
+          direction + ">" + width + "</right></laneSection></lanes></road></OpenDRIVE>");
+      CAPTURE(leftHand, reversed);
+      const std::vector<WayPoint> points = planDrive(readNetwork(file.path), 1, 300).points;
+      CHECK((points.back().at.x > points.front().at.x) == (leftHand == reversed));
+    }
 }
 
 TEST_CASE("a mistake in a file is reported in one line with the file, the road and the mistake") {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/nearest_text.hpp"
+#include "base/os.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "gnosphere/error.hpp"
@@ -166,6 +167,7 @@ int runCommandLine(int argc, char** argv) {
       addCommand(app, "view", "Make an HTML page that shows clouds", addView),
   };
   rememberCommand(argc, argv);
+  os::removeUnfinishedAtEnd();
   // A file shows each line of a long run at once. Windows has no buffering by lines, so say() and tables flush.
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   try {

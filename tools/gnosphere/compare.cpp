@@ -17,6 +17,8 @@ struct CompareOptions {
   bool json = false;
 };
 
+constexpr const char* kNoPoints = "not compared, as not both files have x, y, z";
+
 /// The names of the fields that a comparison ignores.
 std::vector<std::string> ignoredFields(const Scan& reference, const Scan& other) {
   std::vector<std::string> names;
@@ -30,21 +32,36 @@ std::string joined(const std::vector<std::string>& names) {
   return list;
 }
 
-void printJson(const Comparison& comparison, const std::vector<std::string>& ignored) {
+bool comparesPoints(const CloudFile& a, const CloudFile& b) {
+  return a.scan.has(Field::x) && b.scan.has(Field::x);
+}
+
+void printJson(const Comparison& comparison, const CloudFile& a, const CloudFile& b,
+               const std::vector<std::string>& ignored) {
   Json json = toJson(comparison);
+  if (!comparesPoints(a, b)) json["wrong_point"] = json["point_error_max_m"] = nullptr;
   json["not_compared"] = ignored;
   std::printf("%s", dump(json).c_str());
 }
 
-void printComparison(const FileComparison& c, const Scan& reference, const std::vector<std::string>& ignored,
-                     double tolerance) {
+/// By how much points may be further apart than ranges, as in compareFiles().
+std::string roundingText(const CloudFile& a, const CloudFile& b) {
+  const Origin centre = roundingCentre(a, b);
+  return "1e-6 of the range, or 2.4e-7 of the distance from " +
+         (centre == Origin{} ? "the origin" : formatted("(%.0f, %.0f, %.0f)", centre[0], centre[1], centre[2])) +
+         " if more";
+}
+
+void printComparison(const FileComparison& c, const CloudFile& a, const CloudFile& b,
+                     const std::vector<std::string>& ignored, double tolerance) {
+  const Scan& reference = a.scan;
   const auto line = [](const char* name, const std::string& count, const std::string& meaning) {
     std::printf("%-13s %12s  %s\n", name, count.c_str(), meaning.c_str());
   };
   const auto row = [&](const char* name, uint64_t count, const std::string& meaning) {
     line(name, grouped(count), meaning);
   };
-  row("beams", c.beams, "");
+  row("beams", c.beams, a.statesGrid || b.statesGrid ? "" : "at least, as neither file states its grid");
   row("returns", c.hits, "of the reference");
   row("missed", c.missed, "returns of the reference alone");
   row("false", c.falseHits, "returns of the other alone");
@@ -53,7 +70,10 @@ void printComparison(const FileComparison& c, const Scan& reference, const std::
       reference.has(Field::tolerance)
           ? formatted("further apart than the reference's tolerance, or %g m where it has none", tolerance)
           : formatted("further apart than %g m, as the reference has no field tolerance", tolerance));
-  row("wrong point", c.wrongPoint, "x, y, z further apart than that and a millionth of the range");
+  if (comparesPoints(a, b))
+    row("wrong point", c.wrongPoint, "x, y, z further apart than that plus " + roundingText(a, b));
+  else
+    line("wrong point", "-", kNoPoints);
   if (reference.has(Field::tie))
     row("ties", c.ties, "set apart by the reference; " + grouped(c.tieDifferences) + " of them differ");
   else
@@ -63,17 +83,22 @@ void printComparison(const FileComparison& c, const Scan& reference, const std::
                 c.rangeErrorRms);
   else
     std::printf("range error   -, as no return has the same triangle in both, ties aside\n");
-  std::printf("point error   max %.3g m\n", c.pointErrorMax);
+  if (comparesPoints(a, b))
+    std::printf("point error   max %.3g m\n", c.pointErrorMax);
+  else
+    std::printf("point error   -, %s\n", kNoPoints);
   if (!ignored.empty()) std::printf("not compared  %s\n", joined(ignored).c_str());
   std::printf("%s\n", c.same() ? "the same" : "NOT the same");
 }
 
 int runCompare(const CompareOptions& options) {
-  const CloudFile reference = readCloudFile(pathOf(options.reference)), other = readCloudFile(pathOf(options.other));
+  const auto [reference, other] = readCloudFiles(pathOf(options.reference), pathOf(options.other));
   const FileComparison comparison = compareFiles(reference, other, options.tolerance);
+  warnOfFloats(options.reference, reference.floatStep, "--tolerance", options.tolerance);
+  warnOfFloats(options.other, other.floatStep, "--tolerance", options.tolerance);
   const std::vector<std::string> ignored = ignoredFields(reference.scan, other.scan);
-  options.json ? printJson(comparison, ignored)
-               : printComparison(comparison, reference.scan, ignored, options.tolerance);
+  options.json ? printJson(comparison, reference, other, ignored)
+               : printComparison(comparison, reference, other, ignored, options.tolerance);
   return comparison.same() ? 0 : 1;
 }
 

@@ -36,14 +36,23 @@ bool showsProgress() {
   return os::isTerminal(stderr) && !(kind && std::string_view(kind) == "dumb");
 }
 
+bool barIsShown = false;  // on the last line of the terminal
+
 }  // namespace
 
 void complain(const std::string& message) {
   std::string line = message;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);                                    // keeps the order of the two streams on a terminal
-  const char* erase = showsProgress() ? "\r\x1b[K" : "";  // a progress bar may be on this line
-  std::fprintf(stderr, "%sgnosphere: %s\n", erase, printable(line).c_str());
+  std::fflush(stdout);  // keeps the order of the two streams on a terminal
+  std::fprintf(stderr, "%sgnosphere: %s\n", barIsShown ? "\r\x1b[K" : "", printable(line).c_str());
+  barIsShown = false;
+}
+
+void warnOfFloats(const std::string& file, double step, const char* option, double distance) {
+  if (step <= distance) return;
+  complain("warning: " + file +
+           formatted(": its coordinates are 32-bit floats, whose steps of %g m are more than ", step) + option +
+           formatted(" %g; write doubles, or coordinates from an origin nearby", distance));
 }
 
 int checkedOutput(int status, int failed) {
@@ -189,7 +198,9 @@ Progress::Progress(const char* what, uint64_t total, bool lines)
       lines_(startMs_) {}
 
 Progress::~Progress() {
-  if (shown_) std::fprintf(stderr, "\r\x1b[K");
+  if (!shown_ || !barIsShown) return;
+  std::fprintf(stderr, "\r\x1b[K");
+  barIsShown = false;
 }
 
 namespace {
@@ -210,7 +221,7 @@ void Progress::step(uint64_t done, uint64_t total) {
   if (inLines_ && lines_.isDue(done, total, now)) std::fprintf(stderr, "gnosphere: %s\n", text.c_str());
   if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100) return;
   lastMs_ = now;
-  shown_ = true;
+  shown_ = barIsShown = true;
   constexpr uint64_t kCells = 24;
   const uint64_t full = kCells * done / total, columns = os::terminalColumns(stderr);
   const std::string bar = "[" + std::string(full, '#') + std::string(kCells - full, ' ') + "] ";

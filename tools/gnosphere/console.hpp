@@ -16,6 +16,10 @@ bool parsePair(const std::string& text, char separator, bool optional, uint64_t&
 /// Prints `gnosphere: message` as one line on stderr.
 void complain(const std::string& message);
 
+/// Warns if the coordinates of a cloud file are 32-bit floats whose step, if it is not 0, is more than the distance
+/// that an option states.
+void warnOfFloats(const std::string& file, double step, const char* option, double distance);
+
 /// Returns the exit status of a call: `failed`, with a message, if the standard output has lost what was printed.
 /// Whoever closes a pipe, as `head` does, wants no more, so then there is no message.
 int checkedOutput(int status, int failed);

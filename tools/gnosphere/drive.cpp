@@ -16,12 +16,13 @@
 #include "no_hits.hpp"
 #include "option_table.hpp"
 #include "scanning.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
 struct DriveCall {
-  std::string file, out, frames, shard, seed, device = "auto";
+  std::string file, out, frames, shard, seed, name, device = "auto";
   Settings settings;
   bool verify = false, live = false;
   double speed = 1;
@@ -54,6 +55,14 @@ std::optional<uint64_t> seedOf(const DriveCall& call) {
   return effectsOf(options).seed;
 }
 
+/// Returns the name of the command line; none if there is none.
+std::optional<std::string> nameOf(const DriveCall& call) {
+  if (call.name.empty()) return {};
+  if (const std::string why = drive::mistakeOfName(call.name); !why.empty())
+    throw Error(ErrorCode::invalidArgument, "--name: " + why);
+  return call.name;
+}
+
 /// Returns text such as "kitti in kitti/, sensor top".
 std::string outputText(const drive::Drive& drive, const drive::Output& output) {
   std::string names;
@@ -74,8 +83,18 @@ std::string actorsText(const drive::Drive& drive) {
   return counted(drive.actors.size(), "actor starts", "actors start") + " within " + extentText(around);
 }
 
-/// Returns where scenes, actors and the first sensor of a drive are: the vehicle may be far from the scenes, or a scene
-/// may have another unit.
+/// Returns the largest of the least ranges, and of the largest ones, of a sensor's beams in its first scan.
+RangeWindow largestRanges(const Sensor& sensor) {
+  RangeWindow largest = {0, 0};
+  for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
+    const RangeWindow window = rangeWindowOf(sensor, beam, 0);
+    largest = {std::max(largest.least, window.least), std::max(largest.most, window.most)};
+  }
+  return largest;
+}
+
+/// Returns where scenes, actors and the first sensor of a drive are, and how far it sees: the vehicle may be far from
+/// the scenes, or a scene may have another unit.
 std::string placesText(const drive::Drive& drive) {
   std::string extents;
   for (const Scene& scene : drive.scenes) {
@@ -85,29 +104,25 @@ std::string placesText(const drive::Drive& drive) {
   const std::string actors = actorsText(drive);
   return "the scenes " + (extents.empty() ? "have no triangle" : "span " + extents) +
          (actors.empty() ? "" : ", " + actors) + ", and sensor '" + drive.sensors[0].name + "' starts at " +
-         placeText(drive.sensorPose(0, drive.start).position);
-}
-
-/// Returns the largest of the least ranges of a sensor's beams in its first scan.
-double largestLeastRange(const Sensor& sensor) {
-  double largest = 0;
-  for (size_t beam = 0; beam < sensor.beamCount(); ++beam)
-    largest = std::max(largest, rangeWindowOf(sensor, beam, 0).least);
-  return largest;
+         placeText(drive.sensorPose(0, drive.start).position) + " and sees as far as " +
+         coordinateText(largestRanges(drive.sensors[0].sensor).most) + " m";
 }
 
 /// Warns of a run in which no scan has a point.
 void warnOfNoPoints(const drive::Drive& drive, const Counters& counters) {
   std::string places = placesText(drive);
   for (const drive::RigSensor& rigged : drive.sensors) {
-    const double least = largestLeastRange(rigged.sensor);
+    const double least = largestRanges(rigged.sensor).least;
     const bool hides = rigged.sensor.nearHits == NearHits::hide;
     if (least < (hides ? 1e-3 : 1)) continue;
     places += "; surfaces nearer than the least range of sensor '" + rigged.name + "', " + coordinateText(least) +
               " m, " + (hides ? "hide what is behind them, because its near_hits is hide" : "give no return");
     break;
   }
-  const std::vector<Loss> losses = lossesByEffects(counters);
+  const auto isMasked = [](const drive::RigSensor& rigged) {
+    return maskedBeams(rigged.sensor) == rigged.sensor.beamCount();
+  };
+  const std::vector<Loss> losses = lossesByEffects(counters, std::ranges::all_of(drive.sensors, isMasked));
   const Loss unmet = {beamsWithoutSurface(counters), "met nothing in their ranges", places};
   complain("warning: no scan has a point; " + (losses.empty() ? places : lossText(losses, unmet, counters.beams)));
 }
@@ -121,6 +136,21 @@ std::string seedText(const drive::Drive& drive) {
   return std::to_string(drive.seed) + others;
 }
 
+/// Returns text such as "car 4.6 x 1.8 x 1.5 m, person 0.5 x 0.6 x 1.7 m": lengths, widths and heights of the models
+/// that the drive file names, without the size that an actor may give them. Of many models these are the first.
+std::string modelsText(const drive::Drive& drive) {
+  constexpr size_t kShown = 6;
+  std::string text;
+  for (size_t m = 0; m < std::min(kShown, drive.modelNames.size()); ++m) {
+    const Bounds bounds = worldBounds(drive.models[m]);
+    const Vec3 size = bounds.max - bounds.min;
+    text +=
+        (text.empty() ? "" : ", ") + drive.modelNames[m] + formatted(" %.3g x %.3g x %.3g m", size.x, size.y, size.z);
+  }
+  if (drive.modelNames.size() > kShown) text += " and " + grouped(drive.modelNames.size() - kShown) + " more";
+  return text;
+}
+
 void describe(const drive::Drive& drive) {
   size_t triangles = 0;
   for (const Scene& scene : drive.scenes) triangles += scene.placedTriangleCount();
@@ -128,6 +158,7 @@ void describe(const drive::Drive& drive) {
                    formatted("%g", drive.rate) + " Hz, " + formatted("%g", drive.duration) + " s");
   say("seed", seedText(drive));
   say("scene", counted(triangles, "triangle", "triangles") + ", " + counted(drive.actors.size(), "actor", "actors"));
+  if (!drive.modelNames.empty()) say("models", modelsText(drive));
   for (const drive::RigSensor& sensor : drive.sensors)
     say("sensor", sensor.name + ", " + sensor.sensor.name + ", " + grouped(sensor.sensor.beamCount()) + " beams at " +
                       formatted("%g", sensor.rate) + " Hz");
@@ -184,7 +215,7 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
 
 int runDrive(const DriveCall& call) {
   drive::RunOptions options = optionsOf(call);
-  const drive::Drive drive = drive::readDrive(pathOf(call.file), seedOf(call));
+  const drive::Drive drive = drive::readDrive(pathOf(call.file), seedOf(call), nameOf(call));
   for (const std::string& warning : drive.warnings) complain("warning: " + warning);
   if (const std::string why = drive::mistakeOfFrames(drive, options.firstFrame, options.endFrame); !why.empty())
     throw Error(ErrorCode::invalidArgument, "--frames: " + why);
@@ -224,6 +255,8 @@ Action addDrive(CLI::App& app) {
       app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
   app.add_option("--seed", call->seed,
                  "The seed of all random numbers, in place of that of the drive file; it belongs to the data set");
+  app.add_option("--name", call->name,
+                 "The name of the drive, in place of that of the drive file; nuScenes' scenes and files have it");
   app.add_option("--device", call->device, kDeviceHelp)->capture_default_str();
   addSetOption(app, call->settings);
   app.add_flag("--verify", call->verify,

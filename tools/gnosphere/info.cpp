@@ -6,8 +6,10 @@
 #include "base/json_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "geometry/dropped_triangles.hpp"
 #include "json.hpp"
 #include "scanning.hpp"
+#include "scene/bounds.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -35,15 +37,39 @@ Json classOf(const Item& item) {
   return item.className.empty() ? Json() : Json(item.className);
 }
 
-Json infoJson(const InfoOptions& options, const Scene& scene) {
-  const Bounds bounds = worldBounds(scene);
+Json boundsJson(const Bounds& bounds) {
+  return bounds.empty() ? Json() : Json({{"min", listOf(bounds.min)}, {"max", listOf(bounds.max)}});
+}
+
+Json materialJson(const Material& material) {
+  constexpr const char* kAlphaModes[] = {"opaque", "mask", "blend"};  // in the order of AlphaMode
+  return {{"name", material.name},
+          {"class", classOf(material)},
+          {"base_color", material.baseColor},
+          {"metallic", material.metallic},
+          {"roughness", material.roughness},
+          {"transmission", material.transmission},
+          {"alpha_mode", kAlphaModes[static_cast<size_t>(material.alphaMode)]},
+          {"alpha_cutoff", material.alphaCutoff},
+          {"double_sided", material.doubleSided},
+          {"retro", material.retro}};
+}
+
+Json infoJson(const InfoOptions& options, const Scene& scene, const DroppedTriangles& dropped) {
   Json json = {{"scene", options.scene},
                {"triangles", scene.placedTriangleCount()},
                {"unique_triangles", scene.uniqueTriangleCount()},
+               {"non_finite", dropped.nonFinite},
+               {"degenerate", dropped.degenerate},
                {"meshes", scene.meshes.size()},
                {"instances", scene.instances.size()},
                {"materials", scene.materials.size()}};
-  json["bounds"] = bounds.empty() ? Json() : Json({{"min", listOf(bounds.min)}, {"max", listOf(bounds.max)}});
+  json["bounds"] = boundsJson(worldBounds(scene));
+  json["mesh_list"] = Json::array();
+  for (size_t i = 0; i < scene.meshes.size(); ++i)
+    json["mesh_list"].push_back({{"name", nameOf(scene.meshes[i], i)},
+                                 {"vertices", scene.meshes[i].vertexCount()},
+                                 {"triangles", scene.meshes[i].triangleCount()}});
   json["deformable_meshes"] = Json::array();
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
@@ -55,13 +81,16 @@ Json infoJson(const InfoOptions& options, const Scene& scene) {
                                          {"morph_targets", mesh.morphTargets.size()}});
   }
   json["instance_list"] = Json::array();
-  for (const Instance& instance : scene.instances)
+  const std::vector<Bounds> boxes = instanceBounds(scene);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
     json["instance_list"].push_back({{"name", instance.name},
                                      {"class", classOf(instance)},
-                                     {"mesh", nameOf(scene.meshes[instance.mesh], instance.mesh)}});
+                                     {"mesh", nameOf(scene.meshes[instance.mesh], instance.mesh)},
+                                     {"bounds", boundsJson(boxes[i])}});
+  }
   json["material_list"] = Json::array();
-  for (const Material& material : scene.materials)
-    json["material_list"].push_back({{"name", material.name}, {"class", classOf(material)}});
+  for (const Material& material : scene.materials) json["material_list"].push_back(materialJson(material));
   json["animations"] = Json::array();
   for (const Clip& clip : scene.animation.clips)
     json["animations"].push_back({{"name", clip.name}, {"duration", clip.duration}, {"nodes", movedNodes(clip)}});
@@ -69,7 +98,7 @@ Json infoJson(const InfoOptions& options, const Scene& scene) {
   return json;
 }
 
-void print(const InfoOptions& options, const Scene& scene) {
+void print(const InfoOptions& options, const Scene& scene, const DroppedTriangles& dropped) {
   say("scene", options.scene + ": " + counted(scene.placedTriangleCount(), "triangle", "triangles") + " of " +
                    counted(scene.meshes.size(), "mesh", "meshes") + " in " +
                    counted(scene.instances.size(), "instance", "instances") + ", " +
@@ -78,6 +107,8 @@ void print(const InfoOptions& options, const Scene& scene) {
   if (!bounds.empty())
     say("bounds", formatted("%.3f %.3f %.3f to %.3f %.3f %.3f m", bounds.min.x, bounds.min.y, bounds.min.z,
                             bounds.max.x, bounds.max.y, bounds.max.z));
+  if (dropped.degenerate > 0)
+    say("degenerate", counted(dropped.degenerate, "triangle", "triangles") + " with equal corners");
   for (const std::string& line : scene.leftOut) say("left out", line);
   std::vector<TableRow> meshes = {{"deformable mesh", "vertices", "joints", "per vertex", "morph targets"}};
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
@@ -100,10 +131,14 @@ void print(const InfoOptions& options, const Scene& scene) {
 int runInfo(const InfoOptions& options) {
   checkScanning(options);
   const Scene scene = loadSceneAtRest(options);
+  const DroppedTriangles dropped = droppedTriangles(scene);
+  if (dropped.nonFinite > 0) complain("warning: " + droppedText(dropped.nonFinite, options.scene));
+  if (scene.placedTriangleCount() == 0)
+    complain("warning: " + options.scene + " has no triangle, so every beam misses");
   if (options.json)
-    std::printf("%s", dump(infoJson(options, scene)).c_str());
+    std::printf("%s", dump(infoJson(options, scene, dropped)).c_str());
   else
-    print(options, scene);
+    print(options, scene, dropped);
   return 0;
 }
 

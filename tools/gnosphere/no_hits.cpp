@@ -69,7 +69,7 @@ uint64_t countOf(const Counters& counters, Cause cause) {
 
 }  // namespace
 
-std::vector<Loss> lossesByEffects(const Counters& counters) {
+std::vector<Loss> lossesByEffects(const Counters& counters, bool allMasked) {
   const auto lost = [&](Cause cause, const char* why, const char* remedy) {
     return Loss{countOf(counters, cause), why, remedy};
   };
@@ -82,7 +82,9 @@ std::vector<Loss> lossesByEffects(const Counters& counters) {
            "detection.range lowers"),
       lost(Cause::droppedOut, "dropped out",
            "they are lost at random, with the probabilities drop-out.general_rate and drop-out.zero_intensity_rate")};
-  if (countOf(counters, Cause::dead) == counters.beams)
+  if (allMasked)
+    losses.push_back({counters.beams, "masked", "masked_beams of the sensor names them"});
+  else if (countOf(counters, Cause::dead) == counters.beams)
     losses.push_back(lost(Cause::dead, "dead", "drop-out.dead_beams, or masked_beams of the sensor, names them"));
   std::erase_if(losses, [](const Loss& loss) { return loss.beams == 0; });
   return losses;
@@ -112,11 +114,7 @@ void warnOfNoHits(const std::string& nobody, const ScanningOptions& options, con
     return;
   }
   const bool many = !trajectory.empty();
-  std::vector<Loss> losses = lossesByEffects(counters);
-  const std::vector<bool> silent = silentBeams(sensor);
-  // Causes are not counted where no effect loses beams.
-  if (losses.empty() && std::ranges::find(silent, false) == silent.end())
-    losses.push_back({counters.beams, "dead", "masked_beams of the sensor names them"});
+  std::vector<Loss> losses = lossesByEffects(counters, maskedBeams(sensor) == sensor.beamCount());
   const uint64_t unmet = losses.empty() || losses[0].beams < counters.beams ? beamsWithoutSurface(counters) : 0;
   Loss near = unmet == 0 ? Loss() : nearLoss(scene, request, settings, pose);
   near.beams = std::min(near.beams, unmet);

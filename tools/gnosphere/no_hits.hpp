@@ -17,8 +17,8 @@ struct Loss {
 };
 
 /// Returns the beams that effects lose, by their causes; empty if effects lose none. Dead beams are among them only if
-/// all beams are dead.
-std::vector<Loss> lossesByEffects(const Counters& counters);
+/// all beams are dead, and then they are called masked if the sensor masks all beams.
+std::vector<Loss> lossesByEffects(const Counters& counters, bool allMasked);
 /// Returns how many beams meet nothing, or nothing but surfaces nearer than the least range: beams without a return
 /// that fire and that no effect loses.
 uint64_t beamsWithoutSurface(const Counters& counters);

@@ -101,8 +101,8 @@ void print(const PlanOptions& options, const DeviceInfo& device, const Scene& sc
   say("scene", options.scene + ": " + grouped(scene.placedTriangleCount()) + " triangles, " +
                    grouped(scene.materials.size()) + (scene.materials.size() == 1 ? " material" : " materials"));
   say("device", device.name);
-  say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams, " + grouped(plan.returns) +
-                    (plan.returns == 1 ? " return each" : " returns each"));
+  say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams" + maskedText(maskedBeams(sensor)) + ", " +
+                    grouped(plan.returns) + (plan.returns == 1 ? " return each" : " returns each"));
   if (options.views > 1) say("views", viewsText(options.views, plan.views));
   if (!plan.binning.empty()) say("binning", plan.binning);
   printEffects(plan);

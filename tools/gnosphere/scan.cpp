@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "base/file.hpp"
+#include "base/input_file.hpp"
+#include "base/json_text.hpp"
 #include "base/path.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
@@ -13,6 +16,7 @@
 #include "drive/trajectory.hpp"
 #include "effect_options.hpp"
 #include "effects/effect_table.hpp"
+#include "geometry/dropped_triangles.hpp"
 #include "max_error.hpp"
 #include "no_hits.hpp"
 #include "output/cloud_format.hpp"
@@ -31,7 +35,9 @@ struct ScanOptions : ScanningOptions, EffectOptions {
   std::optional<double> maxError;
   bool trace = false;
   uint64_t repeat = 0;  ///< 0: one scan without a warm-up
-  bool compact = false, ascii = false;
+  std::optional<bool> compact;
+  bool ascii = false;
+  Json arguments;  ///< the options that the command line states, by name
 };
 
 /// Returns the output file of the scan, or of scan `number` of a trajectory.
@@ -44,7 +50,8 @@ void checkWithoutEffect(const ScanOptions& options) {
   const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, text); };
   const auto hasColumns = [](const std::string& file) { return cloudFormat(pathOf(file)).layout == nullptr; };
   const std::pair<const char*, bool> given[] = {{"--frame world", options.frame == "world"},
-                                                {"--compact", options.compact},
+                                                {"--compact", options.compact.value_or(false)},
+                                                {"--no-compact", !options.compact.value_or(true)},
                                                 {"--fields", options.fields.has_value()}};
   for (const auto& [name, isGiven] : given)
     if (isGiven && options.outputs.empty())
@@ -96,9 +103,12 @@ std::vector<Field> scannedFields(const ScanOptions& options, const CloudOptions&
   return fields;
 }
 
-/// Warns of poses that follow each other in less than half a turn of the head: every pose has a scan of its own.
-void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
-                      const std::vector<SensorMotion::Stamp>& trajectory) {
+/// Warns of poses that follow each other in less than half a turn of the head, because every pose has a scan of its
+/// own, and of a recording whose times are in another unit than seconds.
+void warnOfSpacing(const ScanOptions& options, const Sensor& sensor,
+                   const std::vector<SensorMotion::Stamp>& trajectory) {
+  constexpr size_t kFew = 10;    // poses, which a person may have placed
+  constexpr double kSlow = 1e4;  // s; more than between the stations of a survey
   if (trajectory.size() < 2) return;
   const double span = trajectory.back().time - trajectory.front().time;
   const double apart = span / static_cast<double>(trajectory.size() - 1);
@@ -107,6 +117,8 @@ void warnOfDensePoses(const ScanOptions& options, const Sensor& sensor,
              sensor.name +
              formatted(" takes %.3g s, so the scans overlap; gnosphere drive makes one scan per turn",
                        sensor.rotationPeriod));
+  if (apart > kSlow && trajectory.size() >= kFew)
+    complain("warning: " + options.trajectory + " " + drive::doubtOfSeconds(apart));
 }
 
 /// Warns if the field class is asked for and has nothing to tell.
@@ -120,11 +132,27 @@ void warnOfNoClasses(const ScanOptions& options, const CloudOptions& cloud, cons
            "10}, and so do the classes of a drive file (gnosphere drive)");
 }
 
-void warnAbout(const ScanOptions& options, const Counters& counters) {
-  if (counters.nonFinite > 0) {
-    complain("warning: " + grouped(counters.nonFinite) + " triangles of " + options.scene +
-             " are dropped because a corner is NaN, infinite or beyond 1e9 m");
+/// Warns if the field cause is asked for, and the clouds leave out all beams whose cause is not `returned`.
+void warnOfNoCauses(const CloudOptions& cloud, uint32_t returns) {
+  if (std::ranges::count(cloud.fields, Field::cause) == 0 || !cloud.compact.value_or(returns > 1)) return;
+  complain(
+      "warning: --fields: the clouds leave out beams without a return, so `cause` is 0 everywhere; --no-compact writes "
+      "every beam");
+}
+
+/// Returns what the result depends on besides the device: the version, the command line, the effects with all their
+/// values, and the files that the command line names.
+Json madeBy(const ScanOptions& options, const Effects& effects) {
+  Json inputs = Json::array();
+  for (const std::string& input : inputsOf(options, options, options.trajectory)) {
+    std::error_code absent;
+    if (!std::filesystem::is_regular_file(pathOf(input), absent)) continue;  // such as the name of a built-in sensor
+    inputs.push_back(inputJson(input, pathOf(input)));
   }
+  return {{"version", GNOSPHERE_VERSION},
+          {"arguments", options.arguments},
+          {"effects", parseJson<Json>(toJson(effects))},
+          {"inputs", inputs}};
 }
 
 /// With --repeat, scans once to warm up and then `repeat` times; the last scan is the result. Adds to `setUpMs` how
@@ -255,7 +283,7 @@ int runScan(const ScanOptions& options) {
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
   const Sensor sensor = sensorOf(options.sensor);
-  warnOfDensePoses(options, sensor, trajectory);
+  warnOfSpacing(options, sensor, trajectory);
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
@@ -279,6 +307,7 @@ int runScan(const ScanOptions& options) {
   applyToRequest(options, request);
   Simulator simulator(scene, request, settings);
   const double setUpMs = nowMs() - start;
+  warnOfNoCauses(cloud, simulator.plan().returns);
 
   ScanReport result = {options.scene,
                        scene,
@@ -293,6 +322,7 @@ int runScan(const ScanOptions& options) {
                        setUpMs,
                        choice ? &*choice : nullptr,
                        mediaOf(simulator.plan())};
+  if (!options.stats.empty()) result.madeBy = madeBy(options, request.effects);
   start = nowMs();
   bool warned = false;  // of the steps of single precision
   const auto keep = [&](size_t number, const Scan& scan) {
@@ -308,12 +338,31 @@ int runScan(const ScanOptions& options) {
     result.scan = summaryOf(result.trajectory, sensor);
   }
   result.totalMs = nowMs() - start;
-  warnAbout(options, result.scan.counters);
+  if (const uint64_t dropped = result.scan.counters.nonFinite; dropped > 0)
+    complain("warning: " + droppedText(dropped, options.scene));
   if (result.scan.counters.hits == 0 || scene.placedTriangleCount() == 0)
     warnOfNoHits(trajectory.empty() ? "no beam" : "no beam of any scan", options, options.trajectory, scene, request,
                  settings, result.scan.pose, trajectory.empty() ? result.scan.counters : result.trajectory[0].counters);
   tell(options, result);
   return 0;
+}
+
+/// Returns the options that the command line states, with their values: true for a flag, or false if it is negated,
+/// text, or a list of texts.
+Json argumentsOf(const CLI::App& app) {
+  Json arguments = Json::object();
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    const std::vector<std::string>& values = option->results();
+    Json& value = arguments[lower(option->get_single_name())];
+    if (option->get_items_expected_max() == 0)
+      value = values.back() != "false";
+    else if (option->get_items_expected_max() == 1)
+      value = values[0];
+    else
+      value = values;
+  }
+  return arguments;
 }
 
 void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
@@ -351,19 +400,24 @@ Action addScan(CLI::App& app) {
          "the clouds of a trajectory, deskewed, make up a map")
       ->check(CLI::IsMember({"sensor", "world"}))
       ->capture_default_str();
-  app.add_flag("--compact", options->compact,
-               "Write only returns instead of every beam; clouds of beams with several returns are always written so, "
-               "with a row per return");
+  app.add_flag_function(
+      "--compact,!--no-compact", [options](int64_t count) { options->compact = count > 0; },
+      "Write only returns, a row each, or every beam with a row for each of the returns that it may have; by default "
+      "only returns if beams have several, otherwise every beam");
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "Write a .png picture of the scan, as the sensor sees it and from above");
-  app.add_option("--stats", options->stats, "Write times and counters to a JSON file, or - for stdout");
+  app.add_option("--stats", options->stats,
+                 "Write what has made the scan, times and counters to a JSON file, or - for stdout");
   app.add_flag("--trace", options->trace,
                "Print every step that the device executes, with its size and time, to standard error");
   app.add_option("--repeat", options->repeat, "Number of timed scans after a warm-up; reports their median time")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->excludes(trajectory);
   app.footer("Example: gnosphere scan town.glb --sensor Puck -o cloud.pcd --image cloud.png");
-  return [options] { return runScan(*options); };
+  return [options, &app] {
+    options->arguments = argumentsOf(app);
+    return runScan(*options);
+  };
 }
 
 }  // namespace gnosphere::cli

@@ -145,10 +145,13 @@ void printTimes(const ScanReport& report) {
   say("time", text);
 }
 
-/// Beams without a return, by cause; empty if no effect can lose one.
-std::string lostText(const Counters& counters) {
+/// Beams that fire and have no return, by cause; empty if no effect can lose one. `masked` is the number of those that
+/// do not fire.
+std::string lostText(Counters counters, uint64_t masked) {
   constexpr const char* kWords[kCauseCount] = {"",     "met nothing", "too weak", "attenuated", "dropped out",
                                                "dead", "too near"};
+  uint64_t& dead = counters.causes[static_cast<size_t>(Cause::dead)];
+  dead -= std::min(dead, masked);  // causes are not counted where no effect loses beams
   std::string text;
   for (size_t i = 1; i < kCauseCount; ++i)
     if (counters.causes[i] > 0) text += (text.empty() ? "" : ", ") + grouped(counters.causes[i]) + " " + kWords[i];
@@ -203,11 +206,13 @@ void printSummary(const ScanReport& report) {
   const Plan plan = report.simulator.plan();
   printEffects("effects", plan, [](const Plan::Decision& decision) { return decision.in; });
   printEffects("left out", plan, [&](const Plan::Decision& decision) { return isMissing(decision, report.sensor); });
+  const uint64_t masked = maskedBeams(report.sensor) * (counters.beams / report.sensor.beamCount());
   say("hits",
       grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" + shareOf(counters.hits, counters.beams) +
           ")" +
-          (report.ofMedium == 0 ? "" : ", " + grouped(report.ofMedium) + " of them by " + report.media + " alone"));
-  if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
+          (report.ofMedium == 0 ? "" : ", " + grouped(report.ofMedium) + " of them by " + report.media + " alone") +
+          maskedText(masked));
+  if (const std::string lost = lostText(counters, masked); !lost.empty()) say("lost", lost);
   printTriangles(counters, report.trajectory.size() > 1);
   printTimes(report);
   if (moves)
@@ -218,6 +223,7 @@ void printSummary(const ScanReport& report) {
 std::string statsJson(const ScanReport& report) {
   const MemoryUse memory = report.simulator.memory();
   Json stats;
+  stats["made_by"] = report.madeBy;
   stats["device"] = toJson(report.simulator.device());
   stats["scene"] = {{"file", report.sceneFile}};
   stats["scene"].update(sceneJson(report.scene));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gnosphere/gnosphere.hpp"
+#include "json.hpp"
 #include "max_error.hpp"
 #include "scan_trajectory.hpp"
 
@@ -28,6 +29,7 @@ struct ScanReport {
   std::string media;                       ///< the effects whose particles give returns; empty without any
   uint64_t ofMedium = 0;                   ///< beams whose returns all come from these
   double totalMs = 0;                      ///< all scans, including writing files
+  Json madeBy;                             ///< what another person needs to make the scan anew; only for --stats
 };
 
 void printSummary(const ScanReport& report);

@@ -22,6 +22,7 @@
 #include "pose_text.hpp"
 #include "scene/bounds.hpp"
 #include "scene/coarse_positions.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::cli {
 
@@ -80,7 +81,9 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   addSetting(app, "--faces", "faces", options.settings);
   CLI::Option* animation =
       app.add_option("--animation", options.animation, "Show the scene in this animation of its file (gnosphere info)");
-  app.add_option("--time", options.time, "Seconds after the start of the animation, which repeats; default 0")
+  app.add_option(
+         "--time", options.time,
+         "Seconds after the start of the animation, which repeats; default 0. All scans of a trajectory show this time")
       ->needs(animation);
   app.add_option("--device", options.device, kDeviceHelp)->capture_default_str();
   app.add_flag_callback(
@@ -155,6 +158,14 @@ Sensor loadTold(const std::filesystem::path& path) {
 
 Sensor sensorOf(const std::string& nameOrFile) {
   return namedOrLoaded(nameOrFile, builtinSensor, loadTold);
+}
+
+uint64_t maskedBeams(const Sensor& sensor) {
+  return static_cast<uint64_t>(std::ranges::count(silentBeams(sensor), true));
+}
+
+std::string maskedText(uint64_t masked) {
+  return masked == 0 ? "" : ", " + grouped(masked) + " masked";
 }
 
 BuiltInHead builtInHead(const std::string& name) {

@@ -65,6 +65,11 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
 /// The sensor that --sensor names. Warns of what a file leaves open, and of what it states and a sensor does not hold.
 Sensor sensorOf(const std::string& nameOrFile);
 
+/// Returns how many beams of a sensor never fire.
+uint64_t maskedBeams(const Sensor& sensor);
+/// Returns text such as ", 500 masked"; empty if no beam is.
+std::string maskedText(uint64_t masked);
+
 /// A head that is built in: an ideal one of the paper, or a real one of the catalogue; or neither of them.
 struct BuiltInHead {
   bool ideal = false;

@@ -98,8 +98,7 @@ void describe(const SensorFile& file) {
   std::string beams =
       grouped(all.fired) + " in a cloud of " + grouped(sensor.width()) + " x " + grouped(sensor.height());
   if (sensor.patterns.size() > 1) beams += formatted(", %zu patterns in turn", sensor.patterns.size());
-  if (const size_t masked = sensor.beamCount() - all.fired; masked > 0) beams += ", " + grouped(masked) + " masked";
-  say("beams", beams);
+  say("beams", beams + maskedText(maskedBeams(sensor)));
   if (sensor.isGrid()) say("turn", turnText(sensor));
   if (sensor.scanPeriod > 0) say("scans", formatted("one every %.6g ms", 1000 * sensor.scanPeriod));
   say("rings", all.ring.text(""));
@@ -161,14 +160,16 @@ void listCatalogue() {
     Span elevation;
     for (size_t beam = 0; beam < sensor.beamCount(); beam += sensor.isGrid() ? sensor.columns : 1)
       elevation.add(kRadian * elevationOf(sensor, beam));
+    const uint64_t masked = maskedBeams(sensor);
     return TableRow{name,
                     about,
                     formatted("%u x %u", sensor.width(), sensor.height()),
                     grouped(sensor.beamCount()),
+                    masked > 0 ? grouped(masked) : "",
                     formatted("%+.4g..%+.4g deg", elevation.low, elevation.high),
                     formatted("%g..%g m", sensor.rangeMin, sensor.rangeMax)};
   };
-  std::vector<TableRow> rows = {{"name", "", "cloud", "beams", "elevation", "range"}};
+  std::vector<TableRow> rows = {{"name", "", "cloud", "beams", "masked", "elevation", "range"}};
   for (const Sensor& sensor : builtinSensors()) rows.push_back(row(sensor, sensor.name, "of the GnoSphere360 paper"));
   for (const CatalogueHead& head : sensorCatalogue())
     rows.push_back(row(builtinSensor(head.name), head.name, head.product));

@@ -55,7 +55,8 @@ int runTown(const TownCall& call) {
   if (call.baked) town = bake(town);
   writeGlb(town, file);
   if (!call.drive.empty()) writeTum(drive, pathOf(call.drive));
-  if (!call.example.empty()) writeTownDrive(town, file, drive, pathOf(call.example));
+  if (!call.example.empty())
+    writeTownDrive(town, file, call.options.xodr.empty() ? steered(drive) : drive, pathOf(call.example));
   say("town", grouped(town.placedTriangleCount()) + " triangles (" + grouped(town.uniqueTriangleCount()) +
                   " unique) in " + grouped(town.instances.size()) + " instances of " + grouped(town.meshes.size()) +
                   " meshes, seed " + std::to_string(call.options.seed));
@@ -91,6 +92,7 @@ Action addTown(CLI::App& app) {
   app.footer("Example: gnosphere town --triangles 1000000 -o town.glb");
   return [call] {
     call->options.xodr = pathOf(call->xodr);
+    call->options.warn = [](const std::string& message) { complain("warning: " + message); };
     return runTown(*call);
   };
 }

@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
+#include "base/quaternion.hpp"
 #include "console.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/trajectory.hpp"
@@ -22,11 +23,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kSensorHeight = 1.8;  ///< of the poses above the road
 
-/// Classes of SemanticKITTI, and the kinds of things in a town that belong to them.
+/// A class of SemanticKITTI, and the kinds of things in a town that belong to it. Ground is told by its materials: one
+/// mesh of a road has asphalt, markings, kerbs, paving and grass.
 struct TownClass {
   const char* name;
   int id, movingId;
   std::vector<const char*> things;
+  std::vector<const char*> materials = {};
 };
 const std::vector<TownClass>& classes() {
   static const std::vector<TownClass> kClasses = {
@@ -35,12 +38,13 @@ const std::vector<TownClass>& classes() {
       {"bus", 13, 257, {"bus"}},
       {"other-vehicle", 20, 259, {"van"}},
       {"person", 30, 254, {"person"}},
-      {"road", 40, 40, {"street", "avenue", "crossing", "road", "junction"}},
-      {"sidewalk", 48, 48, {"block"}},
+      {"road", 40, 40, {}, {"asphalt"}},
+      {"sidewalk", 48, 48, {}, {"paving", "kerb stone"}},
       {"building", 50, 50, {"row house", "house", "shop house", "apartments", "office", "kiosk"}},
       {"fence", 51, 51, {"fence"}},
+      {"lane-marking", 60, 60, {}, {"road paint"}},
       {"vegetation", 70, 70, {"broadleaf tree", "poplar", "conifer", "bush", "hedge"}},
-      {"terrain", 72, 72, {"ground"}},
+      {"terrain", 72, 72, {}, {"grass"}},
       {"pole", 80, 80, {"street lamp", "traffic light", "bollard"}},
       {"traffic-sign", 81, 81, {"sign"}},
       {"other-object", 99, 99, {"bench", "litter bin", "hydrant", "bus stop"}}};
@@ -58,6 +62,14 @@ Json patternsFor(const Scene& town) {
           break;
         }
   return patterns;
+}
+
+/// The classes of the ground by its materials.
+Json materialClasses() {
+  Json materials = Json::object();
+  for (const TownClass& category : classes())
+    for (const char* material : category.materials) materials[material] = category.name;
+  return materials;
 }
 
 /// The classes of vehicles and people that the patterns name: what stands in the town has boxes, as what moves has.
@@ -81,7 +93,7 @@ Json car(const char* name, const std::string& trajectory, double ahead) {
 Json person(size_t number, const Pose& pose, double time) {
   constexpr double kWay = 5, kSpeed = 1.4;  // metres to each side, m/s
   const Quaternion& q = pose.orientation;
-  const Vec3 left = {-2 * q.w * q.z, 1 - 2 * q.z * q.z, 0};  // of a vehicle that stands level
+  const Vec3 left = q * Vec3{0, 1, 0};
   const double side = number % 2 == 0 ? kWay : -kWay, half = kWay / kSpeed;
   const Vec3 middle = pose.position - Vec3{0, 0, kSensorHeight};
   const auto stamp = [&](double at, double along) {
@@ -91,26 +103,6 @@ Json person(size_t number, const Pose& pose, double time) {
           {"model", "person"},
           {"class", "person"},
           {"trajectory", {{"waypoints", {stamp(time - 1 - half, side), stamp(time - 1 + half, -side)}}}}};
-}
-
-/// Returns the way of a vehicle that steers: positions averaged over 1.6 s twice, so that corners become curves, and
-/// orientations along the way.
-std::vector<Pose> steered(std::vector<Pose> poses) {
-  constexpr size_t kAround = 8;
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::vector<Pose> sharp = poses;
-    for (size_t i = 0; i < poses.size(); ++i) {
-      const size_t around = std::min({kAround, i, poses.size() - 1 - i});
-      Vec3 sum;
-      for (size_t k = i - around; k <= i + around; ++k) sum = sum + sharp[k].position;
-      poses[i].position = (1 / static_cast<double>(2 * around + 1)) * sum;
-    }
-  }
-  std::vector<drive::Trajectory::Stamp> stamps;
-  for (const Pose& pose : poses) stamps.push_back({kDriveInterval * static_cast<double>(stamps.size()), pose});
-  const std::vector<double> yaws = drive::yawsAlong(stamps);
-  for (size_t i = 0; i < poses.size(); ++i) poses[i].orientation = drive::yawPitchRoll(yaws[i], 0, 0);
-  return poses;
 }
 
 void writeModel(const Mesh& mesh, const fs::path& file) {
@@ -131,6 +123,24 @@ std::vector<fs::path> townDriveFiles(const fs::path& file) {
   return {file, beside(file, ".tum"), beside(file, "-car.glb"), beside(file, "-person.glb")};
 }
 
+std::vector<Pose> steered(std::vector<Pose> poses) {
+  constexpr size_t kAround = 8;
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<Pose> sharp = poses;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const size_t around = std::min({kAround, i, poses.size() - 1 - i});
+      Vec3 sum;
+      for (size_t k = i - around; k <= i + around; ++k) sum = sum + sharp[k].position;
+      poses[i].position = (1 / static_cast<double>(2 * around + 1)) * sum;
+    }
+  }
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (const Pose& pose : poses) stamps.push_back({kDriveInterval * static_cast<double>(stamps.size()), pose});
+  const std::vector<double> yaws = drive::yawsAlong(stamps);
+  for (size_t i = 0; i < poses.size(); ++i) poses[i].orientation = drive::yawPitchRoll(yaws[i], 0, 0);
+  return poses;
+}
+
 void writeTum(const std::vector<Pose>& poses, const fs::path& file) {
   AtomicFile output(file);
   output.write("# t x y z qx qy qz qw\n");
@@ -143,8 +153,7 @@ void writeTum(const std::vector<Pose>& poses, const fs::path& file) {
   output.commit();
 }
 
-void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vector<Pose>& route, const fs::path& file) {
-  const std::vector<Pose> poses = steered(route);
+void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vector<Pose>& poses, const fs::path& file) {
   const std::vector<fs::path> files = townDriveFiles(file);
   const std::string trajectory = files[1].filename().string();
   Json numbers = Json::object(), actors = Json::array();
@@ -158,6 +167,7 @@ void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vect
   Json scene = {{"file", fs::relative(townFile, fs::absolute(file).parent_path()).generic_string()}};
   const Json patterns = patternsFor(town);
   if (!patterns.empty()) scene["instances"] = patterns;
+  scene["materials"] = materialClasses();
   if (const Json boxed = boxedClasses(patterns); !boxed.empty()) scene["boxes"] = boxed;
   const Json drive = {
       {"name", "town"},

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
@@ -82,25 +83,6 @@ Json readBoxes(const fs::path& file) {
   return boxes;
 }
 
-/// Names the classes of what moves, which have numbers of their own in SemanticKITTI's labels, as the boxes do.
-void nameMovingClasses(PageFrame& frame) {
-  ViewCloud& cloud = frame.cloud;
-  const ViewColumn* instance = cloud.find("instance");
-  const auto category =
-      std::find_if(cloud.columns.begin(), cloud.columns.end(), [](const auto& c) { return c.name == "class"; });
-  if (!instance || category == cloud.columns.end()) return;
-  std::map<std::string, std::string> moving;  // classes by names of actors
-  for (const Json& box : frame.boxes)
-    if (box.at("moving") == true) moving[box.at("name")] = box.at("class").get<std::string>() + ", moving";
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    if (std::isnan(category->values[i]) || std::isnan(instance->values[i])) continue;
-    const auto id = static_cast<uint32_t>(category->values[i]);
-    if (category->names.contains(id)) continue;
-    const auto name = instance->names.find(static_cast<uint32_t>(instance->values[i]));
-    if (name != instance->names.end() && moving.contains(name->second)) category->names[id] = moving[name->second];
-  }
-}
-
 /// Refuses a page that is too large, or will be when the rest of its frames are in it.
 void checkSize(const ViewCall& call, const Page& page, size_t frames) {
   const uint64_t bytes = page.dataBytes() * frames / page.frameCount();
@@ -129,12 +111,14 @@ Json addSeries(const ViewCall& call, Page& page) {
   if (series.frames.empty()) throw Error(ErrorCode::invalidArgument, call.a + ": holds no clouds");
   keepFrames(call, series);
   Progress progress("frame", series.frames.size());
+  std::optional<Origin> origin;
   for (const SeriesFrame& frame : series.frames) {
-    PageFrame shown{"frame " + std::to_string(frame.number), everyNth(readViewCloud(frame.cloud), call.every)};
+    const ViewCloud cloud = readViewCloud(frame.cloud, origin);
+    origin = cloud.origin;
+    PageFrame shown{"frame " + std::to_string(frame.number), everyNth(cloud, call.every)};
     for (ViewColumn& column : shown.cloud.columns)
       if (column.isId) column.names.insert(series.names[column.name].begin(), series.names[column.name].end());
     if (!frame.boxes.empty()) shown.boxes = readBoxes(frame.boxes);
-    nameMovingClasses(shown);
     page.add(std::move(shown));
     checkSize(call, page, series.frames.size());
     progress.step(page.frameCount());
@@ -150,7 +134,9 @@ Json addCloud(const ViewCall& call, Page& page) {
 }
 
 Json addDifference(const ViewCall& call, Page& page) {
-  const ViewCloud a = readViewCloud(pathOf(call.a)), b = readViewCloud(pathOf(call.b));
+  const ViewCloud a = readViewCloud(pathOf(call.a)), b = readViewCloud(pathOf(call.b), a.origin);
+  warnOfFloats(call.a, a.floatStep, "--distance", call.distance);
+  warnOfFloats(call.b, b.floatStep, "--distance", call.distance);
   const ViewCloud both = differenceOf(a, b, call.distance);
   // Each cloud has counts of its own: a point that is the same in both is one of A and one of B.
   const ViewColumn& difference = *both.find("difference");

@@ -54,6 +54,11 @@ Transform placeAlong(const Vec3& position, const Vec3& x, double scale) {
   return {{c, -s, 0, position.x, s, c, 0, position.y, 0, 0, scale, position.z}};
 }
 
+Transform placeOn(const Vec3& position, const Vec3& x, const Vec3& up) {
+  const Vec3 y = normalized(cross(up, x)), z = cross(x, y);
+  return {{x.x, y.x, z.x, position.x, x.y, y.y, z.y, position.y, x.z, y.z, z.z, position.z}};
+}
+
 Dice::Dice(uint64_t seed, uint64_t a, uint64_t b, uint64_t c) {
   constexpr uint64_t kStep = 0x9e3779b97f4a7c15u;
   state_ = mix(mix(mix(mix(seed + kStep) ^ (a + kStep)) ^ (b + 2 * kStep)) ^ (c + 3 * kStep));

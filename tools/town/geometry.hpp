@@ -20,6 +20,9 @@ Transform place(const Vec3& position, double turns = 0, double scale = 1);
 /// As place(), with the direction of the x axis (a level unit vector) instead of an angle.
 Transform placeAlong(const Vec3& position, const Vec3& x, double scale = 1);
 
+/// As placeAlong() on inclined ground: x is any unit vector, and z as upright on it as `up` allows.
+Transform placeOn(const Vec3& position, const Vec3& x, const Vec3& up);
+
 /// A stream of random numbers. Streams with different keys are independent.
 class Dice {
  public:

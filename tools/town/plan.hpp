@@ -29,11 +29,12 @@ Mesh meshOf(const Thing& thing);
 
 /// An object and its placement. The object belongs to every town that extends at least `reach` metres from the origin:
 /// the reach combines the object's own distance (so that a small town has all four corners of its crossing) and that of
-/// its block (so that blocks are complete).
+/// its block (so that blocks are complete). Surfaces of a network's roads come before everything else.
 struct Placement {
   Thing thing;
   Transform where;
   double reach = 0;
+  bool isRoad = false;  ///< a piece of a road or junction of a network
 };
 
 /// Metres around the origin that are built first, in a grid the four blocks there and their streets.

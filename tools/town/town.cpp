@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <string>
+#include <variant>
 
 #include "gnosphere/error.hpp"
 #include "town/opendrive/plan.hpp"
@@ -59,11 +61,13 @@ Detail detailOf(uint64_t triangles) {
   return detail;
 }
 
-/// Adds the placements of a plan in the order of their reach, up to `reach`. Returns true if the town is then full.
+/// Adds the placements of a plan, roads of a network first, in the order of their reach, up to `reach`. Returns true if
+/// the town is then full.
 bool fill(Builder& builder, Plan& plan, double reach, uint64_t triangles) {
   constexpr int kPatience = 400;  // number of consecutive objects that do not fit before it gives up
-  std::stable_sort(plan.placements.begin(), plan.placements.end(),
-                   [](const Placement& a, const Placement& b) { return a.reach < b.reach; });
+  std::stable_sort(plan.placements.begin(), plan.placements.end(), [](const Placement& a, const Placement& b) {
+    return a.isRoad != b.isRoad ? a.isRoad : a.reach < b.reach;
+  });
   int refused = 0;
   for (const Placement& placement : plan.placements) {
     if (placement.reach > reach) break;
@@ -85,6 +89,26 @@ struct NetworkTown {
   Area land;
   Plan plan;
 };
+
+/// Tells in one line how many roads and junctions of a network a town lacks, and how many triangles have room for all
+/// of them; empty if it has all.
+std::string roadsWithoutRoom(const Plan& plan, const Scene& scene, uint64_t triangles) {
+  std::map<std::string, uint64_t> lacking;  // triangles by the name of the road or junction, which its pieces share
+  uint64_t needed = 0;
+  for (const Placement& placement : plan.placements) {
+    if (!placement.isRoad) continue;
+    const Mesh& piece = plan.pieces[std::get<Piece>(placement.thing).index];
+    lacking[piece.name] += piece.triangleCount();
+    needed += piece.triangleCount();
+  }
+  for (const Mesh& mesh : scene.meshes)
+    if (const auto road = lacking.find(mesh.name); road != lacking.end()) road->second -= mesh.triangleCount();
+  const size_t all = lacking.size();
+  std::erase_if(lacking, [](const auto& road) { return road.second == 0; });
+  if (lacking.empty()) return "";
+  return std::to_string(triangles) + " triangles have room for " + std::to_string(all - lacking.size()) + " of " +
+         std::to_string(all) + " roads and junctions; all of them need --triangles " + std::to_string(needed);
+}
 
 }  // namespace
 
@@ -114,6 +138,9 @@ Scene makeTown(const TownOptions& options) {
       full = fill(builder, grid, extent, options.triangles);
     }
     if (!full) continue;
+    if (network && options.warn)
+      if (const std::string lack = roadsWithoutRoom(network->plan, scene, options.triangles); !lack.empty())
+        options.warn(lack);
     if (network)
       for (Instance& instance : scene.instances) instance.transform = network->toFile * instance.transform;
     return scene;

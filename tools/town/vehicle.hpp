@@ -9,6 +9,8 @@ namespace gnosphere::town {
 
 enum class VehicleKind : uint8_t { hatchback, saloon, estate, van, bus };
 
+inline constexpr double kHalfWheelbase = 1.3;  ///< metres from the middle of a car to its axles, about
+
 /// A road vehicle that stands on z = 0, centred, and faces +x.
 struct Vehicle {
   VehicleKind kind = VehicleKind::saloon;

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import adapter
-from ..robotics.resources import rotation
+from ..robotics.resources import Folders, folders_of, rotation
 
 Matrix = NDArray[np.float64]
 
@@ -21,12 +21,13 @@ Matrix = NDArray[np.float64]
 class Assets:
     """Finds the files and elements that a survey names.
 
-    folders: where paths such as data/platforms.xml start. After them come the folder of the survey and those above it.
+    folders: where paths such as data/platforms.xml start, one folder or several. After them come the folder of the
+        survey and those above it.
     """
 
-    def __init__(self, survey: Union[str, Path], folders: Iterable[Union[str, Path]] = ()) -> None:
+    def __init__(self, survey: Union[str, Path], folders: Folders = ()) -> None:
         self.survey = Path(survey)
-        self._folders = [*map(Path, folders), *self.survey.resolve().parents]
+        self._folders = [*folders_of(folders), *self.survey.resolve().parents]
         self._roots: dict[Path, ET.Element] = {}
 
     def path(self, name: str) -> Path:

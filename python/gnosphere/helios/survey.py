@@ -9,7 +9,6 @@ import os
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -18,6 +17,7 @@ import numpy as np
 
 from .. import _gnosphere as gno
 from .. import adapter
+from ..robotics.resources import Folders
 from .assets import Assets, Matrix, Settings, about, number_of, place, quaternion_of, rotation_of
 from .scanner import GAP, Scanner, effects_of, ignored_of, scanner_of
 from .scene import Part, Surfaces, ground_at, read_parts, scenes_of, surfaces_of
@@ -91,11 +91,11 @@ class Survey:
         return files
 
 
-def read_survey(file: Union[str, Path], assets: Iterable[Union[str, Path]] = (), epoch: float = 315964800) -> Survey:
+def read_survey(file: Union[str, Path], assets: Folders = (), epoch: float = 315964800) -> Survey:
     """Reads the XML of a survey, with the scanner, the platform and the scene that it names.
 
-    assets: folders in which paths such as data/platforms.xml start; after them the survey's folder and those above it
-        are searched.
+    assets: a folder in which paths such as data/platforms.xml start, or several; after them the survey's folder and
+        those above it are searched.
     epoch: the Unix time at which the survey starts, which a survey does not state; by default that of GPS time.
 
     A platform flies or drives from each leg's place to that of the next one, straight, level and at the leg's speed; one
@@ -227,16 +227,17 @@ class _Reader:
                 )
             waypoints = _turning_on(time, start, about("z", yaw), scanner, mount, turn)
             effects = {**effects, "sensor-motion": {"use": "off"}}  # it stands still in each scan
-        label = re.sub(r"[^A-Za-z0-9_-]", "_", self._scanner.get("id", "scanner"))
+        label = _plain(self._scanner.get("id", "scanner"))
         las = {"format": "las", "one_file": True, "flight_line": number + 1, "fields": "range,width,incidence,beam"}
         return Leg(
             number,
             duration,
             scanner.sensor,
             {
-                "name": f"{name}, leg {number}",
+                "name": f"{_plain(name)}-leg-{number}",
                 "ego": {"trajectory": {"waypoints": waypoints}},
                 "epoch": self._epoch,
+                "seed": number + 1,
                 "rate": scanner.rate,
                 "start": time,
                 "duration": duration,
@@ -259,6 +260,11 @@ class _Reader:
             position = np.array([number_of(mount.get(axis, "0"), f"{axis} of <scannerMount>") for axis in "xyz"])
         turn = _TO_OURS @ rotation_of(mount) @ scanner.turn @ _TO_OURS.T
         return _TO_OURS @ position, turn
+
+
+def _plain(name: str) -> str:
+    """A name as drive files take it: letters, digits, _ and -, and not too long for names of files."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80] or "_"
 
 
 def _turning_on(

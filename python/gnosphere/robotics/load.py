@@ -6,12 +6,12 @@ from __future__ import annotations
 import importlib
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Optional, Union
 
 from .. import adapter, primitives
-from .resources import Resources, parse_xml
+from .resources import Folders, Resources, parse_xml
 from .robot_scene import Joints, Parts, RobotScene
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -24,7 +24,7 @@ def load(
     file: Union[str, Path],
     *,
     joints: Optional[Joints] = None,
-    search: Iterable[Union[str, Path]] = (),
+    search: Folders = (),
     classes: Optional[Mapping[str, int]] = None,
     collisions: bool = False,
     tolerance: float = 1e-3,
@@ -33,9 +33,9 @@ def load(
 
     joints: positions of joints by name, radians or metres; the others are at 0, those of MJCF where the model says. In
         SDF the name of a joint may be with its model's, 'model::joint'.
-    search: folders of packages and models, for package://NAME/... and model://NAME/...; after them those of the
-        variables ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH, and the folders
-        around the file.
+    search: a folder of packages and models, or several, for package://NAME/... and model://NAME/...; after them those
+        of the variables ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH, and the
+        folders around the file.
     classes: class numbers by patterns of the names of links, visuals, meshes or materials, such as {"wheel*": 3}. The
         longest pattern that fits counts, as in drive files; of equally long ones it is the last.
     collisions: whether what collides is read in place of what is seen.

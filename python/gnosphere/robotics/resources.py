@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 import xml.etree.ElementTree as ET
@@ -21,6 +22,8 @@ from .robot_scene import Matrix, Parts
 OURS = (".obj", ".stl", ".ply", ".gltf", ".glb")
 UNREADABLE = (ImportError, OSError, ValueError, RuntimeError, LookupError, TypeError, AttributeError)
 """What libraries raise for a file that they cannot read."""
+Folders = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
+"""A folder, or several."""
 VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 
 
@@ -35,12 +38,17 @@ class Piece:
     color: Optional[tuple[float, ...]]
 
 
+def folders_of(given: Folders) -> list[Path]:
+    """The folders of an argument that is one or several."""
+    return [Path(folder) for folder in ([given] if isinstance(given, (str, os.PathLike)) else given)]
+
+
 class Resources:
     """Finds files and makes meshes of them, each once."""
 
-    def __init__(self, file: Path, search: Iterable[Union[str, Path]], parts: Parts, tolerance: float) -> None:
+    def __init__(self, file: Path, search: Folders, parts: Parts, tolerance: float) -> None:
         self.file, self.parts, self.tolerance = file, parts, tolerance
-        self.folders = [Path(folder) for folder in search]
+        self.folders = folders_of(search)
         for variable in VARIABLES:
             for folder in os.environ.get(variable, "").split(os.pathsep):
                 if folder:
@@ -262,16 +270,20 @@ _BEFORE_ROOT = re.compile(
 def parse_xml(path: Path) -> ET.Element:
     """The outermost element of a file. Robots' own parsers forgive comments before the XML declaration, a zero at the
     end and prefixes that nobody declares, and so files have them."""
-    data = _BEFORE_DECLARATION.sub(b"", path.read_bytes().rstrip(b" \t\r\n\0"))
+    data = path.read_bytes()
+    encoding: Optional[str] = None
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data, encoding = data.decode("utf-16", "replace").encode(), "utf-8"  # in place of what the file declares
+    data = _BEFORE_DECLARATION.sub(b"", data.rstrip(b" \t\r\n\0"))
     try:
-        return ET.fromstring(data)
+        return ET.fromstring(data, ET.XMLParser(encoding=encoding))
     except ET.ParseError as error:
         start = _BEFORE_ROOT.match(data)
         if "unbound prefix" not in str(error) or not start:
             raise
     prefixes = set(re.findall(rb"[<\s/]([A-Za-z_][\w.-]*):\w", data)) - set(re.findall(rb"xmlns:([\w.-]+)", data))
     declared = b"".join(b' xmlns:%s="%s"' % (name, name) for name in sorted(prefixes - {b"xml", b"xmlns"}))
-    return ET.fromstring(data[: start.end()] + declared + data[start.end() :])
+    return ET.fromstring(data[: start.end()] + declared + data[start.end() :], ET.XMLParser(encoding=encoding))
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Matrix:

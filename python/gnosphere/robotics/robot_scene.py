@@ -126,6 +126,10 @@ class RobotScene:
         self._now: Mapping[Any, Matrix] = {}
         self._move(joints, stacklevel=4)  # of the caller of load()
 
+    def __repr__(self) -> str:
+        counts = (len(self.frames), len(self.sensors), len(self.joint_limits))
+        return "<RobotScene of {} instances, {} lidars and {} joints>".format(*counts)
+
     def move(self, joints: Joints) -> Matrix:
         """Moves joints, by radians or metres; those not named stay. Returns where the instances then are, shape
         (n, 3, 4), for Lidar.move(). A position beyond the limits of its joint is taken, with a warning."""

@@ -136,7 +136,7 @@ class Reader:
         if prim.HasAPI("SkelBindingAPI"):
             self.parts.leave_out("the skinning of meshes, which are as they were bound")
         scheme = mesh.GetSubdivisionSchemeAttr()
-        if scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
+        if scheme.Get() != UsdGeom.Tokens.none:  # where it is not stated, it is catmullClark
             self.parts.leave_out("the subdivision of meshes, which are as their points say")
         triangles, of_face = _fans(points, counts, corners, kept)
         if _value(mesh.GetOrientationAttr(), self.time, "rightHanded") == UsdGeom.Tokens.leftHanded:
@@ -176,11 +176,13 @@ class Reader:
         )
         indices = np.array(instancer.GetProtoIndicesAttr().Get(self.time) or (), np.int64)
         mask = np.array(instancer.ComputeMaskAtTime(self.time) or np.ones(len(indices), bool), bool)
+        ids = instancer.GetIdsAttr().Get(self.time) or ()
+        numbers = np.array(ids if len(ids) == len(indices) else range(len(indices)), np.int64)
         targets = instancer.GetPrototypesRel().GetTargets()
         if len(transforms) != np.count_nonzero(mask):
             return self.parts.leave_out("point instancers whose prototypes, indices and places do not fit")
         place, path = self._place(instancer.GetPrim()), instancer.GetPath().pathString
-        for number, (index, transform) in enumerate(zip(indices[mask], transforms)):
+        for number, index, transform in zip(numbers[mask], indices[mask], transforms):
             root = self.stage.GetPrimAtPath(targets[index])
             if not root:
                 self.parts.leave_out(f"the prototype {targets[index]}, which is not there")

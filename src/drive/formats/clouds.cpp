@@ -15,7 +15,7 @@ class Clouds : public Format {
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     eachScan(frame, [&](const RecordedScan& recorded) {
       CloudOptions options;
-      options.compact = true;
+      options.compact = output_.compact;
       for (Field field : output_.fields)
         if (field != Field::intensity || recorded.scan.has(field)) options.fields.push_back(field);
       files.push_back(

@@ -7,9 +7,11 @@
 #include <cstdio>
 #include <cstring>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "base/decimal_point.hpp"
+#include "base/json_text.hpp"
 #include "base/nanoseconds.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_bytes.hpp"
@@ -22,13 +24,13 @@ constexpr const char* kCloudFields = "x,y,z,intensity,ring,time,class,instance,t
 constexpr const char* kBagFields = "x,y,z,intensity,time,ring,class,instance";
 
 constexpr FormatInfo kFormats[] = {
-    {.name = "kitti", .make = makeKitti, .shown = true, .oneSensor = true},
-    {.name = "semantickitti", .make = makeKitti, .shown = true, .oneSensor = true},
-    {.name = "kitti-raw", .make = makeKittiRaw, .shown = true, .oneSensor = true},
+    {.name = "kitti", .make = makeKitti, .shown = true, .sequence = true, .oneSensor = true},
+    {.name = "semantickitti", .make = makeKitti, .shown = true, .sequence = true, .oneSensor = true},
+    {.name = "kitti-raw", .make = makeKittiRaw, .shown = true, .sequence = true, .oneSensor = true},
     {.name = "nuscenes", .make = makeNuScenes, .shown = true, .keyframes = true},
     {.name = "openpcdet", .make = makeOpenPcdet, .shown = false, .oneSensor = true},
-    {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields},
-    {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields},
+    {.name = "pcd", .make = makeClouds, .shown = true, .fields = kCloudFields, .compact = true},
+    {.name = "npy", .make = makeClouds, .shown = true, .fields = kCloudFields, .compact = true},
     {.name = "las", .make = makeLas, .shown = false, .fields = "", .pointTimes = true, .survey = true},
     {.name = "mcap", .make = makeMcap, .shown = false, .fields = kBagFields},
     {.name = "osi", .make = makeOsi, .shown = false, .fields = ""},
@@ -72,6 +74,7 @@ std::string Format::partPath(size_t sensor, uint64_t frame) const {
 void Format::writePoses(const std::vector<FrameSummary>& frames, FinalFiles& files) const {
   for (size_t sensor : output_.sensors) {
     std::string text = "# t x y z qx qy qz qw\n";
+    if (drive_.epoch != 0) text += "# t is Unix time less " + jsonText(nlohmann::json(drive_.epoch)) + " s\n";
     eachScan(frames, [&](const ScanSummary& scan) {
       if (scan.planned.sensor != sensor) return;
       const auto [p, q] = drive_.sensorPose(sensor, scan.planned.time);

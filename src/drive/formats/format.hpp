@@ -49,7 +49,7 @@ class Format {
   /// The part of a frame that goes into a sensor's file of the whole drive.
   std::string partPath(size_t sensor, uint64_t frame) const;
   /// Writes SENSOR/poses.txt of each sensor: a line t x y z qx qy qz qw per scan, the pose of the sensor when it
-  /// starts.
+  /// starts, at the time of the trajectory's clock.
   void writePoses(const std::vector<FrameSummary>& frames, FinalFiles& files) const;
   /// Calls use(scan) for every scan of a FrameRecord or FrameSummary that this output has.
   template <class Frame, class Use>
@@ -76,7 +76,9 @@ struct FormatInfo {
   bool shown;  ///< gnosphere view shows its clouds
   /// The fields of a row, unless the drive file chooses others; null if it may not.
   const char* fields = nullptr;
-  bool keyframes = false;   ///< the drive file may choose which frames are key frames
+  bool compact = false;     ///< the drive file may ask for rows of beams without a return
+  bool keyframes = false;   ///< nuScenes: the drive file may choose which frames are key frames, and the version
+  bool sequence = false;    ///< KITTI: the drive file may state the number of the sequence or drive
   bool allActors = false;   ///< the drive file may ask for actors without a point
   bool oneSensor = false;   ///< it has one lidar
   bool pointTimes = false;  ///< its points have times, whatever fields the drive file chooses

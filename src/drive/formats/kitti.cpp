@@ -15,7 +15,10 @@ constexpr uint16_t kOutlier = 1;  ///< SemanticKITTI's class of points that belo
 class Kitti : public Format {
  public:
   Kitti(const Drive& drive, const World& world, const Output& output)
-      : Format(drive, world, output), labelled_(output.format == "semantickitti") {}
+      : Format(drive, world, output),
+        labelled_(output.format == "semantickitti"),
+        sequence_(numberText("%02llu", output.sequence.value_or(0))),
+        folder_(path("sequences/" + sequence_ + "/")) {}
 
   std::vector<Field> fields() const override {
     return labelled_ ? std::vector{Field::intensity, Field::classId} : std::vector{Field::intensity};
@@ -25,8 +28,8 @@ class Kitti : public Format {
     eachScan(frame, [&](const RecordedScan& recorded) {
       std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
       const std::string number = numberText("%06llu", recorded.planned.number);
-      files.push_back({path("sequences/00/velodyne/" + number + ".bin"), std::move(rows), ""});
-      if (labelled_) files.push_back({path("sequences/00/labels/" + number + ".label"), labelsOf(recorded), ""});
+      files.push_back({folder_ + "velodyne/" + number + ".bin", std::move(rows), ""});
+      if (labelled_) files.push_back({folder_ + "labels/" + number + ".label", labelsOf(recorded), ""});
     });
   }
 
@@ -48,24 +51,23 @@ class Kitti : public Format {
       times += text;
       poses += cameraLine(toFirst * pose);
     });
-    const std::string sequence = path("sequences/00/");
-    files.write(sequence + "times.txt", times);
-    files.write(sequence + "poses.txt", poses);
-    files.write(path("poses/00.txt"), poses);
+    files.write(folder_ + "times.txt", times);
+    files.write(folder_ + "poses.txt", poses);
+    files.write(path("poses/" + sequence_ + ".txt"), poses);
     std::string calibration;
     for (const char* camera : {"P0", "P1", "P2", "P3"})
       calibration.append(camera).append(": 1 0 0 0 0 1 0 0 0 0 1 0\n");
-    files.write(sequence + "calib.txt", calibration + "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+    files.write(folder_ + "calib.txt", calibration + "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
   }
 
  private:
-  /// The low 16 bits are the class, the high ones the number of the actor, from 1 on.
+  /// The low 16 bits are the class, the high ones World::labelOfActor().
   std::string labelsOf(const RecordedScan& recorded) const {
     const Scan& scan = recorded.scan;
     const auto classes = scan.column<uint16_t>(Field::classId);
     std::vector<uint32_t> actors(world_.scene().instances.size());  // by object: number of the actor, 0 for none
     for (size_t actor = 0; actor < drive_.actors.size(); ++actor)
-      actors[world_.objectOfActor(actor)] = static_cast<uint32_t>(actor + 1);
+      actors[world_.objectOfActor(actor)] = World::labelOfActor(actor);
     std::vector<std::optional<bool>> moving(drive_.actors.size() + 1);  // by number of those that the scan has hit
     moving[0] = false;
     const auto isMoving = [&](uint32_t actor) {
@@ -106,6 +108,7 @@ class Kitti : public Format {
   }
 
   bool labelled_;
+  std::string sequence_, folder_;
 };
 
 }  // namespace

@@ -55,7 +55,8 @@ class KittiRaw : public Format {
     date_ = dateText(unixNanoseconds(drive, drive.start)).substr(0, 10);
     for (char& c : date_)
       if (c == '-') c = '_';
-    folder_ = path(date_ + "/" + date_ + "_drive_0001_sync/");
+    const std::string number = numberText("%04llu", output.sequence.value_or(1));
+    folder_ = path(date_ + "/" + date_ + "_drive_" + number + "_sync/");
   }
 
   std::vector<Field> fields() const override { return {Field::intensity}; }
@@ -70,19 +71,22 @@ class KittiRaw : public Format {
   }
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
-    std::string starts, middles, ends;
+    std::string starts, clouds, ends;
     eachScan(frames, [&](const ScanSummary& scan) {
-      const double duration = durationOf(drive_.sensors[scan.planned.sensor].sensor, scan.planned.number);
+      const RigSensor& sensor = drive_.sensors[scan.planned.sensor];
+      const double duration = durationOf(sensor.sensor, scan.planned.number);
       const auto line = [&](double share) {
         return dateText(unixNanoseconds(drive_, scan.planned.time + share * duration)) + "\n";
       };
       starts += line(0);
-      middles += line(0.5);
+      // The points of a deskewed scan are in the frame of its start, and other ones are at their own on average
+      // halfway.
+      clouds += line(sensor.effects.sensorMotion.deskew ? 0 : 0.5);
       ends += line(1);
     });
     const std::string day = path(date_) + "/";
     files.write(folder_ + "velodyne_points/timestamps_start.txt", starts);
-    files.write(folder_ + "velodyne_points/timestamps.txt", middles);
+    files.write(folder_ + "velodyne_points/timestamps.txt", clouds);
     files.write(folder_ + "velodyne_points/timestamps_end.txt", ends);
     files.write(folder_ + "oxts/timestamps.txt", starts);
     files.write(folder_ + "oxts/dataformat.txt", kDataFormat);

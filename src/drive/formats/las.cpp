@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <unordered_map>
 
 #include "base/file.hpp"
+#include "base/quaternion.hpp"
 #include "base/units.hpp"
 #include "drive/bytes.hpp"
 #include "drive/formats/format.hpp"
+#include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 
 namespace gnosphere::drive {
@@ -36,8 +39,41 @@ struct Row {
   uint16_t classId;
   uint32_t object;
   int16_t angle;
+  uint8_t line;  ///< bits of kToTheRight and kEndOfLine
   double gpsTime;
 };
+
+constexpr uint8_t kToTheRight = 1 << 6;  ///< the scan direction
+constexpr uint8_t kEndOfLine = 1 << 7;   ///< the edge of a flight line
+
+/// Returns for each beam of a pattern how its mirror moves: to the right of the vehicle or not, and whether the line
+/// ends, because the mirror turns back after the beam or its next facet follows. Both are 0 for sensors with several
+/// rings.
+std::vector<uint8_t> linesOf(const RigSensor& rigged, uint64_t pattern) {
+  const BeamList beams = beamsOf(rigged.sensor, pattern);
+  const size_t count = beams.size();
+  std::vector<uint8_t> lines(count);
+  if (count < 3 || std::ranges::any_of(beams.rings, [&](uint32_t ring) { return ring != beams.rings[0]; }))
+    return lines;
+  const auto angleOf = [&](size_t beam) {
+    const Vec3 d = rigged.mount.orientation * beams.directions[beam];
+    return std::atan2(-d.y, -d.z);
+  };
+  std::vector<double> steps;  // from each beam to the next one: radians to the right
+  for (size_t i = 0; i < count; ++i)
+    steps.push_back(std::remainder(angleOf((i + 1) % count) - angleOf(i), 2 * std::numbers::pi));
+  std::vector<double> lengths(count);
+  std::ranges::transform(steps, lengths.begin(), [](double step) { return std::abs(step); });
+  constexpr double kMostUsual = 3;  // times the usual step; longer ones lead from one facet to the next
+  const double longest = kMostUsual * medianOf(lengths);
+  for (size_t i = 0; i < count; ++i) {
+    const double before = steps[(i + count - 1) % count], after = steps[i];
+    const bool begins = std::abs(before) > longest, ends = std::abs(after) > longest;
+    const bool toTheRight = (begins ? after : before) > 0, turns = !begins && before * after < 0;
+    lines[i] = (toTheRight ? kToTheRight : 0) | (ends || turns ? kEndOfLine : 0);
+  }
+  return lines;
+}
 
 /// Counts and bounds of points, as a header has them.
 struct Summary {
@@ -73,6 +109,11 @@ class Las : public Format {
     layout_.compact = true;
     const Vec3 start = drive.ego.at(drive.start).position;
     offset_ = {std::round(start.x), std::round(start.y), std::round(start.z)};
+    for (const RigSensor& rigged : drive.sensors) {
+      std::vector<std::vector<uint8_t>>& patterns = lines_.emplace_back();
+      for (size_t i = 0; i < std::max<size_t>(1, rigged.sensor.patterns.size()); ++i)
+        patterns.push_back(linesOf(rigged, i));
+    }
   }
 
   std::vector<Field> fields() const override {
@@ -183,6 +224,8 @@ class Las : public Format {
     // Times that the trajectory states from its own start keep their digits if the large numbers are added first.
     const double gpsOfDrive = drive_.epoch + kGpsOfUnix;
     const std::string rows = output_.fields.empty() ? "" : packedRows(scan, layout_);
+    const std::vector<std::vector<uint8_t>>& patterns = lines_[recorded.planned.sensor];
+    const std::vector<uint8_t>& lines = patterns[recorded.planned.number % patterns.size()];
     size_t rowStart = 0;
     const uint16_t source =
         output_.sourcePerScan ? static_cast<uint16_t>(recorded.planned.number + 1) : sourceOf(recorded.planned.sensor);
@@ -206,6 +249,7 @@ class Las : public Format {
                        classes[entry],
                        scan.instances[entry],
                        moment->second.scanAngle(at),
+                       lines[entry / scan.returns],
                        gpsOfDrive + (recorded.planned.time + time)};
       appendPoint(points, row, source);
       points.append(rows, rowStart, layout_.stride);
@@ -220,7 +264,7 @@ class Las : public Format {
     append(out, row.point.z);
     append(out, row.strength);
     append(out, static_cast<uint8_t>(row.number | row.count << 4));
-    append(out, uint8_t{0});  // flags, scanner channel, direction, edge
+    append(out, row.line);  // classification flags, scanner channel, scan direction, edge of flight line
     append(out, static_cast<uint8_t>(row.classId));
     append(out, uint8_t{0});  // user data
     append(out, row.angle);
@@ -315,8 +359,9 @@ class Las : public Format {
     return out;
   }
 
-  RecordLayout layout_;  // of the fields
-  Vec3 offset_;          // of the coordinates: where the drive starts, in whole metres
+  RecordLayout layout_;                                   // of the fields
+  Vec3 offset_;                                           // of the coordinates: where the drive starts, in whole metres
+  std::vector<std::vector<std::vector<uint8_t>>> lines_;  // per sensor, pattern and beam: see linesOf()
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout of nuScenes (Caesar et al., CVPR 2020): v1.0-drive/*.json, samples and sweeps. Every lidar is a channel. A
+// The layout of nuScenes (Caesar et al., CVPR 2020): VERSION/*.json, samples and sweeps. Every lidar is a channel. A
 // .pcd.bin file has x, y, z, intensity 0..255 and ring as floats. As in nuScenes, its points are where the sensor would
 // have seen them from its pose at the time of the sweep, which is the start of the scan.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
@@ -18,8 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kVersion = "v1.0-drive";
-
 /// A white pixel as PNG: the development kit wants a picture of the map.
 constexpr unsigned char kEmptyMap[] = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
@@ -31,9 +30,26 @@ Json turnOf(const Quaternion& q) {
   return {q.w, q.x, q.y, q.z};
 }
 
-/// The four bins of nuScenes: up to 40, 60, 80 and 100 per cent.
+/// The four bins of nuScenes: up to 40, 60, 80 and 100 per cent; the last one for NaN, because nothing is known to hide
+/// the actor.
 int visibilityBin(double share) {
   return share < 0.4 ? 1 : share < 0.6 ? 2 : share < 0.8 ? 3 : 4;
+}
+
+/// The category of points without a class. In nuScenes-lidarseg it has the index 0, and the development kit wants the
+/// others to have 1, 2 and so on.
+constexpr const char* kNoise = "noise";
+
+/// The attribute of an annotation, as nuScenes has it for the category, or of the same kind for other names: whether
+/// the actor moves now, and else whether it moves at any time of the drive. None for nuScenes' categories without one,
+/// and for its cycles, whose attribute tells whether there is a rider, which the drive does not know.
+std::string attributeOf(std::string_view category, bool moves, bool everMoves) {
+  if (category.starts_with("human.pedestrian.")) return moves ? "pedestrian.moving" : "pedestrian.standing";
+  if (category == "vehicle.bicycle" || category == "vehicle.motorcycle") return "";
+  if (category.starts_with("vehicle."))
+    return moves ? "vehicle.moving" : everMoves ? "vehicle.stopped" : "vehicle.parked";
+  if (category.starts_with("movable_object.") || category.starts_with("static_object.")) return "";
+  return moves ? "moving" : "standing";
 }
 
 /// A scan and the frame that it belongs to.
@@ -47,7 +63,10 @@ class NuScenes : public Format {
  public:
   using Format::Format;
 
-  std::vector<Field> fields() const override { return {Field::intensity, Field::ring}; }
+  std::vector<Field> fields() const override {
+    if (output_.lidarseg) return {Field::intensity, Field::ring, Field::classId};
+    return {Field::intensity, Field::ring};
+  }
   bool needsBoxes() const override { return true; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
@@ -57,6 +76,7 @@ class NuScenes : public Format {
       const bool key = isKey(frame.frame) && !seen[sensor];
       seen[sensor] = true;
       files.push_back({path(fileOf(recorded.planned, key)), pointsOf(recorded), ""});
+      if (key && output_.lidarseg) files.push_back({path(labelFileOf(recorded.planned)), labelsOf(recorded.scan), ""});
     });
   }
 
@@ -75,6 +95,26 @@ class NuScenes : public Format {
     const std::string& channel = drive_.sensors[scan.sensor].name;
     return std::string(key ? "samples/" : "sweeps/") + channel + "/" + drive_.name + "__" + channel + "__" +
            std::to_string(microseconds(scan.time)) + ".pcd.bin";
+  }
+
+  std::string labelFileOf(const PlannedScan& scan) const {
+    return "lidarseg/" + output_.version + "/" + dataToken(scan) + "_lidarseg.bin";
+  }
+
+  /// A byte per point: the `index` of its category, and 0 for points without a class of the drive file.
+  std::string labelsOf(const Scan& scan) const {
+    const auto classes = scan.column<uint16_t>(Field::classId);
+    std::map<uint16_t, uint8_t> indices;  // by id; of classes with the same id the first one counts
+    uint8_t last = 0;
+    for (const Class& category : drive_.classes)
+      indices.emplace(category.id, category.name == kNoise ? uint8_t{0} : ++last);
+    std::string bytes;
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+      if (!scan.returned(entry)) continue;
+      const auto found = scan.instances[entry] == kNoTriangle ? indices.end() : indices.find(classes[entry]);
+      bytes += found == indices.end() ? '\0' : static_cast<char>(found->second);
+    }
+    return bytes;
   }
 
   std::string pointsOf(const RecordedScan& recorded) const {
@@ -113,7 +153,7 @@ class NuScenes : public Format {
 
   std::vector<Entry> entriesOf(const std::vector<FrameSummary>& frames) const;
   void write(FinalFiles& files, const char* table, const Json& rows) const {
-    files.write(path(std::string(kVersion) + "/" + table + ".json"), jsonText(rows, 1) + "\n");
+    files.write(path(output_.version + "/" + table + ".json"), jsonText(rows, 1) + "\n");
   }
   void writeConstants(FinalFiles& files) const;
   void writeData(FinalFiles& files, const std::vector<Entry>& entries, const std::vector<uint64_t>& samples) const;
@@ -142,8 +182,13 @@ double NuScenes::sampleTime(uint64_t sample, const std::vector<Entry>& entries) 
 
 void NuScenes::writeConstants(FinalFiles& files) const {
   Json categories = Json::array(), sensors = Json::array(), mounted = Json::array();
+  const auto addCategory = [&](const std::string& name) {
+    categories.push_back({{"token", token("category/" + name)}, {"name", name}, {"description", ""}});
+    if (output_.lidarseg) categories.back()["index"] = categories.size() - 1;
+  };
+  if (output_.lidarseg) addCategory(kNoise);
   for (const Class& category : drive_.classes)
-    categories.push_back({{"token", token("category/" + category.name)}, {"name", category.name}, {"description", ""}});
+    if (!output_.lidarseg || category.name != kNoise) addCategory(category.name);
   for (size_t s : output_.sensors) {
     const RigSensor& sensor = drive_.sensors[s];
     sensors.push_back({{"token", token("sensor", s)}, {"channel", sensor.name}, {"modality", "lidar"}});
@@ -157,7 +202,8 @@ void NuScenes::writeConstants(FinalFiles& files) const {
   write(files, "sensor", sensors);
   write(files, "calibrated_sensor", mounted);
   Json attributes = Json::array(), visibilities = Json::array();
-  for (const char* name : {"moving", "standing"})
+  for (const char* name : {"moving", "standing", "vehicle.moving", "vehicle.stopped", "vehicle.parked",
+                           "pedestrian.moving", "pedestrian.standing"})
     attributes.push_back({{"token", token(name)}, {"name", name}, {"description", ""}});
   const char* levels[] = {"v0-40", "v40-60", "v60-80", "v80-100"};
   for (int i = 0; i < 4; ++i)
@@ -186,7 +232,7 @@ void NuScenes::writeConstants(FinalFiles& files) const {
 
 void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
                          const std::vector<uint64_t>& samples) const {
-  Json sampleRows = Json::array(), rows = Json::array(), poses = Json::array();
+  Json sampleRows = Json::array(), rows = Json::array(), poses = Json::array(), labels = Json::array();
   for (size_t i = 0; i < samples.size(); ++i)
     sampleRows.push_back({{"token", token("sample", samples[i])},
                           {"timestamp", microseconds(sampleTime(samples[i], entries))},
@@ -219,8 +265,12 @@ void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
                        {"timestamp", microseconds(scan.time)},
                        {"rotation", turnOf(ego.orientation)},
                        {"translation", listOf(ego.position)}});
+      if (entry.key)
+        labels.push_back(
+            {{"token", dataToken(scan)}, {"sample_data_token", dataToken(scan)}, {"filename", labelFileOf(scan)}});
     }
   }
+  if (output_.lidarseg) write(files, "lidarseg", labels);
   write(files, "sample", sampleRows);
   write(files, "sample_data", rows);
   write(files, "ego_pose", poses);
@@ -237,8 +287,9 @@ void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
 void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries) const {
   struct Sight {
     uint64_t points = 0;
-    double visibility = 0;
-    const Box* box = nullptr;  // of the sensor that has the most points of the actor
+    double visibility = NAN;
+    const Box* box = nullptr;
+    bool isOfFirst = false;  // whether the box is that of the output's first sensor
   };
   std::map<size_t, std::map<uint64_t, Sight>> sights;  // by actor and sample
   for (const Entry& entry : entries) {
@@ -246,22 +297,30 @@ void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& ent
     for (const Box& box : entry.scan.boxes) {
       Sight& sight = sights[box.actor][entry.frame];
       sight.points += box.points;
-      if (!sight.box || box.points > sight.box->points) sight.box = &box;
-      sight.visibility = std::max(sight.visibility, box.visibility);
+      // The first sensor's box counts, so that from sample to sample the actor is where the same sensor passed over it.
+      const bool isOfFirst = entry.scan.planned.sensor == output_.sensors.front();
+      if (!sight.box || isOfFirst || (!sight.isOfFirst && box.points > sight.box->points)) {
+        sight.box = &box;
+        sight.isOfFirst = isOfFirst;
+      }
+      sight.visibility = std::fmax(sight.visibility, box.visibility);  // the number, if one of them is NaN
     }
   }
   Json rows = Json::array(), instances = Json::array();
   for (const auto& [actor, bySample] : sights) {
     std::vector<uint64_t> seen;
     for (const auto& [sample, sight] : bySample) seen.push_back(sample);
+    const std::string& category = drive_.classes[drive_.actors[actor].category].name;
+    const bool everMoves = drive_.actors[actor].trajectory.movesWithin(drive_.start, drive_.start + drive_.duration);
     for (size_t i = 0; i < seen.size(); ++i) {
       const Sight& sight = bySample.at(seen[i]);
       const Box& box = *sight.box;
+      const std::string attribute = attributeOf(category, box.moving, everMoves);
       rows.push_back({{"token", token("annotation", actor, seen[i])},
                       {"sample_token", token("sample", seen[i])},
                       {"instance_token", token("instance", actor)},
                       {"visibility_token", std::to_string(visibilityBin(sight.visibility))},
-                      {"attribute_tokens", {token(box.moving ? "moving" : "standing")}},
+                      {"attribute_tokens", attribute.empty() ? Json::array() : Json::array({token(attribute)})},
                       {"translation", listOf(box.inWorld.position)},
                       {"size", {box.size.y, box.size.x, box.size.z}},
                       {"rotation", turnOf(box.inWorld.orientation)},
@@ -271,7 +330,7 @@ void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& ent
                       {"num_radar_pts", 0}});
     }
     instances.push_back({{"token", token("instance", actor)},
-                         {"category_token", token("category/" + drive_.classes[drive_.actors[actor].category].name)},
+                         {"category_token", token("category/" + category)},
                          {"nbr_annotations", seen.size()},
                          {"first_annotation_token", token("annotation", actor, seen.front())},
                          {"last_annotation_token", token("annotation", actor, seen.back())}});

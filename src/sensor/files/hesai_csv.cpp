@@ -22,11 +22,9 @@ bool isChecksum(std::string_view cell) {
 void checkHash(const SensorSource& source, const std::vector<std::string_view>& lines, size_t row,
                std::string_view stated) {
   if (stated.size() != 64) return;  // a checksum of another kind
-  std::string text, digest;
+  std::string text;
   for (size_t i = 0; i < row; ++i) text.append(lines[i]).append("\r\n");
-  for (const char byte : sha256(text))
-    for (const int shift : {4, 0}) digest += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
-  if (!sameWord(digest, stated))
+  if (!sameWord(sha256Text(text), stated))
     source.refuse("is damaged: the lines above line " + std::to_string(row + 1) +
                   " do not have the SHA-256 that it states");
 }

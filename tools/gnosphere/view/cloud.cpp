@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
@@ -41,16 +42,34 @@ CloudTable readTable(const fs::path& file) {
   return readCloudTable(format, std::move(bytes), name);
 }
 
+/// Fields that we do not know have no more numbers of things than this: what has more is a quantity, as times and
+/// reflectivities are.
+constexpr size_t kMostIds = 100;
+
 /// Whether the values of a column are numbers of things: whole, from 0 on, and of at most 32 bits. The type of the
 /// fields that we know counts, because some formats hold rings as floats.
 bool holdsIds(const CloudTable& table, const CloudColumn& column) {
   const ColumnInfo* known = findColumn(column.name);
   if (known ? known->type == ValueType::f32 : column.type == 'F') return false;
+  std::set<double> found;
   for (size_t row = 0; row < table.rows; ++row) {
     const double value = table.value(column, row);
     if (!(value >= 0 && value <= UINT32_MAX && value == std::floor(value))) return false;
+    if (!known && found.insert(value).second && found.size() > kMostIds) return false;
   }
   return true;
+}
+
+/// The numbers of the beams and returns of rows; nothing if the table does not tell the beams.
+std::optional<std::vector<uint64_t>> returnsOf(const CloudTable& table, const std::vector<size_t>& rows) {
+  const CloudColumn *beam = table.find("beam"), *number = table.find("return");
+  if (!beam || !holdsIds(table, *beam) || (number && !holdsIds(table, *number))) return {};
+  const std::vector<uint32_t> numbers = numberReturns(table);
+  std::vector<uint64_t> returns;
+  returns.reserve(rows.size());
+  for (const size_t row : rows)
+    returns.push_back(static_cast<uint64_t>(table.value(*beam, row)) << 32 | (numbers.empty() ? 1 : numbers[row]));
+  return returns;
 }
 
 ValueNames namesOf(const std::string& column, const fs::path& file) {
@@ -107,24 +126,29 @@ ValueNames classNames(const fs::path& folder) {
   return names;
 }
 
-ViewCloud readViewCloud(const fs::path& file) {
+ViewCloud readViewCloud(const fs::path& file, const std::optional<Origin>& origin) {
   const CloudTable table = readTable(file);
-  const CloudColumn* axes[] = {table.find("x"), table.find("y"), table.find("z")};
+  const auto axes = table.axes();
   if (!axes[0] || !axes[1] || !axes[2])
     table.refuse("has no x, y and z, so it cannot be shown; scan with these fields");
   ViewCloud cloud;
+  cloud.origin = origin ? *origin : table.originNearby();
+  cloud.floatStep = table.floatStep(cloud.origin);
   std::vector<size_t> rows;
   for (size_t row = 0; row < table.rows; ++row) {
     float point[3];
-    for (int axis = 0; axis < 3; ++axis) point[axis] = static_cast<float>(table.value(*axes[axis], row));
+    for (size_t axis = 0; axis < 3; ++axis)
+      point[axis] = static_cast<float>(table.value(*axes[axis], row) - cloud.origin[axis]);
     if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2])) continue;
     rows.push_back(row);
     cloud.points.insert(cloud.points.end(), point, point + 3);
   }
   cloud.misses = table.rows - rows.size();
+  cloud.returns = returnsOf(table, rows);
   for (const CloudColumn& column : table.columns) {
-    // PCL pads its rows with columns named _, and histograms have many values per point.
-    if (std::find(axes, axes + 3, &column) != axes + 3 || column.count != 1 || column.name == "_") continue;
+    // Histograms have many values per point.
+    const bool isAxis = std::find(axes.begin(), axes.end(), &column) != axes.end();
+    if (isAxis || column.count != 1 || column.name == kGapName) continue;
     ViewColumn& out = cloud.columns.emplace_back(ViewColumn{column.name, holdsIds(table, column), {}, {}});
     if (out.isId) out.names = namesOf(out.name, file);
     out.values.reserve(rows.size());
@@ -140,6 +164,7 @@ ViewCloud readViewCloud(const fs::path& file) {
 ViewCloud everyNth(const ViewCloud& cloud, size_t n) {
   ViewCloud some;
   some.misses = cloud.misses;
+  some.origin = cloud.origin;
   for (size_t i = 0; i < cloud.size(); i += n)
     some.points.insert(some.points.end(), &cloud.points[3 * i], &cloud.points[3 * i] + 3);
   for (const ViewColumn& column : cloud.columns) {

@@ -6,8 +6,11 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "output/cloud_file.hpp"
 
 namespace gnosphere::cli {
 
@@ -21,7 +24,11 @@ struct ViewColumn {
 };
 
 struct ViewCloud {
-  std::vector<float> points;  ///< x, y, z, in metres
+  std::vector<float> points;  ///< x, y, z from `origin`, in metres
+  Origin origin = {};
+  double floatStep = 0;  ///< CloudTable::floatStep() at the origin
+  /// The number of the beam, times 2^32, and of the return of each point; nothing if the file does not tell the beams.
+  std::optional<std::vector<uint64_t>> returns;
   std::vector<ViewColumn> columns;
   uint64_t misses = 0;  ///< rows of the file without a finite point, which are left out
 
@@ -39,17 +46,19 @@ ValueNames classNames(const std::filesystem::path& folder);
 /// Reads .pcd, .ply, .npy, .csv, .bin (KITTI: x y z intensity) and .pcd.bin (nuScenes: x y z intensity ring). A .bin
 /// file with a file of SemanticKITTI's labels (../labels/NAME.label) has also the class and the instance of each point.
 /// The classes have the names of classNames() of the file's folder.
-/// Throws Error(file), Error(format), or Error(invalidArgument) for an ending that is not known.
-ViewCloud readViewCloud(const std::filesystem::path& file);
+/// Points are from `origin`, or from one near the first point. Throws Error(file), Error(format), or
+/// Error(invalidArgument) for an ending that is not known.
+ViewCloud readViewCloud(const std::filesystem::path& file, const std::optional<Origin>& origin = {});
 
-/// Returns every n-th point, from the first on.
+/// Returns every n-th point, from the first on, without the numbers of returns.
 ViewCloud everyNth(const ViewCloud& cloud, size_t n);
 
 /// Whether both clouds tell the beams of their points.
 bool comparesBeams(const ViewCloud& a, const ViewCloud& b);
-/// Returns the points of both clouds, with three more columns: the cloud, the kind of difference, and the distance to
-/// the point compared with. If both tell their beams, points of one beam (and one return) are compared; otherwise each
-/// point is compared with the nearest one of the other cloud. Points further apart than `distance` differ.
+/// Returns the points of both clouds, which have one origin, with three more columns: the cloud, the kind of
+/// difference, and the distance to the point compared with. If both tell their beams, points of one beam (and one
+/// return) are compared; otherwise each point is compared with the nearest one of the other cloud. Points further apart
+/// than `distance` differ.
 ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance);
 
 }  // namespace gnosphere::cli

@@ -40,7 +40,7 @@ function idColour(field, id) {
 
 const decoded = [];
 
-/// The points and columns of a frame; a column has NaN where a point has no value.
+/// The points of a frame, from the head's origin, and its columns; a column has NaN where a point has no value.
 function frameOf(index) {
   if (decoded[index]) return decoded[index];
   const info = head.frames[index], count = info.points, text = atob(byId('frame' + index).textContent);
@@ -54,7 +54,8 @@ function frameOf(index) {
   const positions = new Float32Array(3 * count);
   for (let axis = 0; axis < 3; ++axis) {
     const steps = numbers(2);
-    for (let i = 0; i < count; ++i) positions[3 * i + axis] = info.origin[axis] + steps[i] * info.step;
+    const start = info.origin[axis] - head.origin[axis];
+    for (let i = 0; i < count; ++i) positions[3 * i + axis] = start + steps[i] * info.step;
   }
   const columns = {};
   for (const field of head.fields) {
@@ -62,9 +63,10 @@ function frameOf(index) {
     columns[field.name] = Float64Array.from(codes, code => code === none ? NaN : field.id ? code :
                                             field.min + code * scale);
   }
-  columns.z = columns.z || Float64Array.from({length: count}, (_, i) => positions[3 * i + 2]);
+  const coordinate = (i, axis) => head.origin[axis] + positions[3 * i + axis];
+  columns.z = columns.z || Float64Array.from({length: count}, (_, i) => coordinate(i, 2));
   columns.range = columns.range || Float64Array.from({length: count}, (_, i) => Math.hypot(
-    positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]));
+    coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)));
   return decoded[index] = {info, count, positions, columns};
 }
 

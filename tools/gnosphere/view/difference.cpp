@@ -20,19 +20,9 @@ double distanceOf(const ViewCloud& a, size_t i, const ViewCloud& b, size_t j) {
   return std::hypot(double{p[0]} - q[0], double{p[1]} - q[1], double{p[2]} - q[2]);
 }
 
-/// A number for the beam and the return of each point.
-std::vector<uint64_t> returnsOf(const ViewCloud& cloud) {
-  const ViewColumn *beam = cloud.find("beam"), *number = cloud.find("return");
-  const auto whole = [](double id) { return std::isnan(id) ? UINT32_MAX : static_cast<uint64_t>(id); };
-  std::vector<uint64_t> keys;
-  for (size_t i = 0; i < cloud.size(); ++i)
-    keys.push_back(whole(beam->values[i]) << 8 | (number ? whole(number->values[i]) & 0xff : 1));
-  return keys;
-}
-
 Distances toSameBeam(const ViewCloud& from, const ViewCloud& to) {
   std::unordered_map<uint64_t, size_t> places;
-  const std::vector<uint64_t> theirs = returnsOf(to), ours = returnsOf(from);
+  const std::vector<uint64_t>&theirs = *to.returns, &ours = *from.returns;
   for (size_t j = 0; j < theirs.size(); ++j) places[theirs[j]] = j;
   Distances distances;
   for (size_t i = 0; i < ours.size(); ++i) {
@@ -93,11 +83,7 @@ void append(const ViewCloud& part, ViewCloud& all) {
 }  // namespace
 
 bool comparesBeams(const ViewCloud& a, const ViewCloud& b) {
-  const auto hasBeams = [](const ViewCloud& cloud) {
-    const ViewColumn *beam = cloud.find("beam"), *number = cloud.find("return");
-    return beam && beam->isId && (!number || number->isId);
-  };
-  return hasBeams(a) && hasBeams(b);
+  return a.returns && b.returns;
 }
 
 ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance) {
@@ -118,6 +104,7 @@ ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance) 
   add(a, b, 0, kOnlyA);
   add(b, a, 1, kOnlyB);
   ViewCloud both;
+  both.origin = a.origin;
   append(a, both);
   append(b, both);
   both.columns.insert(both.columns.begin(), {std::move(difference), std::move(apart), std::move(cloud)});

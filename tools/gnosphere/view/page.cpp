@@ -81,7 +81,8 @@ uint64_t Page::dataBytes() const {
 std::string Page::encode(const PageFrame& frame, Json& head) const {
   const ViewCloud& cloud = frame.cloud;
   std::string bytes;
-  double origin[3] = {}, extent = 0;
+  Origin origin = {};
+  double extent = 0;
   for (size_t axis = 0; axis < 3 && cloud.size() > 0; ++axis) {
     double least = INFINITY, greatest = -INFINITY;
     for (size_t i = axis; i < cloud.points.size(); i += 3) {
@@ -95,6 +96,7 @@ std::string Page::encode(const PageFrame& frame, Json& head) const {
   for (size_t axis = 0; axis < 3; ++axis)
     for (size_t i = axis; i < cloud.points.size(); i += 3)
       put(bytes, static_cast<uint32_t>(std::lround((cloud.points[i] - origin[axis]) / step)), 2);
+  for (size_t axis = 0; axis < 3; ++axis) origin[axis] += cloud.origin[axis];
   for (const PageField& field : fields_) {
     const ViewColumn* column = cloud.find(field.name);
     const double scale = field.max > field.min ? (kSteps - 1) / (field.max - field.min) : 0;
@@ -133,6 +135,7 @@ std::string Page::html(Json head, const std::string& three) const {
   }
   head["fields"] = std::move(fields);
   head["frames"] = std::move(frames);
+  head["origin"] = frames_.empty() ? Origin{} : frames_[0].cloud.origin;
   data = "<script type=\"application/json\" id=\"head\">" + scriptText(head) + "</script>\n" + data;
   const std::string page = kPageHtml, mark = "<!-- content -->";
   const size_t at = page.find(mark);

@@ -26,11 +26,13 @@ struct PageField {
 };
 
 /// The page's data are a JSON head and, for each frame, base64 of little-endian arrays one after the other:
-/// - x, y, z as 16-bit numbers of steps from the frame's origin;
+/// - x, y, z as 16-bit numbers of steps from the frame's origin; the script takes them from the head's origin, which is
+///   that of all clouds;
 /// - for each field in turn, ids as numbers of 8, 16 or 32 bits, and others as 16-bit numbers from 0 for the field's
 ///   least value to 65534 for its greatest. All bits set: the point has no value.
 class Page {
  public:
+  /// All clouds of a page have one origin.
   void add(PageFrame frame);
   size_t frameCount() const { return frames_.size(); }
   uint64_t pointCount() const { return points_; }

@@ -36,7 +36,7 @@ function extentOf() {
     positions[3 * i] - middle.x, positions[3 * i + 1] - middle.y, positions[3 * i + 2] - middle.z)).sort();
   return {middle, reach: Math.max(at(distances, 0.8), 0.5), far: at(distances, 1), floor: at(axes[2], 0.02)};
 }
-const extent = extentOf();
+const extent = extentOf(), headOrigin = new THREE.Vector3(...head.origin);
 
 function look(x, y, z) {
   controls.target.copy(extent.middle);
@@ -54,7 +54,10 @@ function addGround() {
       i * unit * Math.cos(k * Math.PI / 64), i * unit * Math.sin(k * Math.PI / 64), extent.floor)));
     ground.add(new THREE.Line(circle, new THREE.LineBasicMaterial({color: 0x28303b})));
   }
-  ground.add(new THREE.AxesHelper(Math.max(extent.reach / 25, 0.05)));
+  const axes = new THREE.AxesHelper(Math.max(extent.reach / 25, 0.05));
+  axes.position.z = -headOrigin.z;
+  ground.add(axes);
+  ground.position.set(-headOrigin.x, -headOrigin.y, 0);
   byId('help').append(document.createElement('br'), `circles: every ${unit} m; axes: x red, y green, z blue`);
 }
 
@@ -140,11 +143,11 @@ function addBoxes(info) {
   for (const box of info.boxes) {
     const edges = new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(...box.size));
     const lines = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: box.moving ? 0xffb02e : 0x8fd3ff}));
-    lines.position.set(...box.position);
+    lines.position.set(...box.position).sub(headOrigin);
     lines.quaternion.set(...box.orientation);
     boxGroup.add(lines);
     const tag = element('div', `${box.name}, ${box.class}, ${box.points} points`, byId('tags'), 'tag');
-    const top = new THREE.Vector3(...box.position).add(new THREE.Vector3(0, 0, box.size[2] / 2));
+    const top = lines.position.clone().add(new THREE.Vector3(0, 0, box.size[2] / 2));
     tags.push({element: tag, position: top});
   }
 }
@@ -182,8 +185,8 @@ function show(index) {
   byId('name').textContent = info.name;
   const lines = [`${count.toLocaleString('en')} points` + (head.every > 1 ? `, one of ${head.every} is shown` : '')];
   if (info.misses) lines.push(`${info.misses.toLocaleString('en')} beams without a point`);
-  // Far from the origin the 32-bit numbers from which the positions come are coarser than the steps.
-  const error = Math.max(info.step / 2, Math.max(...info.origin.map(Math.abs)) * 2 ** -24);
+  // Half a step, and the rounding of the 32-bit numbers from the head's origin from which the positions come.
+  const error = info.step / 2 + Math.max(...info.origin.map((x, i) => Math.abs(x - head.origin[i]))) * 2 ** -24;
   lines.push(`positions to ${Number((1000 * error).toPrecision(2))} mm`, ...head.notes);
   byId('about').textContent = '';
   lines.forEach(line => element('div', line, byId('about')));
@@ -211,7 +214,8 @@ function pick(event) {
     element('td', name, row);
     element('td', text, row);
   };
-  ['x', 'y', 'z'].forEach((name, axis) => line(name, frame.positions[3 * best + axis].toFixed(3) + ' m'));
+  ['x', 'y', 'z'].forEach((name, axis) =>
+    line(name, (head.origin[axis] + frame.positions[3 * best + axis]).toFixed(3) + ' m'));
   for (const each of fields) if (each.name !== 'z') line(each.name, textOf(each, frame.columns[each.name][best]));
 }
 

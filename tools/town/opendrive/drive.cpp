@@ -92,22 +92,22 @@ class Search {
   int patience_ = 0;
 };
 
-Vec3 pointOf(const Stretch& stretch, double s) {
+WayPoint pointOf(const Stretch& stretch, double s) {
   const LaneSection& section = stretch.road->sections[stretch.section];
-  const std::vector<double> edges = laneEdges(*stretch.road, section, s);
-  const size_t i = static_cast<size_t>(section.find(stretch.lane) - section.lanes.data());
-  return stretch.road->frame(s).point((edges[i] + edges[i + 1]) / 2);
+  const size_t index = static_cast<size_t>(section.find(stretch.lane) - section.lanes.data());
+  const LaneMiddle middle = laneMiddle(*stretch.road, section, index, s);
+  return {middle.at, middle.up};
 }
 
-void addPoints(const Stretch& stretch, std::vector<Vec3>& points) {
+void addPoints(const Stretch& stretch, std::vector<WayPoint>& points) {
   constexpr double kStep = 0.5;
   const LaneSection& section = stretch.road->sections[stretch.section];
   const int count = std::max(1, static_cast<int>(std::ceil(stretch.length() / kStep)));
   for (int i = 0; i <= count; ++i) {
     const double share = static_cast<double>(stretch.forward ? i : count - i) / count;
-    const Vec3 p = pointOf(stretch, section.s + share * stretch.length());
+    const WayPoint p = pointOf(stretch, section.s + share * stretch.length());
     if (!points.empty()) {
-      const Vec3 step = p - points.back();
+      const Vec3 step = p.at - points.back().at;
       if (dot(step, step) < 0.01 * kStep * kStep) continue;
     }
     points.push_back(p);
@@ -120,10 +120,10 @@ std::vector<Stretch> starts(const Network& network) {
   for (const Road& road : network.roads)
     for (size_t i = 0; road.junction.empty() && i < road.sections.size(); ++i)
       for (const Lane& lane : road.sections[i].lanes) {
-        const bool forward = (lane.id < 0) != road.leftHand;
+        const bool forward = road.isForward(lane);
         const Stretch stretch = {&road, i, lane.id, forward};
         if (!lane.driving || stretch.length() <= 0) continue;
-        const Vec3 p = pointOf(stretch, forward ? road.sections[i].s : road.sections[i].end);
+        const Vec3 p = pointOf(stretch, forward ? road.sections[i].s : road.sections[i].end).at;
         list.push_back({p.x * p.x + p.y * p.y, stretch});
       }
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -8,9 +8,14 @@
 
 namespace gnosphere::town::opendrive {
 
+/// A point of a drive on the road, and the unit vector upright on the road there.
+struct WayPoint {
+  Vec3 at, up = {0, 0, 1};
+};
+
 /// A path along lanes, linked as the file states.
 struct Drive {
-  std::vector<Vec3> points;                     ///< on the road, about half a metre apart
+  std::vector<WayPoint> points;                 ///< on the road, about half a metre apart
   std::set<std::pair<std::string, int>> lanes;  ///< road and lane
   bool uses(const Road& road, const Lane& lane) const { return lanes.contains({road.id, lane.id}); }
 };

@@ -2,8 +2,11 @@
 // Merges the overlapping connecting roads of a junction into one surface, with Clipper polygons in whole millimetres.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <polyclipping/clipper.hpp>
+#include <utility>
 
+#include "town/opendrive/height_field.hpp"
 #include "town/opendrive/road_mesh.hpp"
 
 namespace gnosphere::town::opendrive {
@@ -14,7 +17,7 @@ using ClipperLib::Path;
 using ClipperLib::Paths;
 
 constexpr double kUnit = 1000;      ///< per metre
-constexpr double kCell = 4;         ///< metres: the largest triangle, so that triangles follow the heights
+constexpr double kCell = 4;         ///< metres: the grid into which surfaces are cut
 constexpr double kHeal = 0.4;       ///< metres: gaps up to twice as wide are closed, and so are sharp corners
 constexpr double kSmallest = 1e-3;  ///< square metres
 
@@ -106,19 +109,31 @@ Box boxOf(const Paths& paths) {
   return box;
 }
 
-/// Triangulates a region with triangles no larger than a grid cell.
+/// Triangulates the part of a region in a box of whole cells of a grid. Each triangle lies in one cell.
+template <typename Emit>
+void cutIntoCells(const Paths& region, const Box& box, Emit&& emit) {
+  constexpr auto kSize = static_cast<ClipperLib::cInt>(kCell * kUnit);
+  if (region.empty()) return;
+  const ClipperLib::cInt columns = (box.high.X - box.low.X) / kSize, rows = (box.high.Y - box.low.Y) / kSize;
+  if (columns <= 1 && rows <= 1) return triangulate(region, box.low, box.high, emit);
+  Box first = box, second = box;
+  if (columns > rows)
+    first.high.X = second.low.X = box.low.X + columns / 2 * kSize;
+  else
+    first.high.Y = second.low.Y = box.low.Y + rows / 2 * kSize;
+  for (const Box& half : {first, second})
+    cutIntoCells(combined(ClipperLib::ctIntersection, region, {boxPath(half.low, half.high)}), half, emit);
+}
+
 template <typename Emit>
 void cutIntoCells(const Paths& region, Emit&& emit) {
-  const Box box = boxOf(region);
-  const auto cell = static_cast<ClipperLib::cInt>(kCell * kUnit);
-  for (ClipperLib::cInt x = box.low.X; x < box.high.X; x += cell) {
-    const Paths column =
-        combined(ClipperLib::ctIntersection, region, {boxPath({x, box.low.Y}, {x + cell, box.high.Y})});
-    for (ClipperLib::cInt y = box.low.Y; y < box.high.Y; y += cell) {
-      const IntPoint low = {x, y}, high = {x + cell, y + cell};
-      triangulate(combined(ClipperLib::ctIntersection, column, {boxPath(low, high)}), low, high, emit);
-    }
-  }
+  constexpr auto kSize = static_cast<ClipperLib::cInt>(kCell * kUnit);
+  const auto cellOf = [](ClipperLib::cInt x) { return x >= 0 ? x / kSize : (x + 1) / kSize - 1; };
+  const auto [low, high] = boxOf(region);
+  cutIntoCells(
+      region,
+      {{cellOf(low.X) * kSize, cellOf(low.Y) * kSize}, {(cellOf(high.X) + 1) * kSize, (cellOf(high.Y) + 1) * kSize}},
+      emit);
 }
 
 /// Data to build one junction: its connecting roads, the roads that meet there, and the heights of both.
@@ -137,7 +152,7 @@ class JunctionSurface {
     }
   }
 
-  std::vector<GroundPiece> pieces() const {
+  std::vector<GroundPiece> pieces() {
     if (covered_.empty()) return {};
     MeshBuilder builder;
     const Paths healed = grown(grown(combined(ClipperLib::ctUnion, covered_, {}), kHeal), -kHeal);
@@ -156,33 +171,34 @@ class JunctionSurface {
   }
 
  private:
-  IntPoint rounded(const Vec3& p) const {
-    return {std::llround((p.x - origin_.x) * kUnit), std::llround((p.y - origin_.y) * kUnit)};
-  }
+  static IntPoint rounded(const Vec3& p) { return {std::llround(p.x * kUnit), std::llround(p.y * kUnit)}; }
 
-  /// Adds the outline of a road's surface between two edges at each station.
+  /// Adds a road's surface between two edges at each station, which are those of the lane section there.
   template <typename Edges>
-  void addStrip(const Road& road, double from, double to, Paths& strips, Edges&& edgesAt) {
-    Path outline, back;
-    for (double s : stations(road, from, to)) {
-      const auto [left, right] = edgesAt(s);
-      const RoadFrame frame = road.frame(s);
-      for (double t : {left, right}) heights_.push_back(frame.point(t));
-      outline.push_back(rounded(frame.point(right)));
-      back.push_back(rounded(frame.point(left)));
+  void addStrip(const Road& road, double from, double to, bool connecting, Edges&& edgesAt) {
+    std::vector<CrossSection> strip;
+    for (const LaneSection& section : road.sections) {
+      const double first = std::max(from, section.s), last = std::min({to, section.end, road.length});
+      if (first >= last) continue;
+      for (double s : stations(road, first, last)) {
+        const auto [left, right] = edgesAt(section, laneEdges(road, section, s));
+        const RoadFrame frame = road.frame(s);
+        strip.push_back({s, frame.point(left) - origin_, frame.point(right) - origin_, frame.along});
+      }
     }
-    outline.insert(outline.end(), back.rbegin(), back.rend());
-    Paths simple;
+    heights_.add(strip);
+    Path outline;
+    for (const CrossSection& each : strip) outline.push_back(rounded(each.right));
+    for (auto each = strip.rbegin(); each != strip.rend(); ++each) outline.push_back(rounded(each->left));
+    Paths simple, &strips = connecting ? covered_ : footprints_;
     ClipperLib::SimplifyPolygon(outline, simple, ClipperLib::pftNonZero);
     strips.insert(strips.end(), simple.begin(), simple.end());
   }
 
   void addConnecting(const Road& road) {
-    addStrip(road, 0, road.length, covered_, [&](double s) {
+    addStrip(road, 0, road.length, true, [&](const LaneSection& section, const std::vector<double>& edges) {
       // Shoulders have the lane type `none` here: narrow lanes count as road, wide ones stand for sidewalks and lawns.
       constexpr double kShoulder = 1.5;
-      const LaneSection& section = road.sectionAt(s);
-      const std::vector<double> edges = laneEdges(road, section, s);
       size_t first = edges.size(), last = 0;
       for (size_t i = 0; i + 1 < edges.size(); ++i)
         if (section.lanes[i].use == LaneUse::carriageway && edges[i] - edges[i + 1] > 1e-3) {
@@ -203,9 +219,7 @@ class JunctionSurface {
     constexpr double kReach = 30;  // metres of the road into which the junction's sidewalks may reach
     const double from = atStart ? 0 : std::max(0.0, road.length - kReach);
     const double to = atStart ? std::min(kReach, road.length) : road.length;
-    addStrip(road, from, to, footprints_, [&](double s) {
-      const LaneSection& section = road.sectionAt(std::min(s, road.length - 1e-6));
-      const std::vector<double> edges = laneEdges(road, section, s);
+    addStrip(road, from, to, false, [&](const LaneSection& section, const std::vector<double>& edges) {
       const std::vector<VisibleLane> lanes = visibleLanes(section, edges);
       if (lanes.empty()) return std::pair(edges.front(), edges.front());
       for (const VisibleLane& lane : lanes)
@@ -217,44 +231,105 @@ class JunctionSurface {
     });
   }
 
-  /// Interpolates heights by the fourth power of the inverse distance: exact at the edges of roads.
-  double heightAt(double x, double y) const {
-    double sum = 0, weights = 0;
-    for (const Vec3& p : heights_) {
-      const double dx = p.x - origin_.x - x, dy = p.y - origin_.y - y, square = dx * dx + dy * dy;
-      const double weight = 1 / (square * square + 1e-9);
-      sum += weight * (p.z - origin_.z);
-      weights += weight;
+  Vec3 onSurface(double x, double y) const { return {x, y, heights_.at(x, y)}; }
+  Vec3 onSurface(const IntPoint& p) const {
+    return onSurface(static_cast<double>(p.X) / kUnit, static_cast<double>(p.Y) / kUnit);
+  }
+
+  /// Whether an edge is too long to follow the heights. The answer does not depend on the order of the points, so
+  /// triangles on both sides of an edge are divided alike there, and their parts meet.
+  bool isTooLong(const Vec3& a, const Vec3& b) {
+    const Vec3 middle = 0.5 * (a + b);
+    double size = kCell;
+    for (const Vec3& p : {a, middle, b})
+      for (double dx : {-1e-6, 1e-6})  // the point may lie on the border of two cells
+        for (double dy : {-1e-6, 1e-6}) size = std::min(size, sizeAt(p.x + dx, p.y + dy));
+    return planDistance(a, b) > 1.5 * size;
+  }
+
+  /// Returns the size of triangles in the cell of a point with which they follow its heights.
+  double sizeAt(double x, double y) {
+    const auto column = static_cast<long>(std::floor(x / kCell)), row = static_cast<long>(std::floor(y / kCell));
+    const auto [found, isNew] = sizes_.try_emplace({column, row}, kCell);
+    if (isNew) found->second = sizeOf(kCell * static_cast<double>(column), kCell * static_cast<double>(row));
+    return found->second;
+  }
+
+  double sizeOf(double x0, double y0) const {
+    constexpr double kOff = 0.01, kSmallestSize = 0.5;  // metres
+    double size = kCell;
+    for (int parts = 2; size > kSmallestSize; parts *= 2, size /= 2) {
+      // Triangles are small enough if each point of a grid has the mean height of its neighbours on both sides.
+      const int points = parts + 1;
+      std::vector<double> z;
+      for (int j = 0; j < points; ++j)
+        for (int i = 0; i < points; ++i) z.push_back(heights_.at(x0 + kCell * i / parts, y0 + kCell * j / parts));
+      const auto at = [&](int i, int j) { return z[static_cast<size_t>(j * points + i)]; };
+      double off = 0;
+      for (int j = 0; j < points; ++j)
+        for (int i = 0; i < points; ++i)
+          for (const auto& [di, dj] : {std::pair(1, 0), {0, 1}, {1, 1}, {1, -1}})
+            if (i >= di && i + di < points && std::min(j - dj, j + dj) >= 0 && std::max(j - dj, j + dj) < points)
+              off = std::max(off, std::abs((at(i - di, j - dj) + at(i + di, j + dj)) / 2 - at(i, j)));
+      if (off < kOff) break;
     }
-    return sum / weights;
+    return size;
   }
 
-  Vec3 lifted(const IntPoint& p, double height) const {
-    const double x = static_cast<double>(p.X) / kUnit, y = static_cast<double>(p.Y) / kUnit;
-    return {x, y, heightAt(x, y) + height};
+  Vec3 between(const Vec3& a, const Vec3& b) const { return onSurface(0.5 * (a.x + b.x), 0.5 * (a.y + b.y)); }
+
+  /// Halves an edge until its parts follow the heights.
+  template <typename Emit>
+  void divide(const Vec3& a, const Vec3& b, Emit&& emit) {
+    if (!isTooLong(a, b)) return emit(a, b);
+    const Vec3 middle = between(a, b);
+    divide(a, middle, emit);
+    divide(middle, b, emit);
   }
 
-  void addRegion(MeshBuilder& builder, Surface top, Surface side, const Paths& raw, double height) const {
+  /// Halves the edges of a triangle, the longest first, until all follow the heights.
+  template <typename Emit>
+  void divide(const Vec3& a, const Vec3& b, const Vec3& c, Emit&& emit) {
+    const Vec3 corners[] = {a, b, c};
+    double longest = 0;
+    size_t chosen = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const Vec3 &p = corners[i], &q = corners[(i + 1) % 3];
+      const double length = planDistance(p, q);
+      if (length <= longest || !isTooLong(p, q)) continue;
+      longest = length;
+      chosen = i;
+    }
+    if (longest == 0) return emit(a, b, c);
+    const Vec3 &p = corners[chosen], &q = corners[(chosen + 1) % 3], &r = corners[(chosen + 2) % 3];
+    const Vec3 middle = between(p, q);
+    divide(p, middle, r, emit);
+    divide(middle, q, r, emit);
+  }
+
+  void addRegion(MeshBuilder& builder, Surface top, Surface side, const Paths& raw, double height) {
     Paths region;
     for (const Path& path : raw)
       if (std::abs(ClipperLib::Area(path)) > kSmallest * kUnit * kUnit) region.push_back(path);
     if (region.empty()) return;
+    const Vec3 up = {0, 0, height}, down = {0, 0, -kSkirt};
     cutIntoCells(region, [&](const IntPoint& a, const IntPoint& b, const IntPoint& c) {
-      const Vec3 p = lifted(a, height), q = lifted(b, height), r = lifted(c, height);
-      addPatch(builder, top, p, q, r, r);
+      divide(onSurface(a), onSurface(b), onSurface(c), [&](const Vec3& p, const Vec3& q, const Vec3& r) {
+        addPatch(builder, top, p + up, q + up, r + up, r + up);
+      });
     });
-    const Vec3 down = {0, 0, -kSkirt};
     for (const Path& path : region)
-      for (size_t i = 0; i < path.size(); ++i) {
-        const Vec3 a = lifted(path[i], height), b = lifted(path[(i + 1) % path.size()], height);
-        addPatch(builder, side, a + down, b + down, b, a);
-      }
+      for (size_t i = 0; i < path.size(); ++i)
+        divide(onSurface(path[i]), onSurface(path[(i + 1) % path.size()]), [&](const Vec3& a, const Vec3& b) {
+          addPatch(builder, side, a + up + down, b + up + down, b + up, a + up);
+        });
   }
 
   std::string id_;
   Vec3 origin_;
   Paths covered_, footprints_;
-  std::vector<Vec3> heights_;
+  HeightField heights_;
+  std::map<std::pair<long, long>, double> sizes_;  ///< of triangles in each cell, as far as known
   double sidewalk_ = 0;
 };
 

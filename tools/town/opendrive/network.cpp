@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "town/vehicle.hpp"
+
 namespace gnosphere::town::opendrive {
 namespace {
 
@@ -53,6 +55,14 @@ double Road::largestCurvature(double from, double to) const {
   for (const Geometry& geometry : geometries)
     if (geometry.s < to && geometry.s + geometry.length > from)
       largest = std::max(largest, geometry.largestCurvature());
+  for (size_t i = 0; i < elevation.size(); ++i) {
+    const Cubic& cubic = elevation[i];
+    const double first = std::max(from, cubic.start);
+    const double last = i + 1 < elevation.size() ? std::min(to, elevation[i + 1].start) : to;
+    if (first >= last) continue;
+    for (double s : {first, last})  // the second derivative is linear in s
+      largest = std::max(largest, std::abs(2 * cubic.c + 6 * cubic.d * (s - cubic.start)));
+  }
   return largest;
 }
 
@@ -71,6 +81,25 @@ std::vector<double> laneEdges(const Road& road, const LaneSection& section, doub
   out = 0;
   for (size_t i = centre + 1; i < count; ++i) edges[i + 1] = offset - (out += widthOf(section.lanes[i], ds, out));
   return edges;
+}
+
+LaneMiddle laneMiddle(const Road& road, const LaneSection& section, size_t index, double s) {
+  const Lane& lane = section.lanes[index];
+  const std::vector<double> edges = laneEdges(road, section, s);
+  const double middle = (edges[index] + edges[index + 1]) / 2, width = edges[index] - edges[index + 1];
+  double height = 0, rise = 0;                    // of the lane's left edge over its right edge
+  if (lane.hasHeight && road.junction.empty()) {  // the surface of a junction has no heights of lanes
+    const double inner = valueAt(lane.inner, s - section.s), outer = valueAt(lane.outer, s - section.s);
+    height = (inner + outer) / 2;
+    rise = lane.id > 0 ? outer - inner : inner - outer;
+  }
+  const RoadFrame frame = road.frame(s);
+  const Vec3 left = width > 0 ? frame.left + Vec3{0, 0, rise / width} : frame.left;
+  const Vec3 way = road.frame(std::min(s + kHalfWheelbase, road.length)).point(middle) -
+                   road.frame(std::max(s - kHalfWheelbase, 0.0)).point(middle);
+  const double run = lengthOf(way.x, way.y);
+  const Vec3 along = normalized({frame.along.x, frame.along.y, run > 0 ? way.z / run : 0});
+  return {frame.point(middle, height), along, normalized(cross(along, left))};
 }
 
 const Road* Network::road(const std::string& id) const {

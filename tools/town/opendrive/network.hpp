@@ -30,6 +30,7 @@ struct Lane {
   int id = 0;  ///< negative to the right of the reference line
   LaneUse use = LaneUse::none;
   bool driving = false, parking = false;
+  bool reversed = false;  ///< traffic goes against the usual direction of this side of the road
   Profile width;
   Profile border;          ///< replaces the width: distance of the outer edge from the reference line
   Profile inner, outer;    ///< heights above the road
@@ -70,12 +71,25 @@ struct Road {
 
   RoadFrame frame(double s) const;
   const LaneSection& sectionAt(double s) const;
+  /// Returns an upper bound of the curvature of the reference line, in plan and in elevation.
   double largestCurvature(double from, double to) const;
+  /// Whether traffic on a lane goes towards larger s.
+  bool isForward(const Lane& lane) const { return ((lane.id < 0) != leftHand) != lane.reversed; }
 };
 
 /// Returns the edges of a section's lanes at `s`, in metres to the left of the reference line, from left to right: edge
 /// i is the left edge of lane i (both edges of lane 0 are equal), the last is the right edge of the last lane.
 std::vector<double> laneEdges(const Road& road, const LaneSection& section, double s);
+
+/// A place in the middle of a lane, on the road's surface, with unit vectors along the lane and upright on it. Both are
+/// inclined as the road is there: by its slope, its superelevation and the lane's heights.
+struct LaneMiddle {
+  Vec3 at, along, up;
+};
+
+/// Returns the middle of lane number `index` of a section; `along` points towards larger s. The slope is measured
+/// between the axles of a vehicle.
+LaneMiddle laneMiddle(const Road& road, const LaneSection& section, size_t index, double s);
 
 struct LaneLink {
   int from = 0, to = 0;

@@ -27,12 +27,12 @@ Plan planNetwork(const Network& network, const Area& land, const Drive& drive, u
   std::set<std::string> junctions;
   for (const Road& road : network.roads) {
     if (!road.junction.empty()) {
-      if (junctions.insert(road.junction).second) roadside.addGround(junctionPieces(network, road.junction));
+      if (junctions.insert(road.junction).second) roadside.addGround(junctionPieces(network, road.junction), true);
       continue;
     }
-    roadside.addGround(roadPieces(road));
+    roadside.addGround(roadPieces(road), true);
   }
-  roadside.addGround(terrain.tiles());
+  roadside.addGround(terrain.tiles(), false);
   uint64_t number = 0;  // ids are arbitrary text, so roads are numbered
   for (const Road& road : network.roads) {
     Dice dice(seed, 32, number++);

@@ -189,6 +189,7 @@ Lane readLane(const Reader& reader, const Node& node) {
   lane.driving = type == "driving" || type == "bidirectional" || type == "entry" || type == "exit" ||
                  type == "onRamp" || type == "offRamp" || type == "connectingRamp";
   lane.parking = type == "parking";
+  lane.reversed = std::strcmp(node.attribute("direction").as_string("standard"), "reversed") == 0;
   lane.width = readProfile(reader, node, "width", "sOffset");
   if (lane.width.empty()) lane.border = readProfile(reader, node, "border", "sOffset");
   for (const Node& height : node.children("height")) {

@@ -202,17 +202,42 @@ std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vec
 }
 
 std::vector<double> stations(const Road& road, double from, double to) {
-  std::vector<double> list = {from};
+  constexpr double kSame = 1e-3;   // metres: breaks that are closer together than this are one
+  constexpr double kApart = 0.05;  // metres: the least distance of other stations from a break
+  std::vector<double> breaks = {from};
+  const auto addBreak = [&](double s) {
+    if (s > from + kSame && s < to - kSame) breaks.push_back(s);
+  };
+  const auto addBreaks = [&](const Profile& profile, double start) {
+    for (const Cubic& cubic : profile) addBreak(start + cubic.start);
+  };
+  for (const Profile* profile : {&road.elevation, &road.superelevation, &road.laneOffset}) addBreaks(*profile, 0);
+  for (const LaneSection& section : road.sections) {
+    if (section.end < from || section.s > to) continue;
+    for (const Lane& lane : section.lanes) {
+      for (const Profile* profile : {&lane.width, &lane.border, &lane.inner, &lane.outer})
+        addBreaks(*profile, section.s);
+      for (const RoadMark& mark : lane.marks) addBreak(section.s + mark.start);
+    }
+  }
+  std::sort(breaks.begin(), breaks.end());
+  breaks.erase(std::unique(breaks.begin(), breaks.end(), [](double a, double b) { return b - a < kSame; }),
+               breaks.end());
+  breaks.push_back(to);
+
+  std::vector<double> list = breaks;
   for (double panel = std::floor(from / kPanel) * kPanel; panel < to; panel += kPanel) {
     const double curvature = road.largestCurvature(panel, panel + kPanel);
     const double step = curvature > 0 ? std::sqrt(8 * kSagitta / curvature) : kPanel;
     const int parts = std::clamp(static_cast<int>(std::ceil(kPanel / step)), 1, 10);
     for (int i = 0; i < parts; ++i) {
       const double s = panel + kPanel * i / parts;
-      if (s > from + 0.05 && s < to - 0.05) list.push_back(s);
+      const auto next = std::lower_bound(breaks.begin(), breaks.end(), s);
+      if (next != breaks.begin() && next != breaks.end() && s > next[-1] + kApart && s < *next - kApart)
+        list.push_back(s);
     }
   }
-  list.push_back(to);
+  std::sort(list.begin(), list.end());
   return list;
 }
 

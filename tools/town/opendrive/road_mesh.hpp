@@ -25,7 +25,8 @@ struct VisibleLane {
 /// Returns the lanes of a section that have a surface at `s`, from left to right, without gaps between them.
 std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vector<double>& edges);
 
-/// Returns where a road is cut into cross-sections: every three metres, more often in bends, and at `from` and `to`.
+/// Returns where a road is cut into cross-sections: every three metres, more often in bends, crests and sags, where an
+/// entry of its profiles, of its lanes' profiles or of their marks starts, and at `from` and `to`.
 std::vector<double> stations(const Road& road, double from, double to);
 
 /// Adds a quad, or a triangle or nothing if corners coincide.

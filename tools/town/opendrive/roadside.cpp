@@ -37,7 +37,7 @@ void Roadside::put(const Thing& thing, const Transform& where) {
   plan_.placements.push_back({thing, where, reachOf(distance, ahead)});
 }
 
-void Roadside::addGround(std::vector<GroundPiece> pieces) {
+void Roadside::addGround(std::vector<GroundPiece> pieces, bool areRoads) {
   for (GroundPiece& piece : pieces) {
     // The distance of the piece's nearest vertex, slightly reduced so that ground comes before the objects on it.
     double nearest = 1e9;
@@ -46,7 +46,7 @@ void Roadside::addGround(std::vector<GroundPiece> pieces) {
       nearest =
           std::min(nearest, std::max(std::abs(piece.at.x + p[0] - focus_.x), std::abs(piece.at.y + p[1] - focus_.y)));
     }
-    plan_.placements.push_back({Piece{plan_.pieces.size()}, place(piece.at), reachOf(nearest, 12)});
+    plan_.placements.push_back({Piece{plan_.pieces.size()}, place(piece.at), reachOf(nearest, 12), areRoads});
     plan_.pieces.push_back(std::move(piece.mesh));
   }
 }
@@ -218,9 +218,8 @@ void Roadside::addTraffic(const Road& road, Dice& dice) {
         const Vehicle car = anyCar(dice, detail_.fine);
         const std::vector<double> edges = laneEdges(road, section, s);
         if ((lane.parking && !dice.chance(40)) || edges[i] - edges[i + 1] < 2.2) continue;
-        const RoadFrame frame = road.frame(s);
-        const bool forward = (lane.id < 0) != road.leftHand;
-        put(car, placeAlong(frame.point((edges[i] + edges[i + 1]) / 2), (forward ? 1.0 : -1.0) * frame.along));
+        const LaneMiddle middle = laneMiddle(road, section, i, s);
+        put(car, placeOn(middle.at, (road.isForward(lane) ? 1.0 : -1.0) * middle.along, middle.up));
       }
     }
 }

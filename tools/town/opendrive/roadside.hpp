@@ -17,10 +17,10 @@ class Roadside {
         land_(land),
         drive_(drive),
         detail_(detail),
-        focus_(drive.points.front()),
+        focus_(drive.points.front().at),
         occupancy_(network, land) {}
 
-  void addGround(std::vector<GroundPiece> pieces);
+  void addGround(std::vector<GroundPiece> pieces, bool areRoads);
   void build(const Road& road, bool left, Dice& dice);    ///< houses on one side
   void furnish(const Road& road, bool left, Dice& dice);  ///< sidewalks: lamps, trees, signs, people
   void addTraffic(const Road& road, Dice& dice);          ///< driving and parking vehicles

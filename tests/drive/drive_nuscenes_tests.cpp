@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tables, labels and annotations of nuScenes, as its development kit reads them.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "drive_support.hpp"
+#include "npy_rows.hpp"
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+
+TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {
+  const DriveFolder& folder = made();
+  const auto table = [&](const std::string& name) {
+    return Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json"));
+  };
+  std::map<std::string, Json> byToken;
+  for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map", "sample",
+                           "sample_annotation", "sample_data", "scene", "sensor", "visibility"})
+    for (const Json& row : table(name)) byToken[std::string(name) + row["token"].get<std::string>()] = row;
+  const auto has = [&](const std::string& name, const Json& token) {
+    return token == "" || byToken.contains(name + token.get<std::string>());
+  };
+  CHECK(table("sample").size() == 2);  // frames 0 and 5
+  CHECK(table("sample_data").size() == 15);
+  for (const Json& data : table("sample_data")) {
+    CHECK((has("sample", data["sample_token"]) && has("ego_pose", data["ego_pose_token"])));
+    CHECK((has("calibrated_sensor", data["calibrated_sensor_token"]) && has("sample_data", data["next"]) &&
+           has("sample_data", data["prev"])));
+    const std::string file = data["filename"];
+    CHECK(file.starts_with(data["is_key_frame"] ? "samples/" : "sweeps/"));
+    // By the schema of nuScenes, a sweep points to the sample that follows closest in time; the last ones have none.
+    const Json& sample = byToken["sample" + data["sample_token"].get<std::string>()];
+    CHECK((data["is_key_frame"] || sample["next"] == "" || sample["timestamp"] > data["timestamp"]));
+    const std::string points = folder.get("out/nuscenes/" + file);
+    REQUIRE(points.size() > 0);
+    REQUIRE(points.size() % 20 == 0);
+    for (size_t i = 0; i < points.size(); i += 20) {
+      const float ring = at<float>(points, i + 16);
+      CHECK((ring >= 0 && ring <= 7 && ring == std::floor(ring)));
+    }
+  }
+  bool car = false;
+  for (const Json& note : table("sample_annotation")) {
+    CHECK((has("sample", note["sample_token"]) && has("instance", note["instance_token"]) &&
+           has("visibility", note["visibility_token"]) && has("attribute", note["attribute_tokens"][0])));
+    CHECK(note["num_lidar_pts"] > 0);
+    const Json& instance = byToken["instance" + note["instance_token"].get<std::string>()];
+    if (byToken["category" + instance["category_token"].get<std::string>()]["name"] != "car") continue;
+    car = true;
+    CHECK(note["size"] == Json::array({2.0, 4.0, 1.5}));  // width, length, height
+    CHECK(note["rotation"] == Json::array({1.0, 0.0, 0.0, 0.0}));
+    const double time = byToken["sample" + note["sample_token"].get<std::string>()]["timestamp"].get<double>() / 1e6;
+    // The car is where it is when the scans that begin with the sample hit it.
+    const double after = (note["translation"][0].get<double>() - 3) / 5 - (time - 1700000000);
+    CHECK(after > 1e-3);
+    CHECK(after < 0.1);
+  }
+  CHECK(car);
+}
+
+TEST_CASE("nuScenes: with lidarseg every point of a key frame has the index of its category") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["duration"] = 0.3;
+  json["weather"] = {{{"time", 0}, {"rain", 50}}};
+  json["classes"]["noise"] = {{"id", 7}};
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 2}, {"lidarseg", true}, {"sensors", {"top"}}},
+                     json["outputs"][0]};
+  REQUIRE(folder.run(json).finished);
+  const auto table = [&](const std::string& name) {
+    return Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json"));
+  };
+  std::map<std::string, uint8_t> indices;
+  for (const Json& row : table("category")) {
+    CHECK(row["index"] == indices.size());
+    indices[row["name"]] = row["index"];
+  }
+  CHECK(indices == std::map<std::string, uint8_t>{{"noise", 0}, {"car", 1}, {"ground", 2}, {"person", 3}});
+  const std::map<uint16_t, uint8_t> ids = {{10, 1}, {40, 2}, {30, 3}};
+  std::map<std::string, Json> scans;
+  for (const Json& row : table("sample_data")) scans[row["token"]] = row;
+  const Json labels = table("lidarseg");
+  REQUIRE(labels.size() == 2);
+  std::set<uint8_t> found;
+  for (const Json& row : labels) {
+    const Json& scan = scans.at(row["sample_data_token"]);
+    CHECK(scan["is_key_frame"] == true);
+    CHECK(row["filename"] == "lidarseg/v1.0-drive/" + row["token"].get<std::string>() + "_lidarseg.bin");
+    const std::string bytes = folder.get("out/nuscenes/" + row["filename"].get<std::string>());
+    CHECK(bytes.size() == folder.get("out/nuscenes/" + scan["filename"].get<std::string>()).size() / 20);
+    const std::vector<Row> rows =
+        rowsOf(folder.get(scan["timestamp"] == 0 ? "out/npy/top/000000.npy" : "out/npy/top/000002.npy"));
+    REQUIRE(bytes.size() == rows.size());
+    for (size_t i = 0; i < rows.size(); ++i) {
+      const auto own = ids.find(rows[i].category);
+      CHECK(static_cast<uint8_t>(bytes[i]) == (own == ids.end() ? 0 : own->second));
+      found.insert(static_cast<uint8_t>(bytes[i]));
+    }
+  }
+  CHECK(found == std::set<uint8_t>{0, 1, 2});
+}
+
+TEST_CASE("nuScenes: annotations have the attributes that nuScenes has for their categories") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["weather"] = Json::array();
+  const Json actor = json["actors"][0];
+  json["actors"] = Json::array();
+  const auto add = [&](const std::string& name, const std::string& category, double speed, double until) {
+    json["classes"][category] = {{"id", 1 + json["actors"].size()}};
+    Json added = actor;
+    added["name"] = name;
+    added["class"] = category;
+    const double angle = 1.25 * static_cast<double>(json["actors"].size()), x = 6 * std::cos(angle),
+                 y = 6 * std::sin(angle);
+    added["size"] = {1, 1, 1.5};
+    added["trajectory"]["waypoints"] = {waypoint(0, x, y, 0.75), waypoint(until, x + speed * until, y, 0.75)};
+    if (until < 1) added["trajectory"]["waypoints"].push_back(waypoint(1, x + speed * until, y, 0.75));
+    json["actors"].push_back(added);
+  };
+  add("drives", "vehicle.car", 1, 1);
+  add("stops", "vehicle.truck", 1, 0.3);
+  add("parks", "vehicle.bus.rigid", 0, 1);
+  add("rides", "vehicle.bicycle", 1, 1);
+  add("walks", "human.pedestrian.adult", 1, 1);
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 9}}};
+  const auto attributesOf = [&](const std::string& out) {
+    REQUIRE(folder.run(json, out).finished);
+    const auto table = [&](const std::string& name) {
+      std::map<std::string, Json> rows;
+      for (const Json& row : Json::parse(folder.get(out + "/nuscenes/v1.0-drive/" + name + ".json")))
+        rows[row["token"]] = row;
+      return rows;
+    };
+    const auto attributes = table("attribute"), instances = table("instance"), categories = table("category"),
+               samples = table("sample");
+    std::map<std::string, std::string> found;
+    for (const auto& [token, note] : table("sample_annotation")) {
+      if (samples.at(note["sample_token"])["next"] != "") continue;
+      std::string& names = found[categories.at(instances.at(note["instance_token"])["category_token"])["name"]];
+      for (const Json& attribute : note["attribute_tokens"])
+        names += attributes.at(attribute)["name"].get<std::string>();
+    }
+    return found;
+  };
+  CHECK(attributesOf("one") == std::map<std::string, std::string>{{"vehicle.car", "vehicle.moving"},
+                                                                  {"vehicle.truck", "vehicle.stopped"},
+                                                                  {"vehicle.bus.rigid", "vehicle.parked"},
+                                                                  {"vehicle.bicycle", ""},
+                                                                  {"human.pedestrian.adult", "pedestrian.moving"}});
+  json["actors"] = Json::array();
+  add("stands", "human.pedestrian.child", 0, 1);
+  add("lies", "movable_object.barrier", 0, 1);
+  add("waits", "car", 0, 1);
+  add("moves", "van", 1, 1);
+  CHECK(attributesOf("two") == std::map<std::string, std::string>{{"human.pedestrian.child", "pedestrian.standing"},
+                                                                  {"movable_object.barrier", ""},
+                                                                  {"car", "standing"},
+                                                                  {"van", "moving"}});
+}
+
+TEST_CASE("nuScenes: of two lidars that see an actor, the output's first one has the box, and the best view counts") {
+  const DriveFolder folder;
+  put(folder / "wall.obj", "v 2 -9 0\nv 2 9 0\nv 2 9 0.5\nv 2 -9 0.5\nf 1 2 3\nf 1 3 4\n");
+  Json json = quietDrive();
+  json["weather"] = Json::array();
+  json["duration"] = 0.1;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  json["scenes"].push_back({{"file", "wall.obj"}, {"class", "ground"}});
+  json["actors"] = {json["actors"][0]};
+  json["actors"][0]["trajectory"]["waypoints"] = {waypoint(0, 8, 0, 0.75), waypoint(1, 13, 0, 0.75)};
+  json["sensors"][0]["sensor"]["columns"] = 720;
+  json["sensors"][0]["effects"] = "auto";
+  // The lower lidar looks over the wall with three of its channels.
+  json["sensors"][1]["mount"] = {{"position", {0, 0, 0.3}}};
+  json["sensors"][1]["sensor"]["elevation_deg"] = {0, 2, 4, 6, 8, 9};
+  json["outputs"] = {{{"format", "nuscenes"}}, {{"format", "boxes"}}};
+  REQUIRE(folder.run(json).finished);
+  const Json top = Json::parse(folder.get("out/boxes/top/000000.jsonl")),
+             side = Json::parse(folder.get("out/boxes/side/000000.jsonl")),
+             notes = Json::parse(folder.get("out/nuscenes/v1.0-drive/sample_annotation.json"));
+  REQUIRE(notes.size() == 1);
+  REQUIRE(top["points"].get<uint64_t>() > side["points"].get<uint64_t>());
+  REQUIRE(top["visibility"] == 1);
+  REQUIRE(side["visibility"].get<double>() < 0.8);
+  REQUIRE(top["world_frame"]["position"] != side["world_frame"]["position"]);
+  CHECK(notes[0]["num_lidar_pts"] == top["points"].get<uint64_t>() + side["points"].get<uint64_t>());
+  CHECK(notes[0]["translation"] == top["world_frame"]["position"]);
+  CHECK(notes[0]["visibility_token"] == "4");
+
+  json["outputs"][0]["sensors"] = {"side", "top"};
+  REQUIRE(folder.run(json, "sides").finished);
+  const Json others = Json::parse(folder.get("sides/nuscenes/v1.0-drive/sample_annotation.json"));
+  CHECK(others[0]["num_lidar_pts"] == notes[0]["num_lidar_pts"]);
+  CHECK(others[0]["translation"] == side["world_frame"]["position"]);
+  CHECK(others[0]["visibility_token"] == "4");
+
+  // Where the first sensor has not hit the actor, the one with most points has the box.
+  json["sensors"].push_back(json["sensors"][0]);
+  json["sensors"][2]["name"] = "up";
+  json["sensors"][2]["mount"] = {{"position", {0, 0, 9}}};
+  json["outputs"][0]["sensors"] = {"up", "side", "top"};
+  json["sensors"][2]["sensor"]["elevation_deg"] = {0, 20};
+  REQUIRE(folder.run(json, "ups").finished);
+  CHECK(Json::parse(folder.get("ups/nuscenes/v1.0-drive/sample_annotation.json"))[0]["translation"] ==
+        top["world_frame"]["position"]);
+}
