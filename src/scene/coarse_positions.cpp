@@ -57,12 +57,10 @@ Reach reachOf(const Mesh& mesh) {
   return reach;
 }
 
-/// The farthest coordinate of the first corner of the mesh from its origin. Of a mesh that is far from its origin, it
-/// is at least half of the farthest one of all.
-float firstReachOf(const Mesh& mesh) {
-  if (mesh.indices.empty()) return 0;
-  const float* corner = &mesh.positions[3 * size_t{mesh.indices[0]}];
-  return std::max({std::abs(corner[0]), std::abs(corner[1]), std::abs(corner[2])});
+/// Whether a coordinate of the mesh, be it of a surface or not, is this far from the mesh's origin.
+bool reaches(const Mesh& mesh, double distance) {
+  return std::any_of(mesh.positions.begin(), mesh.positions.end(),
+                     [&](float value) { return std::abs(value) >= distance; });
 }
 
 }  // namespace
@@ -71,15 +69,24 @@ std::string coarsePositions(const std::filesystem::path& file, const Scene& scen
   std::vector<double> stretches(scene.meshes.size());  // by mesh: the largest of its instances
   for (const Instance& instance : scene.instances)
     stretches[instance.mesh] = std::max(stretches[instance.mesh], stretchOf(instance.transform));
+  const bool isSingle = isInSingle(file);
   double far = 0, step = 0;
+  bool isWide = false;  // so that the steps would not be four times as fine around an origin of the mesh's own
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    if (stretches[i] * firstReachOf(scene.meshes[i]) < kCoarseFrom / 2) continue;
-    const Reach reach = reachOf(scene.meshes[i]);
-    if (stretches[i] * reach.farthest < std::max(kCoarseFrom, far) || reach.farthest < 4 * reach.halfSide) continue;
+    const Mesh& mesh = scene.meshes[i];
+    // The reader of doubles leaves the origin at 0 if floats hold every coordinate exactly.
+    if (!isSingle && lengthOf(mesh.origin) == 0) continue;
+    if (!reaches(mesh, kCoarseFrom / stretches[i])) continue;
+    const Reach reach = reachOf(mesh);
+    if (stretches[i] * reach.farthest < std::max(kCoarseFrom, far)) continue;
     far = stretches[i] * reach.farthest;
     step = stretches[i] * stepAt(reach.farthest);
+    isWide = reach.farthest < 4 * reach.halfSide;
   }
-  if (step == 0 || !isInSingle(file)) return "";
+  if (step == 0) return "";
+  if (isWide)
+    return "a mesh is so wide that its positions are " + inSinglePrecision(step, far) +
+           " from its origin; split it into objects of an OBJ file, of which each gets an origin of its own";
   return "its positions are " + inSinglePrecision(step, far) +
          "; give them in an OBJ file, in a PLY file of doubles, or in glTF near the origin of a node whose translation "
          "places them";

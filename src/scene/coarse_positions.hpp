@@ -9,9 +9,9 @@
 
 namespace gnosphere {
 
-/// Returns a sentence about the steps of the positions that a file states, as "its positions are in single precision,
-/// which has steps of 0.5 m ...". The text is empty if the steps are at most a millimetre, if the file states doubles,
-/// or if the meshes are so large that their steps would not be four times as fine around origins of their own.
+/// Returns a sentence about the steps of the positions of a file's scene, as "its positions are in single precision,
+/// which has steps of 0.5 m ...". The text is empty if the steps are at most a millimetre, or if the file states
+/// doubles that floats hold exactly.
 std::string coarsePositions(const std::filesystem::path& file, const Scene& scene);
 
 }  // namespace gnosphere

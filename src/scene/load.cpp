@@ -118,6 +118,7 @@ Scene loadScene(const fs::path& file, const LoadOptions& options, std::vector<st
   const FileBytes bytes = readFile(file);
   Source source;
   source.name = std::string("'").append(file.string()).append("'");
+  source.unit = options.scale;
   source.sibling = [&beside, folder = file.parent_path()](const std::string& relativePath) {
     FileBytes read = readFile(folder / pathOf(relativePath));
     beside.push_back(relativePath);

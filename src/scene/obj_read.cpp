@@ -19,6 +19,7 @@
 #include "base/path.hpp"
 #include "base/text.hpp"
 #include "scene/number.hpp"
+#include "scene/origins.hpp"
 #include "scene/readers.hpp"
 
 namespace gnosphere {
@@ -296,16 +297,14 @@ struct Object {
   std::vector<uint32_t> indices, materials;
 };
 
-/// Returns the mesh of an object with the vertices that it uses. All meshes have the origin of the whole, so that
-/// objects which touch have the same positions.
-Mesh meshOf(const Object& object, const Mesh& whole) {
+/// Returns the mesh of an object with the vertices that it uses, around this origin.
+Mesh meshOf(const Object& object, std::span<const double> coordinates, const Vec3& origin) {
   Mesh mesh;
-  mesh.origin = whole.origin;
+  mesh.origin = origin;
   std::unordered_map<uint32_t, uint32_t> numbers;
   for (const uint32_t vertex : object.indices) {
     const auto [found, isNew] = numbers.try_emplace(vertex, static_cast<uint32_t>(numbers.size()));
-    if (isNew)
-      mesh.positions.insert(mesh.positions.end(), &whole.positions[3 * vertex], &whole.positions[3 * vertex] + 3);
+    if (isNew) appendPosition(mesh, coordinates, vertex);
     mesh.indices.push_back(found->second);
   }
   return mesh;
@@ -379,12 +378,19 @@ Scene readObj(Bytes bytes, const Source& source) {
   if (usesUnnamed) scene.materials.emplace_back();
   std::erase_if(objects, [](const Object& object) { return object.indices.empty(); });
   if (objects.empty()) objects.emplace_back();
-  Mesh whole;
-  storePositions(whole, coordinates);
+  std::vector<CornerBox> boxes(objects.size());
+  for (size_t i = 0; i < objects.size(); ++i) boxes[i].add(objects[i].indices, coordinates);
+  const std::vector<Vec3> origins = originsOf(boxes, source.unit);
   std::vector<uint32_t> next(scene.materials.size(), 0);
-  for (Object& object : objects) {
-    Mesh mesh = objects.size() > 1 ? meshOf(object, whole) : std::move(whole);
-    if (objects.size() == 1) mesh.indices = std::move(object.indices);
+  for (size_t i = 0; i < objects.size(); ++i) {
+    Object& object = objects[i];
+    Mesh mesh;
+    if (objects.size() > 1) {
+      mesh = meshOf(object, coordinates, origins[i]);
+    } else {
+      mesh.indices = std::move(object.indices);
+      storePositions(mesh, coordinates);
+    }
     addParts(mesh, object.materials, next);
     mesh.name = object.name;
     scene.instances.push_back({object.name, static_cast<uint32_t>(scene.meshes.size())});

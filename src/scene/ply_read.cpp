@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "scene/number.hpp"
+#include "scene/origins.hpp"
 #include "scene/readers.hpp"
 
 namespace gnosphere {

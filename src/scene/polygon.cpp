@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the formats with doubles and polygons: positions relative to an origin, and triangulation.
+// Shared by the formats with polygons: triangulation, and the scene of a single mesh.
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "scene/readers.hpp"
@@ -90,27 +89,6 @@ void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> cor
     tried = 0;
   }
   for (size_t k = 1; k + 1 < left.size(); ++k) triangle(left[0], left[k], left[k + 1]);
-}
-
-void storePositions(Mesh& mesh, std::span<const double> coordinates) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::array<double, 3> low = {kInfinity, kInfinity, kInfinity}, high = {-kInfinity, -kInfinity, -kInfinity};
-  bool exact = true;
-  for (size_t i = 0; i < coordinates.size(); ++i) {
-    const double value = coordinates[i];
-    if (!std::isfinite(value)) continue;
-    exact = exact && static_cast<double>(static_cast<float>(value)) == value;
-    low[i % 3] = std::min(low[i % 3], value);
-    high[i % 3] = std::max(high[i % 3], value);
-  }
-  std::array<double, 3> origin = {};
-  for (size_t c = 0; c < 3 && !exact; ++c)
-    // A coordinate beyond a million kilometres is an error and not a place; an origin there would spoil the others.
-    if (low[c] <= high[c] && std::max(-low[c], high[c]) < 1e12) origin[c] = std::round(low[c] / 2 + high[c] / 2);
-  mesh.origin = {origin[0], origin[1], origin[2]};
-  mesh.positions.resize(coordinates.size());
-  for (size_t i = 0; i < coordinates.size(); ++i)
-    mesh.positions[i] = static_cast<float>(coordinates[i] - origin[i % 3]);
 }
 
 Scene sceneOf(Mesh&& mesh) {

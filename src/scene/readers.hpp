@@ -35,6 +35,7 @@ FileBytes readFile(const std::filesystem::path& file);
 struct Source {
   std::string name;
   std::function<FileBytes(const std::string& relativePath)> sibling;
+  double unit = 1;  ///< the length of the file's unit in metres; positions stay as the file has them
 
   [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::format, name + ": " + toUtf8(what)); }
 };
@@ -82,10 +83,6 @@ std::vector<uint8_t> pngOf(const AlphaImage& image);
 
 /// In the extras of a node of glTF: the number of its instance in the scene that writeGlb() wrote.
 inline constexpr const char* kInstanceExtra = "gnosphere_instance";
-
-/// Sets positions and origin from doubles x y z. The origin is 0 if floats hold every coordinate exactly, else the
-/// centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
-void storePositions(Mesh& mesh, std::span<const double> coordinates);
 
 /// Lets every triangle show its other side.
 inline void turnAround(std::vector<uint32_t>& indices) {

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "scene/number.hpp"
+#include "scene/origins.hpp"
 #include "scene/readers.hpp"
 
 namespace gnosphere {

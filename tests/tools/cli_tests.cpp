@@ -287,7 +287,10 @@ TEST_CASE("a file whose positions have steps of single precision is warned of") 
   CHECK(place.run("info stray.ply").err == "");
   // An origin of its own would not help this large terrain.
   ply("wide.ply", "float", "-30000 0 0\n30000 0 0\n0 30000 0\n0 0 0\n");
-  CHECK(place.run("info wide.ply").err == "");
+  CHECK(place.run("info wide.ply").err ==
+        "gnosphere: warning: wide.ply: a mesh is so wide that its positions are in single precision, which has steps "
+        "of 0.00195 m at 30000 m from its origin; split it into objects of an OBJ file, of which each gets an origin "
+        "of its own\n");
 }
 
 TEST_CASE("a scene without triangles gives a cloud of misses and a warning") {
