@@ -354,8 +354,6 @@ Scene readObj(Bytes bytes, const Source& source) {
   scene.materials = libraries.take();
   if (others.linesAndPoints > 0) leftOut.add(kLinesAndPoints, others.linesAndPoints);
   if (areColoured) leftOut.add(kVertexColours);
-  scene.leftOut = libraries.missing();
-  for (std::string& line : leftOut.lines()) scene.leftOut.push_back(std::move(line));
   const auto unnamed = static_cast<uint32_t>(scene.materials.size());
 
   std::vector<Object> objects;
@@ -371,10 +369,12 @@ Scene readObj(Bytes bytes, const Source& source) {
         source.fail("face " + std::to_string(i + 1) + " of the OBJ file: index " + std::to_string(corner + 1) +
                     " is out of range, there are " + std::to_string(gathered.vertexCount) + " vertices");
     Object& object = objects[face.object];
-    appendPolygon(object.indices, corners, coordinates);
+    if (!appendPolygon(object.indices, corners, coordinates)) leftOut.add(kCrossedFaces);
     object.materials.resize(object.indices.size() / 3, face.name == kNoMaterial ? unnamed : materialOfName[face.name]);
     usesUnnamed |= face.name == kNoMaterial;
   }
+  scene.leftOut = libraries.missing();
+  for (std::string& line : leftOut.lines()) scene.leftOut.push_back(std::move(line));
   if (usesUnnamed) scene.materials.emplace_back();
   std::erase_if(objects, [](const Object& object) { return object.indices.empty(); });
   if (objects.empty()) objects.emplace_back();

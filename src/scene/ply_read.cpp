@@ -252,7 +252,7 @@ class PlyReader {
         if (corner >= vertexCount)
           source_.fail("face " + std::to_string(face) + " of the PLY file: index " + std::to_string(corner) +
                        " is out of range, there are " + std::to_string(vertexCount) + " vertices");
-      appendPolygon(mesh.indices, corners, coordinates_);
+      if (!appendPolygon(mesh.indices, corners, coordinates_)) leftOut_.add(kCrossedFaces);
     }
     storePositions(mesh, coordinates_);
     Scene scene = sceneOf(std::move(mesh));

@@ -58,6 +58,8 @@ inline constexpr const char* kTextureMetals =
     "materials' metalness and roughness of textures; metalness 0 and the roughness factor count instead";
 inline constexpr const char* kTextureTransmissions =
     "materials' transmission of textures; transmission 0 counts instead";
+inline constexpr const char* kCrossedFaces =
+    "outlines of faces that cross themselves or take too long to cut; a fan of triangles stands for each";
 inline constexpr const char* kTextureAlphas = "materials' alpha of textures; only glTF's alpha mode MASK makes holes";
 
 enum class SceneFormat { gltf, obj, ply, stl };
@@ -98,7 +100,8 @@ inline std::string_view textOf(Bytes bytes, const Source& source) {
 Scene sceneOf(Mesh&& mesh);
 
 /// Appends the triangles of one polygon, in the orientation of its corners. Concave polygons are cut by ear clipping.
-void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> corners,
+/// Returns false if triangles also cover area outside, because the outline crosses itself or the cutting took too long.
+bool appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> corners,
                    std::span<const double> coordinates);
 
 /// Returns `text` in quotes for a message: at most 60 characters, control characters replaced.

@@ -51,7 +51,7 @@ std::string plyOf(const Corners& corners, const std::string& type, const std::st
   return text + "\nproperty list uchar int vertex_indices\nend_header\n" + verticesOf(corners, "") + faces;
 }
 
-/// What a file of this name and content is warned of.
+/// The warning about the positions of a file of this name and content; empty if there is none.
 std::string warningOf(const std::string& name, const std::string& content, double scale = 1) {
   const Folder folder;
   const auto file = put(folder / name, content);

@@ -102,6 +102,50 @@ TEST_CASE("triangulation keeps the area of polygons, also of concave ones") {
   CHECK(loadText("a.obj", vertices.str() + "f" + face.str() + "\n").uniqueTriangleCount() == 398);
 }
 
+TEST_CASE("concave polygons of many thousand corners are cut along their outline, in little time") {
+  constexpr int kCorners = 20000;
+  const auto radius = [](int i) { return 100 + 0.01 * (i * 7919 % 101) + 20 * (i % 2); };
+  std::ostringstream vertices, rows, face, list;
+  vertices << std::fixed;
+  double twice = 0;  // by the sum of the triangles to the centre
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / kCorners;
+    rows << radius(i) * std::cos(angle) << ' ' << radius(i) * std::sin(angle) << " 0\n";
+    vertices << "v " << radius(i) * std::cos(angle) << ' ' << radius(i) * std::sin(angle) << " 0\n";
+    face << ' ' << i + 1;
+    list << ' ' << i;
+    twice += radius(i) * radius((i + 1) % kCorners) * std::sin(2 * 3.14159265358979 / kCorners);
+  }
+  Scene obj, ply;
+  CHECK(cpuSeconds([&] { obj = loadText("a.obj", vertices.str() + "f" + face.str() + "\n"); }) < 5);
+  std::string header = plyHeader("ascii", "double", "int", kCorners);
+  header.replace(header.find("list uchar"), 10, "list int");
+  ply = loadText("a.ply", header + rows.str() + std::to_string(kCorners) + list.str() + "\n");
+  for (const Scene& scene : {obj, ply}) {
+    CHECK(scene.leftOut.empty());
+    CHECK(scene.uniqueTriangleCount() == kCorners - 2);
+    CHECK(area(scene.meshes.at(0)) == Approx(twice / 2).epsilon(1e-4));
+    CHECK(area(scene.meshes.at(0), true) == Approx(twice / 2).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("faces that cross themselves are told as left out") {
+  const std::vector<std::string> told = {
+      "2 outlines of faces that cross themselves or take too long to cut; a fan of triangles stands for each"};
+  const std::string corners = "0 0 0\n1 1 1\n1 0 1\n0 1 0\n0 5 0\n";
+  CHECK(loadText("a.ply", plyHeader("ascii", "float", "int", 5, 3) + corners + "4 0 1 2 3\n4 0 2 1 3\n5 0 1 2 3 4\n")
+            .leftOut == told);
+  std::ostringstream vertices, face;
+  for (int i = 0; i < 5000; ++i) {
+    vertices << "v " << i * 7919 % 5003 << ' ' << i * 104729 % 5009 << " 0\n";
+    face << ' ' << i + 1;
+  }
+  CHECK(cpuSeconds([&] {
+          CHECK(loadText("a.obj", vertices.str() + "f" + face.str() + "\n").leftOut ==
+                std::vector<std::string>{"1" + told[0].substr(1)});
+        }) < 2);
+}
+
 TEST_CASE("OBJ materials come from the library beside the file, and parts are runs of one material") {
   const Folder folder;
   put(folder / "m.mtl",
