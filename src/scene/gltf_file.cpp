@@ -2,6 +2,7 @@
 // Parses the container and the JSON of a glTF file, checks them and removes what tinygltf need not see.
 #include "scene/gltf_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -146,6 +147,7 @@ class Tidying {
   Tidying(const Source& source, LeftOut& leftOut) : source_(source), leftOut_(leftOut) {}
 
   void root(Json& json) {
+    leaveOutExtensions(json);
     keep(json, "the file",
          {{"asset", Kind::object},
           {"scene", Kind::index},
@@ -271,7 +273,10 @@ class Tidying {
     }
     extension(o, where, "EXT_mesh_gpu_instancing", [&](Json& e, const std::string& at) {
       keep(e, at, {{"attributes", Kind::object}}, {"attributes"});
-      keep(e["attributes"], at, {{"TRANSLATION", Kind::index}, {"ROTATION", Kind::index}, {"SCALE", Kind::index}});
+      leaveOutNumbers(e["attributes"], "instances");
+      std::vector<Key> keys;  // also others, because any attribute has the number of instances
+      for (const auto& item : e["attributes"].items()) keys.push_back({item.key().c_str(), Kind::index});
+      keep(e["attributes"], at, keys);
     });
   }
 
@@ -307,6 +312,7 @@ class Tidying {
         where + ".");
     Json& attributes = o["attributes"];
     if (attributes.is_object() && attributes.contains("COLOR_0")) leftOut_.add(kVertexColours);
+    leaveOutNumbers(attributes, "vertices");
     keep(attributes, where + ".attributes", vertexKeys(attributes));
     if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
     o.erase("indices");
@@ -409,6 +415,26 @@ class Tidying {
     });
   }
 
+  /// Counts the extensions of the file that are not read.
+  void leaveOutExtensions(const Json& json) {
+    std::set<std::string> names;
+    if (const auto used = json.find("extensionsUsed"); used != json.end() && used->is_array())
+      for (const Json& name : *used)
+        if (name.is_string()) names.insert(name.get<std::string>());
+    if (const auto ofFile = json.find("extensions"); ofFile != json.end() && ofFile->is_object())
+      for (const auto& item : ofFile->items()) names.insert(item.key());
+    for (const std::string& name : names)
+      if (!isGltfExtensionKnown(name)) leftOut_.add("extensions of the file that are not read: " + inQuotes(name));
+  }
+
+  /// Counts the attributes of a file's own, such as the numbers of features. Their names begin with an underscore.
+  void leaveOutNumbers(const Json& attributes, const char* owners) {
+    if (!attributes.is_object()) return;
+    for (const auto& item : attributes.items())
+      if (item.key().starts_with('_'))
+        leftOut_.add(std::string("sets of numbers of ") + owners + ": " + inQuotes(item.key()));
+  }
+
   /// Counts each extension of a material of which a property that is not read has an effect.
   void leaveOutProperties(const Json& extensions) {
     std::set<std::string> found;
@@ -468,6 +494,16 @@ void checkVersion(const Json& json, const Source& source) {
 }
 
 }  // namespace
+
+bool isGltfExtensionKnown(const std::string& name) {
+  static constexpr const char* kRead[] = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
+                                          "EXT_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_node_visibility"};
+  static constexpr const char* kHarmless[] = {"KHR_materials_", "KHR_texture_",  "EXT_texture_", "KHR_lights_",
+                                              "EXT_lights_",    "MSFT_texture_", "KHR_xmp",      "KHR_animation_"};
+  return std::any_of(std::begin(kRead), std::end(kRead), [&](const char* read) { return name == read; }) ||
+         std::any_of(std::begin(kHarmless), std::end(kHarmless),
+                     [&](const char* prefix) { return name.starts_with(prefix); });
+}
 
 GltfFile parseGltf(Bytes bytes, const Source& source) {
   const bool isGlb = bytes.size() >= 4 && word(bytes, 0) == kGlbMagic;

@@ -49,4 +49,7 @@ inline constexpr const char* kIndicesAttribute = "_GNOSPHERE_INDICES";
 
 GltfFile parseGltf(Bytes bytes, const Source& source);
 
+/// Whether a file may require an extension: we read it, or it only changes how a surface looks and moves no triangle.
+bool isGltfExtensionKnown(const std::string& name);
+
 }  // namespace gnosphere

@@ -11,21 +11,10 @@ namespace {
 
 constexpr int kNone = -1;
 
-/// Refuses a required extension that changes the geometry unless we read it. Extensions that only change how a surface
-/// looks are accepted, because they move no triangle.
+/// Refuses a file that requires an extension which may change the geometry and which we do not read.
 void checkRequiredExtensions(const tinygltf::Model& model, const Source& source) {
-  const auto known = [](const std::string& name) {
-    static constexpr const char* kRead[] = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
-                                            "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
-                                            "KHR_node_visibility"};
-    static constexpr const char* kHarmless[] = {"KHR_materials_", "KHR_texture_",  "EXT_texture_", "KHR_lights_",
-                                                "EXT_lights_",    "MSFT_texture_", "KHR_xmp",      "KHR_animation_"};
-    return std::any_of(std::begin(kRead), std::end(kRead), [&](const char* read) { return name == read; }) ||
-           std::any_of(std::begin(kHarmless), std::end(kHarmless),
-                       [&](const char* prefix) { return name.starts_with(prefix); });
-  };
   for (const std::string& name : model.extensionsRequired)
-    if (!known(name))
+    if (!isGltfExtensionKnown(name))
       source.fail("it requires the extension " + inQuotes(name) +
                   ", which GnoSphere does not read; export it without that extension");
 }
@@ -236,19 +225,20 @@ void Reader::place(size_t index, const Transform& transform, const StatedClass& 
   if (instancing == node.extensions.end()) return add({index}, transform, stated, who);
 
   const tinygltf::Value& attributes = instancing->second.Get("attributes");
-  size_t count = 0;
-  bool first = true;
-  const auto attribute = [&](const char* name, int components) {
-    std::vector<double> values;
-    if (!attributes.Has(name)) return values;
-    values = arrays_.vectors(attributes.Get(name).GetNumberAsInt(), components, who + ", instances, " + name);
-    const size_t elements = values.size() / static_cast<size_t>(components);
-    if (!first && elements != count)
-      source_.fail(who + ": " + name + " has " + std::to_string(elements) + " instances, another attribute has " +
+  const std::vector<std::string> names = attributes.Keys();
+  if (names.empty()) return add({index}, transform, stated, who);
+  const auto user = [&](const std::string& name) { return who + ", instances, " + name; };
+  const auto countOf = [&](const std::string& name) {
+    return arrays_.count(attributes.Get(name).GetNumberAsInt(), user(name));
+  };
+  const size_t count = countOf(names[0]);
+  for (const std::string& name : names)
+    if (const size_t other = countOf(name); other != count)
+      source_.fail(who + ": " + name + " has " + std::to_string(other) + " instances, " + names[0] + " has " +
                    std::to_string(count));
-    count = elements;
-    first = false;
-    return values;
+  const auto attribute = [&](const char* name, int components) {
+    return attributes.Has(name) ? arrays_.vectors(attributes.Get(name).GetNumberAsInt(), components, user(name))
+                                : std::vector<double>();
   };
   const std::vector<double> translations = attribute("TRANSLATION", 3);
   const std::vector<double> rotations = attribute("ROTATION", 4);

@@ -439,7 +439,36 @@ TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
   CHECK(turned[1] == Approx(5));
   CHECK(turned[2] == 10);
   file.json["accessors"][static_cast<size_t>(scales)]["count"] = 1;
-  CHECK_THAT(file.failure(), ContainsSubstring("node 0: SCALE has 1 instances, another attribute has 2"));
+  CHECK_THAT(file.failure(), ContainsSubstring("node 0: SCALE has 1 instances, ROTATION has 2"));
+}
+
+TEST_CASE("EXT_mesh_gpu_instancing counts by attributes of the file's own, and places the mesh once without any") {
+  GltfFileMaker file = triangleFile();
+  const int features = file.accessor(std::vector<uint16_t>{7, 8, 9}, "SCALAR");
+  Json& extension = file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
+  extension["attributes"] = {{"_FEATURE_ID_0", features}};
+  Scene scene = file.load();
+  CHECK(scene.instances.size() == 3);
+  CHECK(scene.leftOut == std::vector<std::string>{"1 sets of numbers of instances: '_FEATURE_ID_0'"});
+  extension["attributes"]["TRANSLATION"] = file.accessor(Floats{1, 0, 0, 0, 2, 0}, "VEC3");
+  CHECK_THAT(file.failure(), ContainsSubstring("node 0: _FEATURE_ID_0 has 3 instances, TRANSLATION has 2") ||
+                                 ContainsSubstring("node 0: TRANSLATION has 2 instances, _FEATURE_ID_0 has 3"));
+  extension["attributes"] = Json::object();
+  scene = file.load();
+  REQUIRE(scene.instances.size() == 1);
+  CHECK(at(scene.instances[0].transform, 1, 0, 0) == std::array<double, 3>{1, 0, 0});
+  CHECK(scene.leftOut.empty());
+}
+
+TEST_CASE("extensions that are not read, and numbers of vertices, are told as left out") {
+  GltfFileMaker file = triangleFile();
+  file.json["extensions"]["CESIUM_RTC"]["center"] = {500000, 5500000, 0};
+  file.json["extensionsUsed"] = {"EXT_mesh_features", "KHR_materials_unlit", "EXT_mesh_gpu_instancing", 5};
+  file.json["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = 0;
+  CHECK(file.load().leftOut ==
+        std::vector<std::string>{"1 extensions of the file that are not read: 'CESIUM_RTC'",
+                                 "1 extensions of the file that are not read: 'EXT_mesh_features'",
+                                 "1 sets of numbers of vertices: '_FEATURE_ID_0'"});
 }
 
 TEST_CASE("nan, infinity and huge positions are kept") {
