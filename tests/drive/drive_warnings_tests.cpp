@@ -57,7 +57,8 @@ TEST_CASE("triangles that are nowhere are warned of by file, and counted by scan
   json["scenes"].push_back({{"file", "hole.obj"}, {"pose", {{"position", {0, 0, -1}}}}});
   CHECK(folder.read(json).warnings ==
         Warnings{
-            "scenes[1].file: 2 triangles of 'hole.obj' are dropped because a corner is NaN, infinite or beyond 1e9 m"});
+            "scenes[1].file: 2 triangles of 'hole.obj' are dropped because a corner is NaN, infinite or beyond 1e9 m "
+            "or units of the file"});
   folder.run(json);
   const Json scans = Json::parse(folder.get("out/manifest/frames/000001.json"))["scans"];
   REQUIRE(scans.size() > 0);

@@ -122,7 +122,8 @@ TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each 
   place.put("half.tum", "0 0 0 1.8 0 0 0 1\n0.06 0 0 1.8 0 0 0 1\n0.12 0 0 1.8 0 0 0 1\n");
   place.put("hole.obj", place.get("floor.obj") + "v nan 0 0\nf 1 2 -1\n");
   CHECK(place.run("scan hole.obj --trajectory half.tum -o d.csv" + quick).err ==
-        "gnosphere: warning: 1 triangle of hole.obj is dropped because a corner is NaN, infinite or beyond 1e9 m\n");
+        "gnosphere: warning: 1 triangle of hole.obj is dropped because a corner is NaN, infinite or beyond 1e9 m or "
+        "units of the file\n");
 
   REQUIRE(
       place
