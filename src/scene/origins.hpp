@@ -24,10 +24,10 @@ struct CornerBox {
   void add(const CornerBox& other);
 };
 
-/// Returns the origins of a file's meshes, of which each has a box. The origins are 0 if floats hold every coordinate exactly.
-/// Else all meshes have the centre of all boxes, rounded to a unit, so that meshes which touch have the same positions.
-/// A mesh that is so far from it that floats are 2 mm apart gets the centre of its own box, rounded to 1024 m because
-/// neighbours mostly share it then. `unit` is the length of the file's unit in metres.
+/// Returns the origins of a file's meshes, of which each has a box. The origins are 0 if floats hold every coordinate
+/// exactly. Else all meshes have the centre of all boxes, rounded to a unit, so that meshes which touch have the same
+/// positions. A mesh that is so far from it that floats are 2 mm apart gets the centre of its own box, rounded to 1024
+/// m because neighbours mostly share it then. `unit` is the length of the file's unit in metres.
 std::vector<Vec3> originsOf(std::span<const CornerBox> boxes, double unit);
 
 /// Appends one of the coordinates' vertices to the positions of a mesh, relative to its origin.

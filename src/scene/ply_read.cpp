@@ -78,10 +78,13 @@ class PlyReader {
     source_.fail("the PLY header names an unknown type " + inQuotes(word));
   }
 
-  static bool areColoured(const PlyElement& element) {
-    return std::any_of(element.properties.begin(), element.properties.end(),
-                       [](const PlyProperty& p) { return p.name == "red" || p.name == "diffuse_red"; });
+  static bool isColour(const PlyProperty& property) {
+    std::string_view name = property.name;
+    for (const std::string_view prefix : {"diffuse_", "ambient_", "specular_"})
+      if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+    return name == "red" || name == "green" || name == "blue" || name == "alpha";
   }
+  static bool areColoured(const PlyElement& element) { return std::ranges::any_of(element.properties, isColour); }
 
   void readHeader() {
     std::string_view line = nextLine();
@@ -217,6 +220,8 @@ class PlyReader {
     if (element.count > 0 && std::none_of(element.properties.begin(), element.properties.end(), isCorners))
       source_.fail("the faces of the PLY file have no list vertex_indices");
     if (areColoured(element)) leftOut_.add("sets of colours of faces");
+    for (const PlyProperty& property : element.properties)
+      if (!isCorners(property) && !isColour(property)) leftOut_.add("properties of faces: " + inQuotes(property.name));
     for (size_t i = 0; i < element.count; ++i) {
       for (const PlyProperty& property : element.properties) {
         if (isCorners(property))
@@ -242,7 +247,8 @@ class PlyReader {
   /// Triangulates the faces last, because they may come before the vertices in the file.
   Scene finish() {
     const size_t vertexCount = coordinates_.size() / 3;
-    Mesh mesh;
+    std::vector<Mesh> meshes(1);
+    Mesh& mesh = meshes[0];
     mesh.indices.reserve(corners_.size());
     std::span<const uint32_t> rest(corners_);
     for (size_t face = 0; face < faceCorners_.size(); ++face) {
@@ -255,7 +261,7 @@ class PlyReader {
       if (!appendPolygon(mesh.indices, corners, coordinates_)) leftOut_.add(kCrossedFaces);
     }
     storePositions(mesh, coordinates_);
-    Scene scene = sceneOf(std::move(mesh));
+    Scene scene = sceneOf(std::move(meshes));
     scene.leftOut = leftOut_.lines();
     return scene;
   }

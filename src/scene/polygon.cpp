@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the formats with polygons: triangulation, and the scene of a single mesh.
+// Shared by the formats with polygons: triangulation, and the scene of meshes without materials.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -171,12 +171,14 @@ bool appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> cor
   return !(reversed > kRounding * whole);
 }
 
-Scene sceneOf(Mesh&& mesh) {
+Scene sceneOf(std::vector<Mesh>&& meshes) {
   Scene scene;
   scene.materials.emplace_back();
-  mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
-  scene.meshes.push_back(std::move(mesh));
-  scene.instances.emplace_back();
+  for (Mesh& mesh : meshes) {
+    mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
+    scene.instances.push_back({mesh.name, static_cast<uint32_t>(scene.instances.size())});
+  }
+  scene.meshes = std::move(meshes);
   return scene;
 }
 

@@ -96,8 +96,8 @@ inline std::string_view textOf(Bytes bytes, const Source& source) {
   return textOfFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, source.name);
 }
 
-/// Returns the scene of a file that has one mesh and no materials.
-Scene sceneOf(Mesh&& mesh);
+/// Returns the scene of a file without materials, where each mesh is an instance with its name.
+Scene sceneOf(std::vector<Mesh>&& meshes);
 
 /// Appends the triangles of one polygon, in the orientation of its corners. Concave polygons are cut by ear clipping.
 /// Returns false if triangles also cover area outside, because the outline crosses itself or the cutting took too long.

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
+#include "base/text.hpp"
 #include "scene/number.hpp"
 #include "scene/origins.hpp"
 #include "scene/readers.hpp"
@@ -42,12 +45,13 @@ class StlMesh {
     if (isNew) coordinates_.insert(coordinates_.end(), corner.begin(), corner.end());
     indices_.push_back(found->second);
   }
-  Scene finish() {
+  bool isEmpty() const { return indices_.empty(); }
+  Mesh finish() {
     vertices_.clear();
     Mesh mesh;
     mesh.indices = std::move(indices_);
     storePositions(mesh, coordinates_);
-    return sceneOf(std::move(mesh));
+    return mesh;
   }
 
  private:
@@ -63,7 +67,9 @@ Scene readBinaryStl(Bytes bytes, size_t triangles) {
     std::memcpy(corners.data(), bytes.data() + kStlHeader + i * kStlTriangle + 12, sizeof corners);  // after the normal
     for (size_t c = 0; c < 9; c += 3) mesh.add({corners[c], corners[c + 1], corners[c + 2]});
   }
-  return mesh.finish();
+  std::vector<Mesh> meshes;
+  meshes.push_back(mesh.finish());
+  return sceneOf(std::move(meshes));
 }
 
 /// Whether a word is this keyword, which some programs write in capitals.
@@ -75,13 +81,27 @@ bool is(std::string_view word, std::string_view keyword) {
 Scene readTextStl(Bytes bytes, const Source& source) {
   std::string_view rest = textOf(bytes, source);
   StlMesh mesh(bytes.size() / 200);
+  std::string name;
+  std::vector<Mesh> solids;
+  const auto finishSolid = [&] {
+    solids.push_back(mesh.finish());
+    solids.back().name = name;
+    mesh = StlMesh(0);
+  };
   size_t triangles = 0, corners = 0;
+  const auto checkFacet = [&](size_t wanted) {
+    if (corners != wanted) source.fail("facet " + std::to_string(triangles) + " of the STL file has not 3 vertices");
+  };
   bool ended = false;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
     if (is(word, "solid") || is(word, "endsolid")) {
       // A name follows, which may contain any word.
-      rest.remove_prefix(std::min(rest.find('\n'), rest.size()));
+      const std::string_view stated = rest.substr(0, rest.find('\n'));
+      rest.remove_prefix(stated.size());
       ended = is(word, "endsolid");
+      checkFacet(0);
+      if (!mesh.isEmpty()) finishSolid();
+      if (!ended) name = toUtf8(trimmed(stated));
     } else if (is(word, "vertex")) {
       Corner corner;
       for (double& value : corner) {
@@ -95,13 +115,14 @@ Scene readTextStl(Bytes bytes, const Source& source) {
         source.fail("facet " + std::to_string(triangles) + " of the STL file has more than 3 vertices");
       mesh.add(corner);
     } else if (is(word, "endfacet")) {
-      if (corners != 3) source.fail("facet " + std::to_string(triangles) + " of the STL file has not 3 vertices");
+      checkFacet(3);
       corners = 0;
       ++triangles;
     }
   }
   if (corners != 0 || !ended) source.fail("the STL file is cut off: it has no endsolid");
-  return mesh.finish();
+  if (!mesh.isEmpty() || solids.empty()) finishSolid();  // there may be facets after the last endsolid
+  return sceneOf(std::move(solids));
 }
 
 }  // namespace

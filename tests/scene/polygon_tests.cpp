@@ -432,6 +432,15 @@ TEST_CASE("colours of PLY are told as left out") {
         std::vector<std::string>{"1 sets of colours of faces"});
 }
 
+TEST_CASE("properties of the faces of PLY are told as left out") {
+  std::string header = plyHeader("ascii", "float", "int", 3);
+  header.insert(header.find("end_header"), "property int label\nproperty list uchar float texcoord\n");
+  const Scene scene = loadText("a.ply", header + "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 9 0\n");
+  CHECK(scene.uniqueTriangleCount() == 1);
+  CHECK(scene.leftOut ==
+        std::vector<std::string>{"1 properties of faces: 'label'", "1 properties of faces: 'texcoord'"});
+}
+
 TEST_CASE("PLY of points is a scene without triangles") {
   const Scene scene = loadText("a.ply",
                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
@@ -527,12 +536,28 @@ TEST_CASE("the coordinates of text STL are single precision, as those of binary 
   CHECK(mesh.origin.x == 0);
 }
 
-TEST_CASE("text STL may have several solids, of which each has an end") {
-  const std::string
-      solid = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
-      end = "endsolid\n";
-  CHECK(loadText("a.stl", solid + end + solid + end).meshes.at(0).triangleCount() == 2);
+TEST_CASE("each solid of a text STL is an instance with its name, and has an end") {
+  const std::string facet =
+                        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
+                    solid = "solid\n" + facet, end = "endsolid\n";
+  const Scene scene =
+      loadText("a.stl", "solid wall of solid 1\r\n" + facet + facet + "endsolid wall of solid 1\r\nsolid empty\n" +
+                            end + "SOLID  roof \n" + facet + end + solid + end);
+  REQUIRE(scene.instances.size() == 3);
+  REQUIRE(scene.meshes.size() == 3);
+  const std::vector<std::string> names = {"wall of solid 1", "roof", ""};
+  for (size_t i = 0; i < 3; ++i) {
+    CHECK(scene.instances[i].name == names[i]);
+    CHECK(scene.instances[i].mesh == i);
+    CHECK(scene.meshes[i].positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+    CHECK(scene.meshes[i].triangleCount() == (i == 0 ? 2 : 1));
+  }
+  CHECK(loadText("a.stl", "solid\n" + end).instances.size() == 1);
+  CHECK(loadText("a.stl", solid + end + facet).uniqueTriangleCount() == 2);
   CHECK_THAT(loadFailure("a.stl", solid + end + solid), ContainsSubstring("it has no endsolid"));
+  const std::string cut = facet.substr(0, facet.find("vertex 0 1"));
+  CHECK_THAT(loadFailure("a.stl", "solid\n" + cut + end + "solid\nvertex 0 1 0\nendfacet\n" + end),
+             ContainsSubstring("facet 0 of the STL file has not 3 vertices"));
 }
 
 TEST_CASE("an STL corner that is nan is not merged with others") {
