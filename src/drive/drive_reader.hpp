@@ -99,7 +99,7 @@ class DriveReader {
   void warnOfPaths(size_t sensor, const std::string& path);
   void warnOfSpeeds(size_t sensor, const std::string& path);
   void warnOfEnd();
-  void warnOfLines(const RigSensor& sensor, const std::string& path);
+  void warnOfDriver(const RigSensor& sensor, const std::string& path);
   void imu();
   void frames();
   void times();

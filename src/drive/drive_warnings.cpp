@@ -324,8 +324,20 @@ void DriveReader::warnOfEnd() {
                              (shorter > 0 ? ", or a duration of at most " + secondsText(shorter) : ""));
 }
 
-/// Warns of heads whose lines are more than nodes for Livox's expect.
-void DriveReader::warnOfLines(const RigSensor& sensor, const std::string& path) {
+/// Warns of fields of a driver's clouds that have no value, and of heads whose lines are more than nodes for Livox's
+/// expect.
+void DriveReader::warnOfDriver(const RigSensor& sensor, const std::string& path) {
+  if (!sensor.driver && !sensor.livoxCustom) return;
+  const Effects& effects = sensor.effects;
+  if (effects.intensity.use == EffectUse::off)
+    warn(path + ".driver",
+         "the intensities in the clouds of " + inQuotes(sensor.name) + " are 0, because its effect intensity is off");
+  const uint32_t returns = effects.returns.count > 0 ? effects.returns.count : sensor.sensor.maxReturns;
+  if (sensor.driver == ros2::Driver::autoware && effects.returns.use != EffectUse::off &&
+      effects.returns.mode == Effects::Returns::Mode::all && returns > 1)
+    warn(path + ".driver", "the return types in the clouds of " + inQuotes(sensor.name) +
+                               " are 0, unknown, because its effect returns has the mode all; the mode dual gives "
+                               "Autoware's types of pairs");
   constexpr uint32_t kMostLines = 6;  // of Livox's heads: those of the Avia
   const uint32_t lines = ros2::lastRingOf(sensor.sensor) + 1;
   if ((sensor.livoxCustom || sensor.driver == ros2::Driver::livox) && lines > kMostLines)
@@ -467,7 +479,7 @@ void DriveReader::warnOfSensors() {
     warnOfMotion(s, path);
     warnOfSpeeds(s, path);
     warnOfPaths(s, path);
-    warnOfLines(sensor, path);
+    warnOfDriver(sensor, path);
   }
   if (drive_.imu) warnOfMount(drive_.imu->mount, "imu");
 }

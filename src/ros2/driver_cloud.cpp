@@ -10,7 +10,6 @@
 #include <numbers>
 #include <span>
 #include <type_traits>
-#include <utility>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -29,6 +28,7 @@ struct Return {
   float x, y, z, range, intensity, time;
   uint16_t ring;
   uint8_t number, count;
+  float otherRange, otherIntensity;  ///< those of the beam's other return if it has two
 };
 
 /// A return, and what its fields depend on beside it.
@@ -38,6 +38,7 @@ struct Point {
   int64_t stamp;   ///< ns, of the cloud
   bool clockwise;  ///< whether azimuths grow clockwise, as the head turns
   bool single;     ///< whether the scan has at most one return of a beam
+  bool hasIntensities;
   /// Returns the nanoseconds after the stamp.
   double offset() const { return std::round(double{value->time} * kPerSecond); }
   int64_t time() const { return stamp + static_cast<int64_t>(offset()); }
@@ -51,9 +52,6 @@ double y(const Point& point) {
 }
 double z(const Point& point) {
   return point.value->z;
-}
-double range(const Point& point) {
-  return point.value->range;
 }
 double millimetres(const Point& point) {
   return double{point.value->range} * kMilliPerUnit;
@@ -83,12 +81,20 @@ double reflectivity(const Point& point) {
   const bool unit = point.effects.intensity.scale == Effects::Intensity::Scale::unit;
   return std::clamp(double{point.value->intensity} * (unit ? 100 : 1), 0.0, 255.0);
 }
+/// Returns less than 2 pi in single precision, too: a turn that rounds to more is 0.
 double azimuth(const Point& point) {
+  constexpr double kTurn = 2 * std::numbers::pi;
   const double angle = std::atan2(point.clockwise ? -y(point) : y(point), x(point));
-  return (angle < 0 ? 2 * std::numbers::pi : 0) + angle;
+  const float positive = static_cast<float>((angle < 0 ? kTurn : 0) + angle);
+  return positive < kTurn ? positive : 0;
 }
 double elevation(const Point& point) {
   return std::atan2(z(point), lengthOf(x(point), y(point)));
+}
+/// Returns the distance from the head's origin, to which azimuth and elevation belong, too. The range counts from where
+/// the beam begins.
+double distance(const Point& point) {
+  return lengthOf({x(point), y(point), z(point)});
 }
 /// Livox's tag has the number of the return in bits 4 and 5; bits of 0 are a point without doubt.
 double livoxTag(const Point& point) {
@@ -101,17 +107,40 @@ bool returnsStrongest(const Point& point) {
          (returns.use == EffectUse::off ||
           (returns.use == EffectUse::automatic && returns.mode == Effects::Returns::Mode::all && returns.count == 0));
 }
+/// Returns the received power, up to a factor: the intensity is the reflectance of a target at the range.
+double powerOf(double intensity, double range, const Effects& effects) {
+  const bool byte = effects.intensity.scale == Effects::Intensity::Scale::byte;
+  const double unit = byte && intensity > 100 ? 100 * std::pow(1000, (intensity - 100) / 155) : intensity;
+  return effects.intensity.scale == Effects::Intensity::Scale::raw ? intensity : unit / (range * range);
+}
+/// Whether the return of a beam with two is the stronger one. One of equal strength is if it is the nearer one.
+bool isStronger(const Point& point) {
+  const Return& value = *point.value;
+  const double own = powerOf(value.intensity, value.range, point.effects);
+  const double other = powerOf(value.otherIntensity, value.otherRange, point.effects);
+  return own > other || (own == other && value.number == 1);
+}
 /// Autoware's ReturnType: 0 unless the effect `returns` tells which one is the strongest or the last.
 double autowareReturn(const Point& point) {
-  enum Type { unknown, singleStrongest, singleLast, dualStrongestFirst, dualWeakLast = 6, dualOnly };
+  using Mode = Effects::Returns::Mode;
+  enum Type { unknown, singleStrongest, singleLast, strongestFirst, strongestLast, weakFirst, weakLast, dualOnly };
   if (returnsStrongest(point)) return singleStrongest;
+  const bool isFirst = point.value->number == 1;
+  bool isStrongest = isFirst;
   switch (point.effects.returns.mode) {
-    case Effects::Returns::Mode::strongest: return singleStrongest;
-    case Effects::Returns::Mode::last: return singleLast;
-    case Effects::Returns::Mode::lastStrongest:
-      return point.value->count < 2 ? dualOnly : point.value->number == 1 ? dualStrongestFirst : dualWeakLast;
+    case Mode::strongest: return singleStrongest;
+    case Mode::last: return singleLast;
+    case Mode::lastStrongest: break;
+    case Mode::firstStrongest: isStrongest = !isFirst; break;
+    case Mode::dual:
+    case Mode::strongestSecondStrongest:
+      if (!point.hasIntensities) return unknown;
+      isStrongest = isStronger(point);
+      break;
     default: return unknown;
   }
+  if (point.value->count < 2) return dualOnly;
+  return isStrongest ? (isFirst ? strongestFirst : strongestLast) : (isFirst ? weakFirst : weakLast);
 }
 
 using Type = PointField::Type;
@@ -156,7 +185,7 @@ constexpr DriverField kAutoware[] = {
     {"x", 0, Type::f32, x}, {"y", 4, Type::f32, y}, {"z", 8, Type::f32, z},
     {"intensity", 12, Type::u8, reflectivity}, {"return_type", 13, Type::u8, autowareReturn},
     {"channel", 14, Type::u16, ring}, {"azimuth", 16, Type::f32, azimuth}, {"elevation", 20, Type::f32, elevation},
-    {"distance", 24, Type::f32, range}, {"time_stamp", 28, Type::u32, nanoseconds}};
+    {"distance", 24, Type::f32, distance}, {"time_stamp", 28, Type::u32, nanoseconds}};
 // clang-format on
 
 struct DriverLayout {
@@ -185,6 +214,12 @@ std::vector<Return> returnsOf(const Scan& scan) {
     layout.values.push_back({Field::intensity, 0, offsetof(Return, intensity), ValueType::f32});
   std::vector<Return> returns(scan.ranges.size(), Return{});
   returns.resize(pack(scan, layout, std::as_writable_bytes(std::span(returns))));
+  for (size_t i = 0; i + 1 < returns.size(); ++i) {
+    Return &first = returns[i], &second = returns[i + 1];
+    if (first.number != 1 || second.number != 2) continue;  // the returns of a beam follow each other
+    first.otherRange = second.range, first.otherIntensity = second.intensity;
+    second.otherRange = first.range, second.otherIntensity = first.intensity;
+  }
   std::stable_sort(returns.begin(), returns.end(), [](const Return& a, const Return& b) { return a.time < b.time; });
   return returns;
 }
@@ -195,21 +230,6 @@ T as(double value) {
     return static_cast<T>(value);
   else  // a time before the stamp is 0
     return static_cast<T>(std::clamp(std::round(value), 0.0, double{std::numeric_limits<T>::max()}));
-}
-
-/// Whether the head turns clockwise: in the order of times, the azimuths of a ring's returns fall far more often than
-/// they rise. The azimuths of a head that does not turn rise about as often.
-bool turnsClockwise(std::span<const Return> returns) {
-  std::vector<const Return*> before(65536);  // by ring
-  size_t falling = 0, rising = 0;
-  for (const Return& now : returns) {
-    const Return* const last = std::exchange(before[now.ring], &now);
-    if (!last || last->time == now.time) continue;
-    const double turned = double{last->x} * now.y - double{last->y} * now.x;  // a cross product
-    falling += turned < 0;
-    rising += turned > 0;
-  }
-  return falling > 2 * rising;
 }
 
 template <typename T>
@@ -258,8 +278,8 @@ PointCloud2 cloudOf(const Scan& scan, const DriverLayout& layout, const std::str
   cloud.width = static_cast<uint32_t>(returns.size());
   cloud.pointStep = layout.step;
   cloud.data.resize(returns.size() * layout.step);
-  const bool hasAzimuth = std::ranges::any_of(layout.fields, [](const auto& f) { return f.valueOf == azimuth; });
-  const Point point = {nullptr, effects, stamp, hasAzimuth && turnsClockwise(returns), scan.returns == 1};
+  // Later columns of a head that turns fire later.
+  const Point point = {nullptr, effects, stamp, scan.firstColumnOnLeft, scan.returns == 1, scan.has(Field::intensity)};
   for (const DriverField& field : layout.fields) {
     cloud.fields.push_back({field.name, field.offset, field.type, 1});
     switch (field.type) {

@@ -31,18 +31,19 @@ class Rise {
 template <class DirectionOf>
 ImageOrder orderOf(size_t columns, size_t channels, const DirectionOf& directionOf) {
   Rise rise;
-  int64_t leftTurns = 0;
+  int64_t left = 0, right = 0;
   for (size_t row = 0; row < channels; ++row) {
     Vec3 before = {NAN, NAN, NAN};
     for (size_t column = 0; column < columns; ++column) {
       const Vec3 here = directionOf(row * columns + column);
       if (std::isfinite(here.z)) rise.add(static_cast<double>(row), here.z);
       const double cross = before.x * here.y - before.y * here.x;
-      leftTurns += (cross > 0) - (cross < 0);
+      left += cross > 0;
+      right += cross < 0;
       before = here;
     }
   }
-  return {rise.value() < 0, leftTurns < 0};
+  return {rise.value() < 0, right > 2 * left};
 }
 
 }  // namespace

@@ -13,8 +13,9 @@ struct ImageOrder {
 };
 
 /// Returns the order of a sensor's beams, of a list in its first pattern. The first row is on top if the beams of later
-/// rows point lower, by the sign of the covariance of row and height; the first column is on the left if most beams
-/// point further right than those of the column before.
+/// rows point lower, by the sign of the covariance of row and height; the first column is on the left if twice as
+/// many beams point further right than those of the column before as point further left, as with a head that turns
+/// clockwise.
 ImageOrder imageOrderOf(const Sensor& sensor);
 /// Returns the order of the first points of the scan's beams in the same way, as far as beams have points.
 ImageOrder imageOrderOf(const Scan& scan);

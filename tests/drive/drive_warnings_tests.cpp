@@ -288,6 +288,20 @@ TEST_CASE("a scan that goes on when its moving vehicle has arrived is warned of"
   CHECK(warningsOf(json).empty());
 }
 
+TEST_CASE("fields of a driver's clouds that have no value are warned of") {
+  Json json = quietDrive();
+  json["sensors"][1]["driver"] = "autoware";
+  json["sensors"][1]["effects"] = {{"intensity", "off"}};
+  CHECK(warningsOf(json) == Warnings{"sensors[1].driver: the intensities in the clouds of 'side' are 0, because its "
+                                     "effect intensity is off"});
+  json["sensors"][1]["effects"] = {{"returns", {{"count", 2}}}};
+  CHECK(warningsOf(json) == Warnings{"sensors[1].driver: the return types in the clouds of 'side' are 0, unknown, "
+                                     "because its effect returns has the mode all; the mode dual gives Autoware's "
+                                     "types of pairs"});
+  json["sensors"][1]["effects"] = {{"returns", {{"mode", "dual"}}}};
+  CHECK(warningsOf(json).empty());
+}
+
 TEST_CASE("more lines than Livox's heads have are warned of where their driver is named") {
   Json json = quietDrive();
   for (const char* driver : {"livox", "livox-custom"}) {

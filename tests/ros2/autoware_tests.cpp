@@ -9,6 +9,7 @@
 #include "columns.hpp"
 #include "gnosphere/gnosphere.hpp"
 #include "gnosphere/ros2.hpp"
+#include "scan/image_order.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::ros2;
@@ -29,6 +30,7 @@ Scan scanInside(const Sensor& sensor) {
     for (const double value : {d.x, d.y, d.z}) scan.points.push_back(static_cast<float>(10 * value));
     rings.push_back(beams.rings.empty() ? static_cast<uint16_t>(i / scan.columns) : beams.rings[i]);
   }
+  scan.firstColumnOnLeft = imageOrderOf(sensor).firstColumnOnLeft;
   scan.ranges.assign(beams.size(), 10);
   scan.triangles.assign(beams.size(), 0);
   scan.instances.assign(beams.size(), 0);
@@ -95,7 +97,7 @@ TEST_CASE("ROS 2: Autoware's azimuths grow as the head turns") {
       const double azimuth =
           degrees < 0 ? -point.azimuth : point.azimuth;  // from +x, towards +y if it is greater than 0
       CHECK(point.azimuth >= 0);
-      CHECK(point.azimuth <= static_cast<float>(2 * M_PI));
+      CHECK(point.azimuth < 2 * M_PI);
       REQUIRE(std::abs(10 * std::cos(point.elevation) * std::cos(azimuth) - point.x) < 1e-4);
       REQUIRE(std::abs(10 * std::cos(point.elevation) * std::sin(azimuth) - point.y) < 1e-4);
     }
@@ -113,6 +115,62 @@ TEST_CASE("ROS 2: Autoware's azimuths of heads of the catalogue") {
     const double azimuth = std::atan2(point.y, point.x);
     REQUIRE(point.azimuth == Approx(azimuth < 0 ? azimuth + 2 * M_PI : azimuth));
   }
+}
+
+TEST_CASE("ROS 2: Autoware's azimuths have one sense, however few beams have a return") {
+  const Sensor sensor = headThatSweeps(-360);
+  Scan scan = scanInside(sensor);
+  for (size_t beam = 1; beam < scan.beamCount(); ++beam) scan.ranges[beam] = std::nanf("");
+  const std::vector<Autoware> points = autowareOf(scan);
+  REQUIRE(points.size() == 1);
+  CHECK(points[0].azimuth == Approx((360 - 30) * M_PI / 180));
+}
+
+TEST_CASE("ROS 2: Autoware's azimuth is less than a turn, and its distance is that from the origin of the head") {
+  Scan scan = scanInside(headThatSweeps(360));
+  scan.points[0] = 5;
+  scan.points[1] = -6.6e-16f;
+  scan.points[2] = 12;
+  scan.ranges[0] = 12.5;  // from where the beam begins
+  const std::vector<Autoware> points = autowareOf(scan);
+  CHECK(points[0].azimuth == 0);
+  CHECK(points[0].distance == Approx(13));
+}
+
+TEST_CASE("ROS 2: Autoware's types of the returns of a pair") {
+  using Mode = Effects::Returns::Mode;
+  using Scale = Effects::Intensity::Scale;
+  Scan scan = scanInside(headThatSweeps(360));
+  scan.columns = 1;
+  scan.channels = 2;
+  scan.returns = 2;
+  // Beam 0 has a pair; the power of a return is its intensity by the square of its range. Beam 1 has one return.
+  const auto typesOf = [&](Mode mode, Scale scale, float nearIntensity, float farIntensity) {
+    scan.ranges = {10, 20, 10, std::nanf("")};
+    scan.points = {10, 0, 0, 20, 0, 0, 10, 0, 0, 0, 0, 0};
+    for (auto* indices : {&scan.triangles, &scan.instances}) indices->assign(4, 0);
+    setColumn<float>(scan, Field::time, {0, 0, 0, 0});
+    setColumn<uint16_t>(scan, Field::ring, {0, 0, 1, 1});
+    setColumn<uint8_t>(scan, Field::returnNumber, {1, 2, 1, 0});
+    setColumn<uint8_t>(scan, Field::returnCount, {2, 2, 1, 1});
+    setColumn<float>(scan, Field::intensity, {nearIntensity, farIntensity, 0.5f, 0});
+    Effects effects;
+    effects.returns.mode = mode;
+    effects.intensity.scale = scale;
+    std::vector<int> types;
+    for (const Autoware& point : autowareOf(scan, effects)) types.push_back(point.returnType);
+    return types;
+  };
+  const std::vector<int> nearer = {3, 6, 7}, farther = {5, 4, 7};  // strongest first and weak last, or the reverse
+  for (const Mode mode : {Mode::dual, Mode::strongestSecondStrongest}) {
+    CHECK(typesOf(mode, Scale::unit, 0.2f, 0.7f) == nearer);
+    CHECK(typesOf(mode, Scale::unit, 0.2f, 0.9f) == farther);
+    CHECK(typesOf(mode, Scale::byte, 60, 110) == nearer);  // 110 is a gain of 1.56
+    CHECK(typesOf(mode, Scale::byte, 30, 110) == farther);
+    CHECK(typesOf(mode, Scale::raw, 0.2f, 0.3f) == farther);
+  }
+  CHECK(typesOf(Mode::lastStrongest, Scale::unit, 0.1f, 0.9f) == nearer);  // the mode tells, not the powers
+  CHECK(typesOf(Mode::firstStrongest, Scale::unit, 0.9f, 0.1f) == farther);
 }
 
 TEST_CASE("ROS 2: Autoware's type of a return") {
