@@ -13,10 +13,14 @@ namespace gnosphere::gpu {
 // found.
 GNO_CONST float kAngleCutOff = 4.0f;
 
-// Adds the bias and an error whose sigma grows with the range and with its square, then rounds to whole steps. The
-// result is never below 0.
-GNO_INLINE float noisyRange(EffectParameters p, float range, float gaussian) {
+// Adds the bias and an error whose sigma grows with the range, with its square, and as the power falls, then rounds to
+// whole steps. The result is never below 0.
+GNO_INLINE float noisyRange(EffectParameters p, float range, float power, float gaussian) {
   GNO_PRECISE float sigma = p.rangeSigma + p.rangeSigmaPerMetre * range + p.rangeSigmaPerSquareMetre * range * range;
+  if (p.rangeSigmaAtThreshold > 0.0f) {
+    GNO_PRECISE float weak = p.rangeSigmaAtThreshold * quotient(p.threshold, max(power, p.threshold));
+    sigma = squareRoot(sigma * sigma + weak * weak);
+  }
   GNO_PRECISE float result = range + p.rangeBias + sigma * gaussian;
   if (p.rangeStep > 0.0f) result = floor(quotient(result, p.rangeStep) + 0.5f) * p.rangeStep;
   return max(result, 0.0f);

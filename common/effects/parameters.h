@@ -91,7 +91,7 @@ struct EffectParameters {
   float rangeMin, rangeMax;
   uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
   float speedSigma, rangeSigmaPerSquareMetre;
-  float padding0;
+  float rangeSigmaAtThreshold;
 };
 
 // Optical properties of one material.

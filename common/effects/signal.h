@@ -119,8 +119,10 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
   result.width = echo.width;
   result.label = echo.index == kNone ? kLabelScatter : kLabelSolid;
   result.echo = echo.index;
-  if (PLANNED(kRangeNoise))
-    result.range = noisyRange(p, echo.range, gaussians(draw(p, beam, drawNumber, kRangeNoise)).x);
+  if (PLANNED(kRangeNoise)) {
+    float power = received(echo.energy, echo.range, depthOf(p, direction, echo.range));
+    result.range = noisyRange(p, echo.range, power, gaussians(draw(p, beam, drawNumber, kRangeNoise)).x);
+  }
   if (PLANNED(kIntensity)) {
     float unit = unitIntensity(p, echo.energy, echo.range, depthOf(p, direction, echo.range));
     if (PLANNED(kIntensityNoise))

@@ -73,6 +73,8 @@ struct Effects {
     double sigmaPerMetre = 0;        ///< m per m; times the range, added to sigma
     double step = 0;                 ///< m; ranges are rounded to multiples of it; 0 for no quantisation
     double sigmaPerSquareMetre = 0;  ///< 1/m; times the square of the range, added to sigma
+    /// m; standard deviation of an error of its own at detection's threshold, which falls with the power of the echo
+    double sigmaAtThreshold = 0;
   } rangeNoise;
 
   /// Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.

@@ -117,7 +117,7 @@ Answer appliesDropOut(const Question& q) {
 bool hasNoRangeNoise(const Effects& effects) {
   const auto& noise = effects.rangeNoise;
   return noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.sigmaPerSquareMetre == 0 &&
-         noise.step == 0;
+         noise.sigmaAtThreshold == 0 && noise.step == 0;
 }
 
 Answer appliesRangeNoise(const Question& q) {
@@ -126,6 +126,7 @@ Answer appliesRangeNoise(const Question& q) {
   std::string why = format("sigma %.3g m", noise.sigma);
   if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
   if (noise.sigmaPerSquareMetre != 0) why += format(" + %.3g m per m^2", noise.sigmaPerSquareMetre);
+  if (noise.sigmaAtThreshold != 0) why += format(", %.3g m at the threshold of detection", noise.sigmaAtThreshold);
   if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
   if (noise.step != 0) why += format(", steps of %.3g m", noise.step);
   return {true, why};
@@ -268,6 +269,9 @@ bool never(const Effects&) {
 bool dropsByIntensity(const Effects& effects) {
   return effects.dropOut.zeroIntensityRate > 0;
 }
+bool errsByPower(const Effects& effects) {
+  return effects.rangeNoise.sigmaAtThreshold > 0;
+}
 
 template <auto kGroup>
 EffectInfo effect(const char* name, uint32_t bit, Applies applies, bool (*needsIntensity)(const Effects&),
@@ -333,7 +337,7 @@ std::vector<EffectInfo> makeTable() {
                "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")},
           hasNoDropOut),
       effect<&E::rangeNoise>(
-          "range-noise", gpu::kRangeNoise, appliesRangeNoise, never,
+          "range-noise", gpu::kRangeNoise, appliesRangeNoise, errsByPower,
           "Errors of the range: bias, Gaussian noise and quantisation. Automatic: on if a bias, a sigma or a step is "
           "given.",
           {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100, "Added to every range."),
@@ -343,7 +347,11 @@ std::vector<EffectInfo> makeTable() {
            number<&E::rangeNoise, &E::RangeNoise::step>(
                "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation."),
            number<&E::rangeNoise, &E::RangeNoise::sigmaPerSquareMetre>(
-               "sigma_per_square_metre", "1/m", 0, 1, "Times the square of the range, added to sigma.")},
+               "sigma_per_square_metre", "1/m", 0, 1, "Times the square of the range, added to sigma."),
+           number<&E::rangeNoise, &E::RangeNoise::sigmaAtThreshold>(
+               "sigma_at_threshold", "m", 0, 100,
+               "Standard deviation of an error of its own at detection's threshold, which falls with the power of the "
+               "echo.")},
           hasNoRangeNoise),
       effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, appliesAngleNoise, never,
                              "Gaussian errors of the beam directions. Automatic: on if a standard deviation is given.",

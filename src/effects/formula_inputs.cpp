@@ -91,6 +91,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.rangeSigma = float(effects.rangeNoise.sigma);
   p.rangeSigmaPerMetre = float(effects.rangeNoise.sigmaPerMetre);
   p.rangeSigmaPerSquareMetre = float(effects.rangeNoise.sigmaPerSquareMetre);
+  p.rangeSigmaAtThreshold = float(effects.rangeNoise.sigmaAtThreshold);
   p.rangeStep = float(effects.rangeNoise.step);
   p.angleNoiseAt = uint32_t(effects.angleNoise.at);
   p.azimuthSigma = float(effects.angleNoise.azimuth);

@@ -107,8 +107,14 @@ Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) co
     result.speedError = plan_.effects.radialSpeed.sigma * draws_.normals(beam, number, gpu::kRadialSpeed)[0].value;
   if (plan_.has(gpu::kRangeNoise)) {
     const Effects::RangeNoise& noise = plan_.effects.rangeNoise;
-    const Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range +
-                          given(noise.sigmaPerSquareMetre) * echo.range * echo.range;
+    Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range +
+                    given(noise.sigmaPerSquareMetre) * echo.range * echo.range;
+    if (noise.sigmaAtThreshold > 0) {
+      const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
+      const Bounded power = received(echo.energy, echo.range, depth);
+      const Bounded weak = given(noise.sigmaAtThreshold) * threshold / max(power, threshold);
+      sigma = sqrt(sigma * sigma + weak * weak);
+    }
     Bounded range = echo.range + given(noise.bias) + sigma * draws_.normals(beam, number, gpu::kRangeNoise)[0];
     if (noise.step > 0) range = nearestWhole(range / given(noise.step)) * given(noise.step);
     result.range = max(range, 0);

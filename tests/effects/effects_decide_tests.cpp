@@ -222,6 +222,9 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   asked.effects.rangeNoise = {.sigmaPerSquareMetre = 2e-4};
   checkIn(asked, "range-noise", "sigma 0 m + 0.0002 m per m^2");
   checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all returns are lost, whatever their strength
+  asked.effects.rangeNoise = {.sigmaAtThreshold = 0.05};
+  checkIn(asked, "range-noise", "sigma 0 m, 0.05 m at the threshold of detection");
+  checkIn(asked, "intensity", "needed by range-noise");
   asked.effects.angleNoise.elevation = 1e-3;
   checkIn(asked, "angle-noise", "sigma 0 x 1 mrad");
   asked.effects.intensityNoise.sigma = 0.02;

@@ -370,6 +370,24 @@ TEST_CASE("errors of range and intensity are normal, with the requested moments"
   requireNormal(momentsOf(intensities), 0, 0.03);
 }
 
+TEST_CASE("weak echoes have larger errors of the range, inverse to their power") {
+  const std::string device = ON_EVERY_DEVICE;
+  Setup setup(device, room(0.5f), everywhere());
+  setup.fields = {Field::intensity, Field::trueRange};
+  setup.effects.detection = {EffectUse::off, 0.1, 20};
+  setup.effects.rangeNoise = {.use = EffectUse::on, .sigma = 0.005, .sigmaAtThreshold = 0.4};
+  const Scan scan = setup.scan();
+  std::vector<double> errors;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    REQUIRE(scan.hit(i));
+    const double range = scan.column<float>(Field::trueRange)[i];
+    const double power = scan.column<float>(Field::intensity)[i] / (range * range);
+    const double weak = 0.4 * std::min(0.1 / (20.0 * 20.0) / power, 1.0);
+    if (range > 4 * 0.4) errors.push_back((scan.ranges[i] - range) / std::hypot(0.005, weak));  // none is cut off at 0
+  }
+  requireNormal(momentsOf(errors), 0, 1);
+}
+
 TEST_CASE("quantised ranges are multiples of the step") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere(60));

@@ -45,7 +45,7 @@ Effects everything() {
   e.intensity = {EffectUse::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::byte, 1550, 0.01};
   e.detection = {EffectUse::on, 0.2, 80, 0.1};
   e.dropOut = {EffectUse::on, 0.1, 0.2, 0.3, {0, 7, 4294967295u}};
-  e.rangeNoise = {EffectUse::automatic, -0.01, 0.02, 1e-4, 0.004, 5e-5};
+  e.rangeNoise = {EffectUse::automatic, -0.01, 0.02, 1e-4, 0.004, 5e-5, 0.03};
   e.angleNoise = {EffectUse::on, 1e-4, 2e-4, Effects::AngleNoise::At::point};
   e.intensityNoise = {EffectUse::on, 0.05};
   e.divergence = {EffectUse::on, 37,     Effects::Divergence::Profile::uniform,

@@ -189,6 +189,8 @@ TEST_CASE("measurement errors use the same random numbers") {
   requireSame(effects);
   effects.rangeNoise.sigmaPerSquareMetre = 1e-4;
   requireSame(effects);
+  effects.rangeNoise.sigmaAtThreshold = 0.3;
+  requireSame(effects);
   effects.rangeNoise.bias = -8;  // near surfaces are returned at the range 0, whose tolerance is 0
   requireSame(effects, 1e-5);
   effects = physical();

@@ -36,7 +36,8 @@ TEST_CASE("range noise has the requested bias and sigma, and sigma grows with th
   for (const float range : {5.0f, 50.0f}) {
     double sum = 0, squares = 0;
     for (uint32_t beam = 0; beam < kDraws; ++beam) {
-      const double error = gpu::noisyRange(p, range, gpu::gaussians(gpu::draw(p, beam, 0, gpu::kRangeNoise)).x) - range;
+      const float normal = gpu::gaussians(gpu::draw(p, beam, 0, gpu::kRangeNoise)).x;
+      const double error = gpu::noisyRange(p, range, 1, normal) - range;
       sum += error;
       squares += (error - 0.05) * (error - 0.05);
     }
@@ -46,16 +47,32 @@ TEST_CASE("range noise has the requested bias and sigma, and sigma grows with th
   }
 }
 
+TEST_CASE(
+    "the error of weak echoes is inverse to their power, adds in squares, and does not grow below the threshold") {
+  Effects effects;
+  effects.rangeNoise.sigma = 0.01;
+  effects.rangeNoise.sigmaAtThreshold = 0.2;
+  effects.detection.reflectance = 0.1;
+  effects.detection.range = 50;
+  const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kRangeNoise);
+  const double threshold = 0.1 / (50.0 * 50.0);
+  // The error of a normal deviate of 1 is sigma.
+  const auto sigma = [&](double power) { return double(gpu::noisyRange(p, 40, float(power), 1)) - 40; };
+  for (const double times : {1.0, 2.0, 10.0, 1e3, 1e6})
+    CHECK(sigma(times * threshold) == Approx(std::sqrt(0.01 * 0.01 + std::pow(0.2 / times, 2))).margin(5e-6));
+  for (const double times : {0.5, 1e-3, 0.0}) CHECK(sigma(times * threshold) == sigma(threshold));
+}
+
 TEST_CASE("quantised ranges are multiples of the step, and none is negative") {
   gpu::EffectParameters p = {};
   p.rangeStep = 0.004f;
   for (float range = 0.1f; range < 100; range *= 1.1f) {
-    const double steps = gpu::noisyRange(p, range, 0) / 0.004;
+    const double steps = gpu::noisyRange(p, range, 1, 0) / 0.004;
     CHECK(std::abs(steps - std::round(steps)) < 1e-6 * steps);
-    CHECK(std::abs(gpu::noisyRange(p, range, 0) - range) < 0.00201);
+    CHECK(std::abs(gpu::noisyRange(p, range, 1, 0) - range) < 0.00201);
   }
   p.rangeBias = -10;
-  CHECK(gpu::noisyRange(p, 5, 0) == 0);
+  CHECK(gpu::noisyRange(p, 5, 1, 0) == 0);
 }
 
 TEST_CASE("angular errors have the requested sigma and are at most 4 sigma") {

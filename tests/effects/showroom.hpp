@@ -60,7 +60,7 @@ inline Effects loud() {
   effects.detection.range = 25;
   effects.detection.softness = 0.2;
   effects.dropOut = {EffectUse::off, 0.1, 0.6, 0.3, {3, 77, 400}};
-  effects.rangeNoise = {EffectUse::off, 0.05, 0.02, 1e-3, 0, 1e-4};
+  effects.rangeNoise = {EffectUse::off, 0.05, 0.02, 1e-3, 0, 1e-4, 0.1};
   effects.angleNoise.azimuth = effects.angleNoise.elevation = 2e-3;
   effects.intensityNoise.sigma = 0.05;
   effects.divergence.subRays = 7;

@@ -237,6 +237,7 @@ Effects anyEffects(Draw& draw, std::ostringstream& text) {
   };
   effects.detection.range = draw.between(5, 80);
   effects.rangeNoise.sigma = 0.01;
+  if (draw.often(30)) effects.rangeNoise.sigmaAtThreshold = 0.1;
   effects.angleNoise.azimuth = effects.angleNoise.elevation = draw.magnitude(1e-4, 5e-3);
   effects.intensityNoise.sigma = 0.02;
   effects.dropOut.generalRate = 0.05;

@@ -96,7 +96,7 @@ const Layouts kShared = {
            dropLimit, dropSlope, dropAtZero, rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep, azimuthSigma,
            elevationSigma, intensitySigma, extinction, fogExtinction, fogScatter, separation, pulseWidth,
            cellHorizontal, cellVertical, spreadHorizontal, spreadVertical, rangeMin, rangeMax, hidesNear, speedSigma,
-           rangeSigmaPerSquareMetre, padding0),
+           rangeSigmaPerSquareMetre, rangeSigmaAtThreshold),
     STRUCT(Optics4, reflection, passage, alphaImage),
     STRUCT(VolumeBox, row0, row1, row2, extinction, scatter, padding0, padding1),
     STRUCT(Echo, range, energy, width, light, index),

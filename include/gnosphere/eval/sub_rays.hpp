@@ -43,8 +43,9 @@ struct SubRayReport {
 struct SubRayOptions {
   SimulatorOptions simulator;
   std::vector<uint32_t> counts = {1, 7, 19, 37, 61};
-  uint32_t truth = 331;     ///< sub-rays of the reference, on 10 rings
-  double tolerance = 0.01;  ///< metres by which a range may be off; with range noise, or its standard deviation
+  uint32_t truth = 331;  ///< sub-rays of the reference, on 10 rings
+  /// metres by which a range may be off; with range noise, or its standard deviation (without that of weak echoes)
+  double tolerance = 0.01;
   uint32_t runs = 10;       ///< timed scans per row; the rows take turns
   uint64_t sample = 5'000;  ///< number of beams per pose to compare, chosen at random; 0 compares every beam
   uint32_t seed = 1;        ///< seed of the choice of the sample
