@@ -79,7 +79,7 @@ Echo echoOfHit() {
     float cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
-  return Echo(hitRange, energy, planned.pulseWidth, 1.0, 0);
+  return Echo(hitRange, energy, planned.pulseWidth, 0.0, 0);
 }
 
 Echo loadEcho(uint k) {

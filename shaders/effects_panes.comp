@@ -34,9 +34,9 @@ uint beamIndex, beamRow;
 Beam axis;
 vec3 direction;
 
-// The hits of the beam, in order of range.
+// The hits of the beam, in order of range, the light that comes to each, and the light that no surface ends.
 uint hitCount;
-float ranges[kMaxLayers], energies[kMaxLayers], lights[kMaxLayers];
+float ranges[kMaxLayers], energies[kMaxLayers], lights[kMaxLayers], unmet;
 uint ids[kMaxLayers];
 
 float farthestOf(uint index) { return frame.rangeMax; }
@@ -125,10 +125,14 @@ void follow() {
   uvec2 opaque = words.at[beamEntry(beamIndex)];
   float carried = 1.0, before = 0.0;
   hitCount = 0;
+  unmet = 0.0;
   while (hitCount < LAYERS && carried > 0.0) {
     float range;
     uint id, pane = nextPane(before, opaque, range, id);
-    if (pane == kNone && opaque.y == kNone) return;
+    if (pane == kNone && opaque.y == kNone) {
+      unmet = carried;
+      return;
+    }
     float energy = carried, passed = 0.0;
     if (looksAtMaterials()) {
       Surface surface = surfaceOfHit(pane, id);
@@ -160,7 +164,7 @@ void storeEcho(uint slot, vec3 echo, float light, uint id) {
 void gatherEchoes(uint beam) {
   uint count = 0;
   for (uint k = 0; k < hitCount;) {
-    float first = ranges[k], inverseFirst = 0.0, most = -1.0, light = 1.0;
+    float first = ranges[k], inverseFirst = 0.0, most = -1.0;
     uint strongest = ids[k];
     vec3 sums = vec3(0.0);
     bool any = false;
@@ -169,7 +173,6 @@ void gatherEchoes(uint beam) {
       if (!any) {
         first = ranges[k];
         inverseFirst = inverseOfFirst(first);
-        if (count > 0) light = lights[k];
       }
       if (ranges[k] > sumOf(first, parameters.separation)) break;
       any = true;
@@ -179,6 +182,7 @@ void gatherEchoes(uint beam) {
       strongest = ids[k];
     }
     if (!any) break;
+    float light = k < hitCount ? lights[k] : unmet;
     storeEcho(echoPlace(beamIndex, count), echoOf(first, inverseFirst, sums), light, strongest);
     ++count;
   }

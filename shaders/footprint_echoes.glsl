@@ -187,7 +187,8 @@ float lightBehind(float first, uint layer, uint s) {
   return comes ? lights[layer * RAYS + s] : 0.0;
 }
 
-// Returns the share of the beam's light that nearer surfaces than `first` leave, added in the order of the sub-rays.
+// Returns the share of the beam's light that nearer surfaces than `first` leave, added in the order of the sub-rays; all
+// surfaces if it is kNothing.
 float lightTo(float first) {
   float light = 0.0;
   [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
@@ -217,10 +218,11 @@ void gatherEchoes(uint index, uint beam) {
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
       if (IS_MET(layer)) addLayer(sums, most, strongest, first, inverseFirst, end, layer);
     }
-    float light = KEEPS_LIGHT && count > 0 ? lightTo(first) : 1.0;
-    if (speaksForBeam()) keepEcho(index, count, echoOf(first, inverseFirst, sums), light, strongest);
-    ++count;
+    vec3 echo = echoOf(first, inverseFirst, sums);
     first = end < last ? nextRange(end) : kNothing;
+    float light = KEEPS_LIGHT ? lightTo(first) : 0.0;  // up to the next echo, or beyond all surfaces
+    if (speaksForBeam()) keepEcho(index, count, echo, light, strongest);
+    ++count;
   }
   if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, keptEchoes(RETURNS));
 }

@@ -58,7 +58,7 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
   reflectEach(surface, normal);
   float inverseLeast = inverseOfFirst(least);
-  storeEcho(echoPlace(index, 0), echoOf(least, inverseLeast, sumsOf(least, inverseLeast)), 1.0, projected);
+  storeEcho(echoPlace(index, 0), echoOf(least, inverseLeast, sumsOf(least, inverseLeast)), 0.0, projected);
   echoCounts.at[resultOf(beam)] = 1;
   return true;
 }

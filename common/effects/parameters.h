@@ -113,7 +113,7 @@ struct Echo {
   float range;
   float energy;  // sum over sub-rays of weight * reflected * transmitted shares; divided by range^2 it is the power
   float width;   // m
-  float light;   // share of the beam's light that nearer surfaces leave; 1 for the first echo
+  float light;   // share of the beam's light that goes on behind it; known only if a medium is planned
   uint index;    // an index chosen by the including file; kNone: the medium
 };
 

@@ -35,29 +35,50 @@ GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
 }
 
 // Returns the share of the beam's light that surfaces nearer than `range` leave. `count` is the number of echoes from
-// surfaces, the last of which is farther.
+// surfaces.
 GNO_INLINE float lightAt(float range, uint count) {
   float light = 1.0f;
   if (MOST_ECHOES > 1u)
-    for (uint k = MOST_ECHOES; k > 0u; --k)
-      if (k - 1u < count) {
-        Echo surface = loadEcho(k - 1u);
-        if (surface.range > range) light = surface.light;
+    for (uint k = 0u; k < MOST_ECHOES; ++k)
+      if (k < count) {
+        Echo surface = loadEcho(k);
+        if (surface.range <= range) light = surface.light;
       }
   return light;
 }
 
+// Leaves an echo of the medium the share of its energy that surfaces leave, and returns its power at the receiver.
+GNO_INLINE float weaken(EffectParameters p, vec3 direction, uint count, GNO_INOUT(Echo) echo) {
+  if (echo.range >= kNever) return 0.0f;
+  GNO_PRECISE float energy = echo.energy * lightAt(echo.range, count);
+  echo.energy = energy;
+  return received(echo.energy, echo.range, depthOf(p, direction, echo.range));
+}
+
 // Replaces `echo` and its power by a further echo of the medium if that one is stronger. Returns true if it is.
-GNO_INLINE bool keepStronger(EffectParameters p, vec3 direction, Echo further, uint count, GNO_INOUT(Echo) echo,
-                             GNO_INOUT(float) power) {
-  if (further.range >= kNever) return false;
-  GNO_PRECISE float energy = further.energy * lightAt(further.range, count);
-  further.energy = energy;
-  GNO_PRECISE float furtherPower = received(further.energy, further.range, depthOf(p, direction, further.range));
-  if (furtherPower <= power) return false;
+GNO_INLINE bool keepStronger(Echo further, float furtherPower, GNO_INOUT(Echo) echo, GNO_INOUT(float) power) {
+  if (further.range >= kNever || furtherPower <= power) return false;
   echo = further;
   power = furtherPower;
   return true;
+}
+
+// Replaces `echo` and its power by those of the nearest drop or flake that is detected, if that one is stronger. The
+// table of particles has those that are strong enough in clear air, so behind glass, beside an edge and in dust the
+// first one that is strong enough there counts.
+GNO_INLINE bool keepParticle(EffectParameters p, uint beam, vec3 direction, Particles particles, uint effect, float far,
+                             uint count, GNO_INOUT(Echo) echo, GNO_INOUT(float) power) {
+  bool weakens = PLANNED(kVolumes) || MOST_ECHOES > 1u, found = false;
+  Echo further = noEcho();
+  float furtherPower = 0.0f, number = countBefore(p, particles);
+  for (uint k = 0u; k < (weakens ? kMostParticles : 1u) && !found; ++k) {
+    uvec4 words = draw(p, beam, k, effect);
+    number = countUpToNext(number, words);
+    further = particleEcho(p, particles, number, far, words);
+    furtherPower = weaken(p, direction, count, further);
+    found = !weakens || further.range >= kNever || detectionProbability(furtherPower, p.threshold, 0.0f) > 0.0f;
+  }
+  return found && keepStronger(further, furtherPower, echo, power);
 }
 
 // Returns the medium's strongest echo nearer than `far`, or one of range kNever. The beam has `count` echoes from
@@ -67,26 +88,21 @@ GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float 
   Echo echo = noEcho();
   float power = 0.0f;
   ofParticle = false;
-  if (PLANNED(kFog))
-    keepStronger(p, direction,
-                 scatterEcho(p, p.fogExtinction, p.fogScatter, p.rangeMin, far, draw(p, beam, 0u, kFog),
-                             draw(p, beam, 1u, kFog)),
-                 count, echo, power);
-  if (PLANNED(kRain) &&
-      keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), count, echo, power))
-    ofParticle = true;
-  if (PLANNED(kSnow) &&
-      keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), count, echo, power))
-    ofParticle = true;
+  if (PLANNED(kFog)) {
+    echo = scatterEcho(p, p.fogExtinction, p.fogScatter, p.rangeMin, far, draw(p, beam, 0u, kFog),
+                       draw(p, beam, 1u, kFog));
+    power = weaken(p, direction, count, echo);
+  }
+  if (PLANNED(kRain) && keepParticle(p, beam, direction, p.rain, kRain, far, count, echo, power)) ofParticle = true;
+  if (PLANNED(kSnow) && keepParticle(p, beam, direction, p.snow, kSnow, far, count, echo, power)) ofParticle = true;
   if (PLANNED(kVolumes))
     for (uint i = 0u; i < p.volumeCount; ++i) {
       VolumeBox box = loadVolume(i);
       vec2 span = withinBox(box, direction, far);
-      if (keepStronger(p, direction,
-                       scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
-                                   draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes)),
-                       count, echo, power))
-        ofParticle = false;
+      Echo further = scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
+                                 draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes));
+      float furtherPower = weaken(p, direction, count, further);
+      if (keepStronger(further, furtherPower, echo, power)) ofParticle = false;
     }
   return echo;
 }
@@ -132,6 +148,18 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
   return result;
 }
 
+// The number that decides about an echo where detection is soft.
+GNO_INLINE float detectionChance(EffectParameters p, uint beam, uint number) {
+  return p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
+}
+
+// True if an echo of a surface is detected by itself, also if it is dropped then.
+GNO_INLINE bool isDetected(EffectParameters p, uint beam, vec3 direction, Echo echo, uint number) {
+  if (p.hidesNear > 0u && echo.range < p.rangeMin) return false;
+  float power = received(echo.energy, echo.range, depthOf(p, direction, echo.range));
+  return detected(p, power, detectionChance(p, beam, number));
+}
+
 // True if an echo reaches the receiver and is not dropped; if it is not, `cause` becomes the reason. `number` is that
 // of the echo's random draws, and `soft` tells whether detection may be soft: it is a step for the echo of a particle,
 // because the table of particles has no weaker ones.
@@ -143,7 +171,7 @@ GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, bool soft, 
     return false;
   }
   if (HAS_THRESHOLD) {
-    float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
+    float chance = detectionChance(p, beam, number);
     if (!detected(p, power, chance)) {
       if (number == kScatterDraw) return false;
       bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
@@ -177,7 +205,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
       cause = kCauseDead;
     } else if (beamDropped(p, uniform01(draw(p, beam, 0u, kDropOut).x))) {
       works = false;
-      cause = echoCount > 0u ? kCauseDroppedOut : kCauseNoSurface;
+      cause = echoCount > 0u || PLANNED(kMediumEffects) ? kCauseDroppedOut : kCauseNoSurface;
     }
   }
   if (p.rangeMax < 0.0f) {  // the window of a masked beam is empty
@@ -185,23 +213,27 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     cause = kCauseDead;
   }
 
-  // The medium's echo counts if it is nearer than the last surface and separate from all surfaces; a closer one is part
-  // of the surface's echo, to which it adds next to nothing. Its place is by range.
+  // The medium's echo counts if light comes to it and it is separate from all surfaces that are detected by themselves;
+  // a closer one is part of the surface's echo, to which it adds next to nothing. Its place is by range.
   uint count = works ? echoCount : 0u;
   uint scatterAt = kNone;
   Echo scatter = noEcho();
   bool ofParticle = false;
   if (PLANNED(kMediumEffects) && works) {
     GNO_PRECISE float far = p.rangeMax;
-    if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
+    if (count > 0u) {
+      Echo last = loadEcho(count - 1u);
+      if (!(last.light > 0.0f)) far = last.range;
+    }
     scatter = mediumEcho(p, beam, direction, far, count, ofParticle);
     if (scatter.range < kNever) {
       bool separate = true;
       scatterAt = 0u;
       for (uint k = 0u; k < MOST_ECHOES; ++k)
         if (k < count) {
-          GNO_PRECISE float beyond = scatter.range - loadEcho(k).range;
-          if (max(beyond, -beyond) <= p.separation) separate = false;
+          Echo surface = loadEcho(k);
+          GNO_PRECISE float beyond = scatter.range - surface.range;
+          if (max(beyond, -beyond) <= p.separation && isDetected(p, beam, direction, surface, k)) separate = false;
           if (beyond >= 0.0f) ++scatterAt;
         }
       if (separate) {

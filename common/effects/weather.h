@@ -25,6 +25,8 @@ GNO_CONST float kFocusRange = 5.0f;
 GNO_CONST float kApertureDiameter = 0.01f;
 // Number of ranges in a table of particle counts.
 GNO_CONST uint kParticleRanges = 8;
+// Most drops or flakes that are drawn for a beam. If none of them is strong enough, the beam has no echo of one.
+GNO_CONST uint kMostParticles = 16;
 
 GNO_INLINE float focus(float range) {
   GNO_PRECISE float share = range * (1.0f / kFocusRange);
@@ -142,14 +144,23 @@ GNO_INLINE float beamArea(EffectParameters p, float range) {
   return area;
 }
 
-// The echo of the nearest drop or flake from `p.rangeMin` on that is strong enough to be detected in uniform air of
-// `p.extinction`. Such particles are a Poisson process along the beam, so the expected number up to the first one is
-// exponentially distributed. Their diameter beyond the least detectable one is exponentially distributed as well
-// (Marshall and Palmer 1948); it determines the energy.
-GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far, uvec4 words) {
+// Drops and flakes that are strong enough to be detected in uniform air of `p.extinction` are a Poisson process along
+// the beam, which begins at `p.rangeMin`. So the expected number from there to the first one, and from one to the next,
+// is exponentially distributed. Returns the expected number before the least range.
+GNO_INLINE float countBefore(EffectParameters p, Particles particles) {
+  return OWN_RANGES && p.rangeMin > particles.firstRange ? countUpTo(particles, p.rangeMin) : 0.0f;
+}
+
+// Returns the expected number up to the next particle, from that up to the one before or up to the least range.
+GNO_INLINE float countUpToNext(float count, uvec4 words) {
+  GNO_PRECISE float result = count - naturalLog(uniformAboveZero(words.x));
+  return result;
+}
+
+// The echo of the drop or flake up to which `count` particles are expected. Its diameter beyond the least detectable
+// one is exponentially distributed, too (Marshall and Palmer 1948); it determines the energy.
+GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float count, float far, uvec4 words) {
   Echo echo = noEcho();
-  GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
-  if (OWN_RANGES && p.rangeMin > particles.firstRange) count += countUpTo(particles, p.rangeMin);
   if (!(count < particles.countsFar.w)) return echo;
   GNO_PRECISE float range = max(rangeWith(particles, count), p.rangeMin);
   if (!(range < far)) return echo;

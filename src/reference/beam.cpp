@@ -249,8 +249,9 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const std::vector<Path>& pa
       end = static_cast<size_t>(std::find_if(pieces.data() + first + 1, pieces.data() + end, beyond) - pieces.data());
     }
     echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
-    if (first > 0) echoes.back().light = lightTo(pieces[first].range, paths);
     first = end;
+    const bool isLast = first == pieces.size();
+    echoes.back().light = lightTo(isLast ? std::numeric_limits<double>::infinity() : pieces[first].range, paths);
     if (echoes.size() > most) {
       loseWeakest(echoes, doubt.tie);
       ++lost;

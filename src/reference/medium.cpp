@@ -232,11 +232,10 @@ std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const 
   return echo;
 }
 
-/// Particles are a Poisson process along the beam, so the expected number up to the first one is exponentially
-/// distributed, and so is the excess of their diameters over the least detectable one.
-std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& nearest, const Bounded& far,
-                                     const std::array<uint32_t, 4>& words, bool& doubt) const {
-  Bounded beyond = -log(Draws::aboveZero(words[0]));
+/// Particles are a Poisson process along the beam, so the expected number up to the first one, and from one to the
+/// next, is exponentially distributed, and so is the excess of their diameters over the least detectable one.
+std::optional<Echo> Medium::particle(const Particles& particles, Bounded beyond, const Bounded& nearest,
+                                     const Bounded& far, uint32_t size, bool& doubt) const {
   beyond.error += particles.countError;
   const auto countOf = [&](const Counts& counts) {
     const Bounded before = increasing([&](double range) { return counts.countUpTo(range); }, nearest);
@@ -257,11 +256,18 @@ std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& 
   const Bounded strength = given(particles.reflectance) * focus(echo.range);
   const Bounded least =
       echo.range * exp(given(still_) * echo.range) * sqrt(given(threshold_) / max(strength, given(1e-30)));
-  const Bounded larger = -log(Draws::aboveZero(words[1])) / given(particles.slope);
+  const Bounded larger = -log(Draws::aboveZero(size)) / given(particles.slope);
   const Bounded diameter = min(least + larger / sqrt(beamArea(echo.range)), 1);  // as a share of the beam's diameter
   echo.energy = strength * diameter * diameter;
   echo.width = pulse_;
   return echo;
+}
+
+/// Returns the share of the beam's light that goes on behind all surfaces up to a range.
+Bounded Medium::lightBehind(const std::vector<Echo>& surfaces, const Bounded& range, bool& doubt) const {
+  size_t passed = 0;
+  while (passed < surfaces.size() && !less(range, surfaces[passed].range, doubt)) ++passed;
+  return passed > 0 ? surfaces[passed - 1].light : Bounded(1);
 }
 
 std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& nearest,
@@ -270,9 +276,7 @@ std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Lin
   Bounded most = 0;
   const auto consider = [&](std::optional<Echo> echo) {
     if (!echo) return;
-    size_t behind = 0;
-    while (behind < surfaces.size() && !less(echo->range, surfaces[behind].range, doubt)) ++behind;
-    if (behind > 0 && behind < surfaces.size()) echo->energy = echo->energy * surfaces[behind].light;
+    echo->energy = echo->energy * lightBehind(surfaces, echo->range, doubt);
     const Bounded power = received(echo->energy, echo->range, depthTo(line, echo->range));
     if (!less(most, power, doubt)) return;
     best = echo;
@@ -281,8 +285,28 @@ std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Lin
   if (plan_.has(gpu::kFog))
     consider(scatter(fog_, kFogLidarRatio, nearest, far, draws.words(beam, 0, gpu::kFog),
                      draws.words(beam, 1, gpu::kFog), doubt));
-  if (plan_.has(gpu::kRain)) consider(particle(rain_, nearest, far, draws.words(beam, 0, gpu::kRain), doubt));
-  if (plan_.has(gpu::kSnow)) consider(particle(snow_, nearest, far, draws.words(beam, 0, gpu::kSnow), doubt));
+  // The densities are those of particles that are detected in clear air. If surfaces or dust leave less light, further
+  // particles are drawn until one is detected, but no more than a few.
+  constexpr uint32_t kMostParticles = 16;
+  const bool mayBeWeak = plan_.has(gpu::kVolumes) || plan_.has(gpu::kFootprintEffects);
+  const auto isDetected = [&](const Echo& echo) {
+    const Bounded energy = echo.energy * lightBehind(surfaces, echo.range, doubt);
+    const Bounded power = received(energy, echo.range, depthTo(line, echo.range));
+    return power.value > 1e-37 && !less(power, given(threshold_) * Bounded(0.999999), doubt);
+  };
+  const auto firstOf = [&](const Particles& particles, uint32_t effect) -> std::optional<Echo> {
+    Bounded number = 0;
+    for (uint32_t k = 0; k < (mayBeWeak ? kMostParticles : 1); ++k) {
+      const std::array<uint32_t, 4> words = draws.words(beam, k, effect);
+      const Bounded step = -log(Draws::aboveZero(words[0]));
+      number = k == 0 ? step : number + step;
+      const std::optional<Echo> echo = particle(particles, number, nearest, far, words[1], doubt);
+      if (!echo || !mayBeWeak || isDetected(*echo)) return echo;
+    }
+    return {};
+  };
+  if (plan_.has(gpu::kRain)) consider(firstOf(rain_, gpu::kRain));
+  if (plan_.has(gpu::kSnow)) consider(firstOf(snow_, gpu::kSnow));
   if (plan_.has(gpu::kVolumes))
     for (uint32_t i = 0; i < plan_.effects.volumes.boxes.size(); ++i) {
       const Effects::Volume& box = plan_.effects.volumes.boxes[i];

@@ -16,7 +16,7 @@ struct Echo {
   Bounded energy = 1;  ///< share of the beam's energy that arrives, times the share that the surface reflects
   double width = 0;
   Hit hit = {};             ///< the strongest hit if there are several; none: the echo is the medium's
-  Bounded light = 1;        ///< share of the beam's light that nearer surfaces leave
+  Bounded light = 0;        ///< share of the beam's light that goes on behind it
   bool ofParticle = false;  ///< the medium's, of a single drop or flake
 };
 
@@ -77,8 +77,11 @@ class Medium {
   std::optional<Echo> scatter(double extinction, double lidarRatio, const Bounded& near, const Bounded& far,
                               const std::array<uint32_t, 4>& words, const std::array<uint32_t, 4>& more,
                               bool& doubt) const;
-  std::optional<Echo> particle(const Particles& particles, const Bounded& nearest, const Bounded& far,
-                               const std::array<uint32_t, 4>& words, bool& doubt) const;
+  Bounded lightBehind(const std::vector<Echo>& surfaces, const Bounded& range, bool& doubt) const;
+  /// Returns the echo of the particle up to which, from `nearest` on, `beyond` particles are expected; none if it is
+  /// beyond the table or `far`.
+  std::optional<Echo> particle(const Particles& particles, Bounded beyond, const Bounded& nearest, const Bounded& far,
+                               uint32_t size, bool& doubt) const;
   Span within(const Effects::Volume& box, const Line& line, const Bounded& far, bool& doubt) const;
 
   const SensorPlan& plan_;

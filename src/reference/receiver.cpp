@@ -138,22 +138,27 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
     const auto& dead = dropOut.deadBeams;
     if (std::find(dead.begin(), dead.end(), beam) != dead.end()) return {{}, Cause::dead};
     if (less(draws_.uniform(beam, 0, gpu::kDropOut), given(dropOut.generalRate), doubt))
-      return {{}, surfaces.empty() ? Cause::noSurface : Cause::droppedOut};
+      return {{}, surfaces.empty() && !plan_.has(gpu::kMediumEffects) ? Cause::noSurface : Cause::droppedOut};
   }
 
   std::vector<Numbered> echoes;
   for (const Echo& echo : surfaces) echoes.push_back({echo, static_cast<uint32_t>(echoes.size())});
   const bool inMedium = plan_.has(gpu::kMediumEffects);
   if (inMedium) {
-    // Light from the medium close to a surface merges with the surface's echo.
     const Bounded separation = given(plan_.effects.returns.separation);
-    Bounded far = given(axis.window.most);
-    if (!surfaces.empty()) far = surfaces.back().range - separation;
+    const bool ends = !surfaces.empty() && !(surfaces.back().light.value > 0);
+    const Bounded far = ends ? surfaces.back().range : given(axis.window.most);
     const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, surfaces, doubt);
-    const auto merges = [&](const Echo& surface) {
-      return !less(separation, max(scatter->range - surface.range, surface.range - scatter->range), doubt);
+    // Light from the medium close to a surface merges with the surface's echo, if that one is detected by itself.
+    const double softness = plan_.effects.detection.softness;
+    const auto merges = [&](const Numbered& surface) {
+      const auto& [echo, number, depth] = surface;
+      if (less(separation, max(scatter->range - echo.range, echo.range - scatter->range), doubt)) return false;
+      if (least > axis.window.least && less(echo.range, given(least), doubt)) return false;
+      const double chance = softness > 0 ? draws_.uniform(beam, number, gpu::kDetection) : 0;
+      return detected(received(echo.energy, echo.range, medium_.depthTo(axis, echo.range)), softness, chance, doubt);
     };
-    if (scatter && std::none_of(surfaces.begin(), surfaces.end(), merges)) {
+    if (scatter && std::none_of(echoes.begin(), echoes.end(), merges)) {
       size_t at = 0;
       while (at < surfaces.size() && !less(scatter->range, surfaces[at].range, doubt)) ++at;
       echoes.insert(echoes.begin() + static_cast<ptrdiff_t>(at), {*scatter, gpu::kScatterDraw});

@@ -130,6 +130,45 @@ TEST_CASE("behind glass or an edge fog scatters back what light they leave") {
   CHECK(compared > 20);
 }
 
+TEST_CASE("fog goes on behind glass and beside an edge with nothing behind them") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool glass = GENERATE(true, false), hides = GENERATE(false, true);
+  const uint32_t subRays = GENERATE(1, 7);
+  if (!glass && subRays == 1) return;
+  CAPTURE(glass, subRays, hides);
+  const double before = hides ? 0.3 : 5;
+  MeshBuilder builder;
+  builder.quad({before, 10, -10}, {0, glass ? -20.0 : -10 + 0.002 * before, 0}, {0, 0, 20});
+  Scene scene;
+  scene.materials = {lambertian(0.5f)};
+  scene.materials[0].transmission = glass ? 0.8f : 0.0f;
+  scene.meshes = {builder.take()};
+  scene.instances = {{"", 0, {}}};
+  Setup setup(device, scene, fan(36, 2000, 0.01, 100));
+  setup.sensor.rangeMin = 0.5;
+  setup.sensor.nearHits = hides ? NearHits::hide : NearHits::seeThrough;
+  setup.effects.fog = {EffectUse::on, 200};
+  setup.effects.detection = {EffectUse::on, 0.001, 100000, 0};
+  setup.effects.returns.use = EffectUse::on;
+  setup.effects.returns.count = 5;
+  setup.effects.transmission.use = EffectUse::automatic;
+  if (subRays > 1)
+    setup.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::uniform, 0.01, 0.01};
+  setup.fields = {Field::label};
+  const Scan scan = setup.scan();
+  size_t behind = 0;
+  for (size_t channel = 0; channel < 2000; ++channel)
+    for (size_t i = 0; i < scan.returns; ++i) {
+      const size_t entry = ahead(setup.sensor, channel) * scan.returns + i;
+      behind += scan.column<uint8_t>(Field::label)[entry] == uint8_t(Label::scatter) && scan.ranges[entry] > before;
+    }
+  const double extinction = std::log(20.0) / 200, first = std::max(before, 0.5) - 0.5;
+  // The medium's echo belongs to that of the plate if it is closer to it than the separation.
+  const double merged = hides ? first : first + setup.effects.returns.separation;
+  const double share = std::exp(-2 * extinction * merged) - std::exp(-2 * extinction * (100 - 0.5));
+  CHECK(std::abs(double(behind) - 2000 * share) < 4 * std::sqrt(2000 * share * (1 - share)));
+}
+
 TEST_CASE("fog hides no near wall from beams that have a range of their own alone") {
   const std::string device = ON_EVERY_DEVICE;
   Sensor sensor = fan(360, 4, 0.2, 0);

@@ -34,8 +34,10 @@ gpu::Echo echoAt(float range, float reflectance, uint32_t index) {
   return {range, reflectance, 0.5f, 1, index};
 }
 
-Beam run(const Effects& effects, uint32_t planned, const std::vector<gpu::Echo>& echoes, uint32_t beam = 0,
+/// The last of the echoes is that of an opaque surface.
+Beam run(const Effects& effects, uint32_t planned, std::vector<gpu::Echo> echoes, uint32_t beam = 0,
          const Sensor& sensor = sensorOf()) {
+  if (!echoes.empty()) echoes.back().light = 0;
   const gpu::EffectParameters p = effectParameters(effects, sensor, planned);
   const std::vector<uint32_t> dead = deadBeamBits(effects, sensor);
   const std::vector<gpu::VolumeBox> volumes = volumeBoxes(effects, {});
@@ -152,6 +154,7 @@ TEST_CASE("every cause occurs as documented") {
   effects.dropOut.generalRate = 1;
   CHECK(run(effects, planned, good).cause == gpu::kCauseDroppedOut);
   CHECK(run(effects, planned, {}).cause == gpu::kCauseNoSurface);
+  CHECK(run(effects, planned | gpu::kFog, {}).cause == gpu::kCauseDroppedOut);
   effects.dropOut.generalRate = 0;
   effects.dropOut.zeroIntensityRate = 1;
   CHECK(run(effects, planned, {echoAt(50, 0.0f, 0)}).cause == gpu::kCauseWeak);
@@ -219,6 +222,29 @@ TEST_CASE("an echo of the medium close to any surface is part of the echo of tha
     for (uint32_t j = 1; j < beam.count; ++j) CHECK(beam.returns[j].range - beam.returns[j - 1].range > 0.7f);
   }
   CHECK(scattered > 300);
+}
+
+// The surface is not detected by itself, so no echo of it can hide that of the fog.
+TEST_CASE("an echo of the medium close to a surface that returns nothing counts alone") {
+  Effects effects;
+  effects.fog.visibility = 200;
+  effects.detection = {EffectUse::on, 0.001, 100000, 0};  // any light is enough
+  const double share = 1 - std::exp(-2 * std::log(20.0) / 200 * (60 - 0.5));
+  for (const double separation : {0.0, 10.0, 100.0}) {
+    effects.returns.separation = separation;
+    int black = 0, grey = 0;
+    for (uint32_t i = 0; i < 5000; ++i) {
+      const auto scatters = [&](float reflectance) {
+        const Beam beam = run(effects, gpu::kFog | gpu::kDetection, {echoAt(60, reflectance, 0)}, i);
+        return beam.count > 0 && beam.returns[0].label == gpu::kLabelScatter;
+      };
+      black += scatters(0);
+      grey += scatters(0.5f);
+    }
+    CAPTURE(separation);
+    CHECK(std::abs(black - 5000 * share) < 4 * std::sqrt(5000 * share * (1 - share)));
+    if (separation == 100) CHECK(grey == 0);
+  }
 }
 
 TEST_CASE("a beam that hits no surface may return an echo of the fog") {

@@ -45,6 +45,13 @@ double dropsSeen(const gpu::EffectParameters& p, const DropSizes& sizes, double 
   });
 }
 
+/// The echo of the first drop or flake of a beam.
+gpu::Echo firstParticle(const gpu::EffectParameters& p, const gpu::Particles& particles, float far, uint32_t beam,
+                        uint32_t effect) {
+  const glm::uvec4 words = gpu::draw(p, beam, 0, effect);
+  return gpu::particleEcho(p, particles, gpu::countUpToNext(gpu::countBefore(p, particles), words), far, words);
+}
+
 }  // namespace
 
 TEST_CASE("contrast falls to 5 % at the visibility") {
@@ -149,7 +156,7 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is distributed by
     std::vector<float> ranges;
     int weak = 0;
     for (uint32_t beam = 0; beam < kBeams; ++beam) {
-      const gpu::Echo echo = gpu::particleEcho(p, particles, 120, gpu::draw(p, beam, 0, planned));
+      const gpu::Echo echo = firstParticle(p, particles, 120, beam, planned);
       if (echo.range == gpu::kNever) continue;
       ranges.push_back(echo.range);
       weak += !gpu::detected(p, gpu::received(echo.energy, echo.range, p.extinction * echo.range), 0);
@@ -188,7 +195,7 @@ TEST_CASE("a beam whose own window begins later sees the first drop from there o
   p.rangeMin = 9;  // as of the second channel
   std::vector<float> ranges;
   for (uint32_t beam = 0; beam < kBeams; ++beam) {
-    const gpu::Echo echo = gpu::particleEcho(p, p.snow, 120, gpu::draw(p, beam, 0, gpu::kSnow));
+    const gpu::Echo echo = firstParticle(p, p.snow, 120, beam, gpu::kSnow);
     if (echo.range < gpu::kNever) ranges.push_back(echo.range);
   }
   REQUIRE(ranges.size() > kBeams / 100);
@@ -212,7 +219,7 @@ TEST_CASE("sizes of detected drops and flakes exceed the least detectable size b
   double sum = 0;
   int count = 0;
   for (uint32_t beam = 0; beam < kBeams; ++beam) {
-    const gpu::Echo echo = gpu::particleEcho(p, p.snow, 10, gpu::draw(p, beam, 0, gpu::kSnow));
+    const gpu::Echo echo = firstParticle(p, p.snow, 10, beam, gpu::kSnow);
     if (echo.range == gpu::kNever) continue;
     const double focus = std::min(1.0, echo.range * echo.range / 25.0);
     const double across = gpu::kApertureDiameter + 3e-3 * echo.range;
@@ -223,6 +230,52 @@ TEST_CASE("sizes of detected drops and flakes exceed the least detectable size b
   }
   REQUIRE(count > 10000);
   CHECK(sum / count == Approx(1 / snowFlakes(1).slope).epsilon(0.03));
+}
+
+// A pane that leaves a share of the light raises the least power by its inverse.
+TEST_CASE("behind a pane or in dust the first drop or flake counts that is strong enough there") {
+  struct Case {
+    uint32_t effect;
+    double rate, detectionRange, light;
+    bool dust;
+  };
+  for (const Case& one : {Case{gpu::kSnow, 1, 100, 0.25, false}, Case{gpu::kSnow, 5, 100, 0.25, false},
+                          Case{gpu::kRain, 25, 100, 0.25, false}, Case{gpu::kRain, 100, 200, 0.5, false},
+                          Case{gpu::kSnow, 1, 100, 0.25, true}}) {
+    CAPTURE(one.effect, one.rate, one.light, one.dust);
+    Effects effects;
+    (one.effect == gpu::kSnow ? effects.snow.rate : effects.rain.rate) = one.rate;
+    effects.detection = {EffectUse::on, 0.1, one.detectionRange, 0};
+    // The dust ends before the beam's least range, so it weakens all that follows, and scatters nothing back itself.
+    if (one.dust) effects.volumes.boxes = {{{0, -1, -1}, {0.4, 1, 1}, -std::log(one.light) / 2 / 0.4}};
+    const uint32_t planned = gpu::kDetection | one.effect | (one.dust ? gpu::kVolumes : 0);
+    const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), planned);
+    gpu::EffectParameters dim = p;
+    dim.threshold = float(p.threshold / one.light);
+    const DropSizes sizes = one.effect == gpu::kSnow ? snowFlakes(one.rate) : rainDrops(one.rate);
+    const gpu::Echo pane = {0.45f, 0, 0, float(one.light), 0};
+    const std::vector<gpu::VolumeBox> boxes = volumeBoxes(effects, {});
+    gpu::Return found = {};
+    gpu::BeamSignal beam;
+    beam.EFFECTS = planned;
+    beam.returns = {&found, 1};
+    beam.volumes = boxes;
+    if (!one.dust) beam.echoes = {&pane, 1};
+    constexpr uint32_t kSome = 50000;
+    std::vector<float> ranges;
+    for (uint32_t i = 0; i < kSome; ++i) {
+      uint32_t count = 0;
+      beam.signalsOf(p, i, {1, 0, 0}, uint32_t(beam.echoes.size()), count);
+      if (count > 0) ranges.push_back(found.range);
+    }
+    std::sort(ranges.begin(), ranges.end());
+    for (const double range : {3.0, 8.0, 20.0, 119.0}) {
+      const double share = 1 - std::exp(-dropsSeen(dim, sizes, range));
+      const double seen = double(std::lower_bound(ranges.begin(), ranges.end(), float(range)) - ranges.begin()) / kSome;
+      INFO("up to " << range << " m");
+      CHECK(std::abs(seen - share) < 5 * std::sqrt(share * (1 - share) / kSome) + 0.01 * share + 1e-4);
+    }
+  }
 }
 
 TEST_CASE("soft detection neither adds drops and flakes nor loses any") {
