@@ -139,7 +139,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 176 && sizeof(Cover) == 16);
+static_assert(sizeof(Frame) == 160 && sizeof(Row) == 32 && sizeof(Counters) == 180 && sizeof(Cover) == 16);
 static_assert(sizeof(Pass) == 36 && sizeof(Shell) == 68 && sizeof(Shells) == 1412);
 }  // namespace gnosphere::gpu
 #endif

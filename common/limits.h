@@ -91,7 +91,7 @@ GNO_CONST uint kTimedRows = 2;
 // Number of placed triangles per entry of ownerRanges.
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.
-GNO_CONST uint kCauses = 7;
+GNO_CONST uint kCauses = 8;
 // Value of Counters::alive after the first kernel.
 GNO_CONST uint kAlive = 0x51de1e55u;
 // Beams per block of the prefix sum.

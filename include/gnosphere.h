@@ -520,7 +520,8 @@ enum {
   GNO_CAUSE_ATTENUATED = 3,  /* as weak, but only because of fog, rain, snow or dust */
   GNO_CAUSE_DROPPED_OUT = 4, /* the return was lost at random */
   GNO_CAUSE_DEAD = 5,        /* the beam is dead by the effect drop-out, or masked by the sensor */
-  GNO_CAUSE_TOO_NEAR = 6     /* a surface nearer than the least range blocks the beam, see gno_near_hits */
+  GNO_CAUSE_TOO_NEAR = 6,    /* a surface nearer than the least range blocks the beam, see gno_near_hits */
+  GNO_CAUSE_NOT_CHOSEN = 7   /* its echoes are detected, but returns.mode names none that there is */
 };
 
 /* The values of GNO_FIELD_LABEL: the origin of a return. */
@@ -820,7 +821,7 @@ typedef struct gno_counters {
   uint64_t beams, hits, misses, triangles, non_finite, degenerate, culled_by_cluster, reused, culled_by_range,
       culled_by_face, culled_between_beams, culled_hidden, projected, candidates, integer_sides, integer_ranges,
       lost_echoes, retries;
-  uint64_t causes[7]; /* beams by gno_cause */
+  uint64_t causes[8]; /* beams by gno_cause */
 } gno_counters;
 
 /* The time of one stage of a scan. */

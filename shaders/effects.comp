@@ -46,10 +46,10 @@ uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
 Echo hitEcho;  // of a beam with a hit, if `echoes` does not have it
-// Each invocation counts hits and causes. The array has two entries more than there are causes, as laneSums has one more
-// in workgroup_sums.glsl: arrays of equal size have one type, and those of `Counters`, of 7 and 8, have a stride.
+// Each invocation counts hits and causes. The array has one entry more than there are causes, as laneSums has one more
+// in workgroup_sums.glsl: arrays of equal size have one type, and those of `Counters`, of 8, have a stride.
 uint hits;
-uint causeCounts[kCauses + 2];
+uint causeCounts[kCauses + 1];
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
 Echo loadEcho(uint k);

@@ -40,6 +40,7 @@ GNO_CONST uint kCauseAttenuated = 3;
 GNO_CONST uint kCauseDroppedOut = 4;
 GNO_CONST uint kCauseDead = 5;
 GNO_CONST uint kCauseTooNear = 6;
+GNO_CONST uint kCauseNotChosen = 7;
 
 GNO_CONST uint kLabelNone = 0;
 GNO_CONST uint kLabelSolid = 1;

@@ -261,7 +261,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   returnCount = 0u;
   for (uint k = 0u; k < MOST_OF_ALL; ++k) returnCount += wanted >> k & 1u;
   returnCount = min(returnCount, RETURNS);
-  if (returnCount > 0u) cause = kCauseReturned;
+  if (choice.detected != 0u) cause = returnCount > 0u ? kCauseReturned : kCauseNotChosen;
   for (uint j = 0u; j < RETURNS; ++j) {
     Return value = noReturn();
     if (j < returnCount) {

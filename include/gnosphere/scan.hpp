@@ -130,8 +130,9 @@ enum class Cause : uint8_t {
   droppedOut,  ///< the return was lost at random (Effects::DropOut)
   dead,        ///< the beam is one of Effects::DropOut::deadBeams or Sensor::maskedBeams
   tooNear,     ///< a surface nearer than the least range blocks the beam (NearHits::hide)
+  notChosen,   ///< its echoes are detected, but Effects::Returns::mode names none that there is, such as a second one
 };
-inline constexpr size_t kCauseCount = 7;
+inline constexpr size_t kCauseCount = 8;
 
 /// The origin of a return.
 enum class Label : uint8_t {

@@ -425,7 +425,8 @@ def laser_scan(
     nothing = np.full(columns, np.inf, np.float32)
     if scan.has(gno.Field.cause):
         causes = scan.column(gno.Field.cause)[entries][order]
-        invalid |= np.isin(causes, [int(gno.Cause.dead), int(gno.Cause.dropped_out)])
+        lost = [gno.Cause.dead, gno.Cause.dropped_out, gno.Cause.not_chosen]
+        invalid |= np.isin(causes, [int(cause) for cause in lost])
         nothing[causes == int(gno.Cause.too_near)] = -np.inf
     nearest, farthest = own(beams.range_min), own(beams.range_max)
     message: dict[str, Any] = {

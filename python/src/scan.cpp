@@ -145,7 +145,9 @@ void bindFields(nb::module_& m) {
              "Below the threshold, but without fog, rain, snow and dust an echo would have been above it.")
       .value("dropped_out", Cause::droppedOut, "The return was lost at random (Effects.DropOut).")
       .value("dead", Cause::dead, "The beam is one of Effects.DropOut.dead_beams or Sensor.masked_beams.")
-      .value("too_near", Cause::tooNear, "A surface nearer than the least range blocks the beam (NearHits.hide).");
+      .value("too_near", Cause::tooNear, "A surface nearer than the least range blocks the beam (NearHits.hide).")
+      .value("not_chosen", Cause::notChosen,
+             "Its echoes are detected, but Effects.Returns.mode names none that there is, such as a second one.");
   nb::enum_<Label>(m, "Label", nb::is_arithmetic(), "The origin of a return.")
       .value("none", Label::none, "No return.")
       .value("solid", Label::solid, "A surface.")

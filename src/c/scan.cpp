@@ -28,8 +28,8 @@ static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1);
 GNO_SAME_ENUM(ValueType, {GNO_F32, f32}, {GNO_F64, f64}, {GNO_U8, u8}, {GNO_U16, u16}, {GNO_U32, u32});
 GNO_SAME_ENUM(Cause, {GNO_CAUSE_RETURNED, returned}, {GNO_CAUSE_NO_SURFACE, noSurface}, {GNO_CAUSE_WEAK, weak},
               {GNO_CAUSE_ATTENUATED, attenuated}, {GNO_CAUSE_DROPPED_OUT, droppedOut}, {GNO_CAUSE_DEAD, dead},
-              {GNO_CAUSE_TOO_NEAR, tooNear});
-static_assert(kCauseCount == GNO_CAUSE_TOO_NEAR + 1);
+              {GNO_CAUSE_TOO_NEAR, tooNear}, {GNO_CAUSE_NOT_CHOSEN, notChosen});
+static_assert(kCauseCount == GNO_CAUSE_NOT_CHOSEN + 1);
 GNO_SAME_ENUM(Label, {GNO_LABEL_NONE, none}, {GNO_LABEL_SOLID, solid}, {GNO_LABEL_SCATTER, scatter});
 static_assert(sizeof(gno_counters::causes) / sizeof(uint64_t) == kCauseCount);
 

@@ -28,7 +28,8 @@ static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
               same(Effects::Returns::Mode::strongest, gpu::kModeStrongest) &&
               same(Effects::Returns::Mode::all, gpu::kModeAll) && same(Effects::Returns::Mode::dual, gpu::kModeDual) &&
               same(Cause::returned, gpu::kCauseReturned) && same(Cause::dead, gpu::kCauseDead) &&
-              same(Cause::tooNear, gpu::kCauseTooNear) && same(Label::scatter, gpu::kLabelScatter));
+              same(Cause::tooNear, gpu::kCauseTooNear) && same(Cause::notChosen, gpu::kCauseNotChosen) &&
+              same(Label::scatter, gpu::kLabelScatter));
 
 uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
   using Mode = Effects::Returns::Mode;

@@ -199,7 +199,7 @@ Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vect
     powers.push_back(power);
   }
   for (const size_t i : chosen(powers, doubt)) result.returns.push_back(measured(beam, found[i], doubt));
-  if (!result.returns.empty()) result.cause = Cause::returned;
+  if (!found.empty()) result.cause = result.returns.empty() ? Cause::notChosen : Cause::returned;
   return result;
 }
 

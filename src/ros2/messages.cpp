@@ -199,7 +199,8 @@ LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, 
     const size_t entry = beam * scan.returns;
     const bool returned = scan.returned(entry);
     const auto cause = static_cast<Cause>(explained ? scan.column<uint8_t>(Field::cause)[entry] : 0);
-    const bool invalid = silent[beam] || cause == Cause::dead || cause == Cause::droppedOut;
+    const bool lost = cause == Cause::dead || cause == Cause::droppedOut || cause == Cause::notChosen;
+    const bool invalid = silent[beam] || lost;
     float range = std::numeric_limits<float>::infinity();
     if (returned)
       range = scan.ranges[entry];

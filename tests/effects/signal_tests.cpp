@@ -133,6 +133,20 @@ TEST_CASE("a single echo is returned once in every mode of two returns, and the 
   CHECK(run(effects, gpu::kReturns, {echoAt(10, 0.2f, 0)}).count == 0);
 }
 
+TEST_CASE("a beam whose mode names an echo that it does not have has the cause not chosen") {
+  Effects effects;
+  for (const Mode mode : {Mode::second, Mode::secondStrongest}) {
+    effects.returns.mode = mode;
+    const uint32_t planned = gpu::kReturns | gpu::kDetection;
+    const gpu::Echo weak = echoAt(90, 0.001f, 1);
+    CHECK(run(effects, planned, {echoAt(10, 0.5f, 0)}).cause == gpu::kCauseNotChosen);
+    CHECK(run(effects, planned, {echoAt(10, 0.5f, 0), weak}).cause == gpu::kCauseNotChosen);
+    CHECK(run(effects, planned, {echoAt(10, 0.5f, 0), echoAt(20, 0.5f, 1)}).cause == gpu::kCauseReturned);
+    CHECK(run(effects, planned, {weak}).cause == gpu::kCauseWeak);
+    CHECK(run(effects, planned, {}).cause == gpu::kCauseNoSurface);
+  }
+}
+
 TEST_CASE("of two equally strong echoes the nearer is returned; without `returns` the strongest is returned") {
   CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4, 1)}).returns[0].echo == 0);
   CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4.1f, 1)}).returns[0].echo == 1);

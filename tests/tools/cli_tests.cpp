@@ -423,6 +423,13 @@ TEST_CASE("a scan in fog tells how many beams have no surface") {
   CHECK_THAT(place.run(scan).out, !ContainsSubstring("alone"));
 }
 
+TEST_CASE("beams whose echoes the mode does not choose are counted, and are no misses") {
+  const Result result = Workplace().run("scan floor.obj --pose 0,0,2 --effect returns.mode=second" + kQuick);
+  CHECK(result.status == 0);
+  CHECK(result.err.empty());
+  CHECK_THAT(result.out, ContainsSubstring(" not chosen"));
+}
+
 TEST_CASE("causes in a cloud that leaves out beams without a return come with a warning and a way out") {
   const Workplace place;
   const std::string one = "scan floor.obj -o a.csv --fields beam,cause" + kQuick;

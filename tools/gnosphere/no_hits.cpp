@@ -81,7 +81,9 @@ std::vector<Loss> lossesByEffects(const Counters& counters, bool allMasked) {
            "fog, rain, snow or dust leave too little light for the threshold of detection, which a larger "
            "detection.range lowers"),
       lost(Cause::droppedOut, "dropped out",
-           "they are lost at random, with the probabilities drop-out.general_rate and drop-out.zero_intensity_rate")};
+           "they are lost at random, with the probabilities drop-out.general_rate and drop-out.zero_intensity_rate"),
+      lost(Cause::notChosen, "not chosen",
+           "they have fewer echoes than returns.mode counts, and another mode, such as all, reports these")};
   if (allMasked)
     losses.push_back({counters.beams, "masked", "masked_beams of the sensor names them"});
   else if (countOf(counters, Cause::dead) == counters.beams)
@@ -92,7 +94,7 @@ std::vector<Loss> lossesByEffects(const Counters& counters, bool allMasked) {
 
 uint64_t beamsWithoutSurface(const Counters& counters) {
   uint64_t beams = counters.misses;
-  for (const Cause cause : {Cause::weak, Cause::attenuated, Cause::droppedOut, Cause::dead})
+  for (const Cause cause : {Cause::weak, Cause::attenuated, Cause::droppedOut, Cause::dead, Cause::notChosen})
     beams -= countOf(counters, cause);
   return beams;
 }

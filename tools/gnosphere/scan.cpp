@@ -340,7 +340,9 @@ int runScan(const ScanOptions& options) {
   result.totalMs = nowMs() - start;
   if (const uint64_t dropped = result.scan.counters.nonFinite; dropped > 0)
     complain("warning: " + droppedText(dropped, options.scene));
-  if (result.scan.counters.hits == 0 || scene.placedTriangleCount() == 0)
+  const Counters& counters = result.scan.counters;  // the summary tells how many beams have echoes that are not chosen
+  if ((counters.hits == 0 && counters.causes[static_cast<size_t>(Cause::notChosen)] == 0) ||
+      scene.placedTriangleCount() == 0)
     warnOfNoHits(trajectory.empty() ? "no beam" : "no beam of any scan", options, options.trajectory, scene, request,
                  settings, result.scan.pose, trajectory.empty() ? result.scan.counters : result.trajectory[0].counters);
   tell(options, result);

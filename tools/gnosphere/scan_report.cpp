@@ -80,8 +80,8 @@ static_assert(std::size(kCounters) * sizeof(uint64_t) + sizeof(Counters::causes)
               "every count has a name");
 
 /// Names in the order of Cause.
-constexpr const char* kCauses[kCauseCount] = {"returned",    "no_surface", "weak",    "attenuated",
-                                              "dropped_out", "dead",       "too_near"};
+constexpr const char* kCauses[kCauseCount] = {"returned",    "no_surface", "weak",     "attenuated",
+                                              "dropped_out", "dead",       "too_near", "not_chosen"};
 
 Json countersJson(const Counters& counters) {
   Json json;
@@ -148,8 +148,8 @@ void printTimes(const ScanReport& report) {
 /// Beams that fire and have no return, by cause; empty if no effect can lose one. `masked` is the number of those that
 /// do not fire.
 std::string lostText(Counters counters, uint64_t masked) {
-  constexpr const char* kWords[kCauseCount] = {"",     "met nothing", "too weak", "attenuated", "dropped out",
-                                               "dead", "too near"};
+  constexpr const char* kWords[kCauseCount] = {"",     "met nothing", "too weak",  "attenuated", "dropped out",
+                                               "dead", "too near",    "not chosen"};
   uint64_t& dead = counters.causes[static_cast<size_t>(Cause::dead)];
   dead -= std::min(dead, masked);  // causes are not counted where no effect loses beams
   std::string text;
