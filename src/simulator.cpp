@@ -66,6 +66,7 @@ class Simulator::Impl {
       plans_.push_back(planner_.plan(kept_.scene(), request, plans_.size(), false));
       warnings_.tellNoBeams(request.sensor);
       warnings_.tellLeftOut(*plans_.back());
+      warnings_.tellGuesses(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
     }
@@ -190,6 +191,7 @@ class Simulator::Impl {
     auto plan = planner_.plan(kept_.scene(), request, index, false);
     warnings_.tellNoBeams(request.sensor);
     warnings_.tellLeftOut(*plan);
+    warnings_.tellGuesses(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());
     plans_.resize(count);

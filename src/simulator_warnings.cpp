@@ -57,6 +57,12 @@ void SimulatorWarnings::tellLeftOut(const SensorPlan& plan) const {
                     lackOfSpeeds(plan, decision.effect));
 }
 
+void SimulatorWarnings::tellGuesses(const SensorPlan& plan) const {
+  if (!options_.warn || !plan.looksAtMaterials || !plan.has(gpu::kDetection | gpu::kMediumEffects)) return;
+  const std::string warning = warningOf(options_.materials, plan.effects.intensity.wavelength);
+  if (!warning.empty()) options_.warn("sensor '" + plan.sensor.name + "': " + warning);
+}
+
 void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {
   if (!options_.warn) return;
   const bool sensor = !shot.motion.stamps.empty() && !plan.speeds() && !plan.has(gpu::kSensorMotion);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"
@@ -105,15 +106,48 @@ void validate(const MaterialTable& table) {
 }
 
 std::vector<std::string> warningsOf(const MaterialTable& table, const Scene& scene) {
-  std::vector<std::string> unused, empty, warnings;
+  constexpr float kAll = 1.0001f;  // the sum of two shares as files round them
+  std::vector<std::string> unused, empty, glowing, warnings;
   opticsOf(scene, table, 905, &unused);
   for (const Row& row : table.rows)
     if (std::ranges::none_of(kColumns, [&](const Column& column) { return row.*column.member >= 0; }))
       empty.push_back(row.name);
   if (!unused.empty())
     warnings.push_back("the material table has " + shortList(unused) + ", but the scene has no material of that name");
+  std::map<std::string, Row> wholes;  // rows of one name complete one another
+  for (const Row& row : table.rows) {
+    Row& whole = wholes.try_emplace(lower(row.name), Row{row.name}).first->second;
+    for (const Column& column : kColumns)
+      if (row.*column.member >= 0) whole.*column.member = row.*column.member;
+  }
+  for (const auto& [name, row] : wholes)
+    if (row.transmission > 0 && std::max(row.reflectance905, row.reflectance1550) + row.transmission > kAll)
+      glowing.push_back(row.name);
+  if (!glowing.empty())
+    warnings.push_back(
+        "the material table lets " + shortList(glowing) +
+        " reflect and transmit more light than comes; reflectance and transmission together are 1 at most");
   if (!empty.empty()) warnings.push_back("the material table gives no values for " + shortList(empty));
   return warnings;
+}
+
+std::string warningOf(const MaterialTable& table, double wavelength) {
+  std::map<std::string, const Row*> guessed;
+  std::set<std::string> measured;
+  for (const Row& row : table.rows) {
+    const float here = wavelength == 1550 ? row.reflectance1550 : row.reflectance905;
+    const float there = wavelength == 1550 ? row.reflectance905 : row.reflectance1550;
+    if (here >= 0) measured.insert(lower(row.name));
+    if (there >= 0) guessed.emplace(lower(row.name), &row);
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, row] : guessed)
+    if (!measured.contains(name)) names.push_back(row->name);
+  if (names.empty()) return "";
+  const bool at1550 = wavelength == 1550;
+  return "the material table has the reflectances of " + shortList(names) + " at " + (at1550 ? "905" : "1550") +
+         " nm alone, so colours decide whether they are detected at " + (at1550 ? "1550" : "905") +
+         " nm; give them, or another intensity.wavelength";
 }
 
 json readMaterialJson(const std::filesystem::path& file) {

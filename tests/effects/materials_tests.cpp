@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "cpu_time.hpp"
+#include "effects/material_table.hpp"
 #include "folder.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
@@ -184,6 +185,47 @@ TEST_CASE("a simulator tells once of the rows of a material table that have no e
   const Simulator fitting(scene, SensorRequest(sensor), options);
   const Simulator empty(Scene(), SensorRequest(sensor), options);
   CHECK(warnings.empty());
+}
+
+TEST_CASE("a material that reflects and transmits more light than comes is warned of") {
+  Scene scene;
+  scene.materials = {material("pane"), material("door")};
+  const MaterialTable good = {{{"pane", 0.2f, 0.3f, -1, -1, 0.7f}, {"door", 1.0f}}};
+  CHECK(warningsOf(good, scene).empty());
+  const std::vector<std::string> expected = {
+      "the material table lets 'pane' reflect and transmit more light than comes; reflectance and transmission "
+      "together "
+      "are 1 at most"};
+  CHECK(warningsOf({{{"pane", 0.31f, -1, -1, -1, 0.7f}}}, scene) == expected);
+  CHECK(warningsOf({{{"pane", 0.2f, 0.4f}, {"door", 1.0f}, {"pane", -1, -1, -1, -1, 0.7f}}}, scene) == expected);
+}
+
+TEST_CASE("a simulator tells if colours decide what is detected, although there is a table") {
+  Scene scene;
+  scene.materials = {material("wall"), material("roof")};
+  std::vector<std::string> warnings;
+  SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  options.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  options.materials.rows = {{"wall", 0.5f}, {"roof", 0.5f, 0.4f}};
+  SensorRequest request(builtinSensor("VLP-16"), Effects::none());
+  request.effects.intensity = {.use = EffectUse::on, .wavelength = 1550};
+  const auto told = [&] {
+    warnings.clear();
+    const Simulator simulator(scene, request, options);
+    return warnings;
+  };
+  CHECK(told().empty());
+  const std::vector<std::string> expected = {
+      "sensor 'VLP-16': the material table has the reflectances of 'wall' at 905 nm alone, so colours decide whether "
+      "they are detected at 1550 nm; give them, or another intensity.wavelength"};
+  request.effects.detection = {EffectUse::on, 0.1, 50, 0};
+  CHECK(told() == expected);
+  request.effects.detection = {};
+  request.effects.fog = {EffectUse::on, 20000};
+  CHECK(told() == expected);
+  request.effects.intensity.wavelength = 905;
+  CHECK(told().empty());
 }
 
 TEST_CASE("an OpenMATERIAL BRDF is read near normal incidence, for light that returns to the sensor") {
