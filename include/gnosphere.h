@@ -12,7 +12,8 @@
  *
  * Structs: a struct whose first member is struct_size must be made by its gno_..._init() function, which sets that
  * member and the default values. A program that was compiled with an older header has smaller structs: members that it
- * lacks have their default values. A struct that is larger than the library's is an error.
+ * lacks have their default values. A struct that is larger than the library's is an error, and so is an entry of an
+ * array whose struct_size is not that of the first entry.
  *
  * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_get_column
  * and others) live until the handle is destroyed or changed. Texts and lists of no handle, and those that a call makes
@@ -638,7 +639,8 @@ typedef struct gno_options {
 
 /* Sets an option by its name, as "tuning.binning=lists" or "accuracy=exact"; docs/options.md lists the names, of which
  * the struct has the most used ones alone. An error has the nearest known names, or the values that the option takes;
- * the options are then unchanged. The library keeps the texts that have been set until the process ends, each once. */
+ * the options are then unchanged. What an earlier call has set for the same name is replaced. The library keeps the texts
+ * that have been set until the process ends, each once. */
 GNO_API gno_status gno_options_set(gno_options* options, const char* assignment);
 
 /* A sensor, the effects that its scans simulate, and the fields that its scans hold. */

@@ -171,6 +171,29 @@ class Idle : public Locked<gno_simulator> {
   Simulator* operator->() { return &simulator(); }
 };
 
+/// Access to an object that refers to a simulator, for a call of both, as Idle for the simulator. While the call waits
+/// for the simulator it does not keep the object, which a function that the simulator calls may want.
+template <class Handle>
+class WithSimulator {
+ public:
+  explicit WithSimulator(Handle handle) : WithSimulator(find(handle)) {}
+  typename Held<Handle>::Type* operator->() { return &object_->value; }
+
+ private:
+  explicit WithSimulator(Shared<Handle> object)
+      : object_(std::move(object)),
+        simulator_(live(object_->value.simulator)),
+        lock_(object_->mutex, simulator_->mutex),
+        idle_(simulator_) {}
+  static Shared<gno_simulator> live(gno_simulator handle) { return find(handle); }
+  static Shared<gno_simulator> live(Shared<gno_simulator> object) { return object; }
+
+  const Shared<Handle> object_;
+  const Shared<gno_simulator> simulator_;
+  const std::scoped_lock<std::recursive_mutex, std::recursive_mutex> lock_;
+  const Idle idle_;
+};
+
 template <class Handle>
 Handle make(typename Held<Handle>::Type value) {
   return reinterpret_cast<Handle>(

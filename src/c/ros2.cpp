@@ -41,6 +41,9 @@ ros2::PublisherOptions publisherOptionsOf(const gno_ros2_options* options) {
   result.qos.durability =
       enumOf(from.durability, ros2::Qos::Durability::transientLocal, "gno_ros2_options::durability");
   result.qos.depth = from.depth;
+  if (from.domain < -1) refuse("gno_ros2_options::domain is " + std::to_string(from.domain) + "; it is -1 or 0 to 232");
+  if (from.localhost_only < -1 || from.localhost_only > 1)
+    refuse("gno_ros2_options::localhost_only is " + std::to_string(from.localhost_only) + "; it is -1, 0 or 1");
   if (from.domain >= 0) result.domain = static_cast<uint32_t>(from.domain);
   if (from.localhost_only >= 0) result.localhostOnly = from.localhost_only != 0;
   return result;

@@ -9,8 +9,27 @@ namespace {
 
 GNO_SAME_ENUM(NearHits, {GNO_NEAR_SEE_THROUGH, seeThrough}, {GNO_NEAR_HIDE, hide});
 
-void apply(const gno_sensor_settings* settings, Sensor& sensor) {
-  const gno_sensor_settings& from = sized(settings, GNO_TYPE(gno_sensor_settings));
+/// The settings of a sensor, with pointers into it.
+gno_sensor_settings settingsOf(const Sensor& sensor) {
+  gno_sensor_settings settings = gno_sensor_settings_init();
+  settings.name = sensor.name.c_str();
+  settings.range_min = sensor.rangeMin;
+  settings.range_max = sensor.rangeMax;
+  settings.divergence_horizontal = sensor.divergenceHorizontal;
+  settings.divergence_vertical = sensor.divergenceVertical;
+  settings.max_returns = sensor.maxReturns;
+  settings.rotation_period = sensor.rotationPeriod;
+  settings.near_hits = static_cast<gno_near_hits>(sensor.nearHits);
+  settings.masked_beams = orNull(sensor.maskedBeams);
+  settings.masked_beam_count = sensor.maskedBeams.size();
+  settings.range_at_10_percent = sensor.rangeAt10Percent;
+  settings.scan_period = sensor.scanPeriod;
+  return settings;
+}
+
+/// Members that a caller of an older version does not know are those of `defaults`.
+void apply(const gno_sensor_settings* settings, const gno_sensor_settings& defaults, Sensor& sensor) {
+  const gno_sensor_settings& from = sized(settings, defaults, "gno_sensor_settings");
   const auto masked = array(from.masked_beams, from.masked_beam_count, "gno_sensor_settings::masked_beams");
   sensor.name = orEmpty(from.name);
   sensor.rangeMin = from.range_min;
@@ -110,7 +129,7 @@ gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno
   return giveHandle(sensor, "sensor", [&] {
     const gno_grid& from = sized(grid, GNO_TYPE(gno_grid));
     Sensor result;
-    apply(settings, result);
+    apply(settings, gno_sensor_settings_init(), result);
     result.columns = from.columns;
     result.azimuthStartDeg = from.azimuth_start_deg;
     result.azimuthSpanDeg = from.azimuth_span_deg;
@@ -126,9 +145,9 @@ gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno
   return giveHandle(sensor, "sensor", [&] {
     if (pattern_count == 0) refuse("pattern_count is 0; a sensor needs one list of beams at least");
     Sensor result;
-    apply(settings, result);
-    for (const gno_beam_list& list : sizedArray(patterns, pattern_count, GNO_TYPE(gno_beam_list), "patterns"))
-      result.patterns.push_back(listOf(list));
+    apply(settings, gno_sensor_settings_init(), result);
+    forSized(patterns, pattern_count, GNO_TYPE(gno_beam_list), "patterns",
+             [&](const gno_beam_list& list) { result.patterns.push_back(listOf(list)); });
     return checked(std::move(result));
   });
 }
@@ -140,20 +159,8 @@ gno_status gno_sensor_destroy(gno_sensor sensor) {
 gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* settings) {
   return guard([&] {
     Locked locked(sensor);
-    const Sensor& from = locked->sensor;
     const Out to(settings, GNO_TYPE(gno_sensor_settings));
-    to->name = from.name.c_str();
-    to->range_min = from.rangeMin;
-    to->range_max = from.rangeMax;
-    to->divergence_horizontal = from.divergenceHorizontal;
-    to->divergence_vertical = from.divergenceVertical;
-    to->max_returns = from.maxReturns;
-    to->rotation_period = from.rotationPeriod;
-    to->near_hits = static_cast<gno_near_hits>(from.nearHits);
-    to->masked_beams = orNull(from.maskedBeams);
-    to->masked_beam_count = from.maskedBeams.size();
-    to->range_at_10_percent = from.rangeAt10Percent;
-    to->scan_period = from.scanPeriod;
+    *to = settingsOf(locked->sensor);
   });
 }
 
@@ -161,7 +168,7 @@ gno_status gno_sensor_set_settings(gno_sensor sensor, const gno_sensor_settings*
   return guard([&] {
     Locked locked(sensor);
     Sensor changed = locked->sensor;
-    apply(settings, changed);
+    apply(settings, settingsOf(locked->sensor), changed);
     validate(changed);
     locked->sensor = std::move(changed);
   });

@@ -12,7 +12,7 @@ namespace gnosphere::c {
 
 std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
   std::vector<Shot> result;
-  for (const gno_shot& shot : sizedArray(shots, count, GNO_TYPE(gno_shot), "shots")) result.push_back(shotOf(&shot));
+  forSized(shots, count, GNO_TYPE(gno_shot), "shots", [&](const gno_shot& shot) { result.push_back(shotOf(&shot)); });
   return result;
 }
 
@@ -60,6 +60,16 @@ SimulatorOptions optionsOf(const gno_options* options) {
   std::istringstream assignments(orEmpty(from.assignments));
   for (std::string line; std::getline(assignments, line);) assign(result, line);
   return result;
+}
+
+/// Returns lines of assignments without those of the option that `assignment` sets.
+std::string withoutOptionOf(const std::string& assignment, const std::string& assignments) {
+  const std::string name = assignment.substr(0, assignment.find('=') + 1);
+  std::istringstream lines(assignments);
+  std::string others;
+  for (std::string line; std::getline(lines, line);)
+    if (!line.starts_with(name)) others += line + '\n';
+  return others;
 }
 
 /// Returns this text, kept until the process ends.
@@ -164,8 +174,7 @@ gno_status gno_options_set(gno_options* options, const char* assignment) {
     if (text.find('\n') != text.npos) refuse("an assignment is one line");
     SimulatorOptions checked;
     assign(checked, text);
-    const std::string before = orEmpty((*filled).assignments);
-    (*filled).assignments = kept(before.empty() ? text : before + "\n" + text);
+    (*filled).assignments = kept(withoutOptionOf(text, orEmpty((*filled).assignments)) + text);
   });
 }
 
@@ -173,8 +182,8 @@ gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, siz
                                 const gno_options* options, gno_simulator* simulator) {
   return giveHandle(simulator, "simulator", [&] {
     std::vector<SensorRequest> requests;
-    for (const gno_request& request : sizedArray(sensors, sensor_count, GNO_TYPE(gno_request), "sensors"))
-      requests.push_back(requestOf(request));
+    forSized(sensors, sensor_count, GNO_TYPE(gno_request), "sensors",
+             [&](const gno_request& request) { requests.push_back(requestOf(request)); });
     const SimulatorOptions wanted = optionsOf(options);
     InUse from(scene);
     return make<gno_simulator>(SimulatorObject(Simulator(*from, requests, wanted)));
@@ -281,8 +290,8 @@ gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instan
                                        uint32_t* indices) {
   return guard([&] {
     std::vector<Instance> wanted;
-    for (const gno_instance& instance : sizedArray(instances, count, GNO_TYPE(gno_instance), "instances"))
-      wanted.push_back(instanceOf(&instance));
+    forSized(instances, count, GNO_TYPE(gno_instance), "instances",
+             [&](const gno_instance& instance) { wanted.push_back(instanceOf(&instance)); });
     const std::vector<uint32_t> added = Idle(simulator)->addInstances(wanted);
     if (indices) std::copy(added.begin(), added.end(), indices);
   });

@@ -65,8 +65,7 @@ gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_shot* shot
                                    uint64_t* number) {
   return guard([&] {
     const std::vector<Shot> wanted = shotsOf(shots, shot_count);
-    Locked locked(stream);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(stream);
     const uint64_t submitted = locked->stream.submit(wanted);
     if (number) *number = submitted;
   });
@@ -99,8 +98,7 @@ gno_status gno_batch_stream_wait(gno_batch_stream stream, uint64_t number, gno_s
 gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, gno_layout* layout) {
   return guard([&] {
     const Out to(layout, GNO_TYPE(gno_layout));
-    Locked locked(stream);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(stream);
     give(locked->stream.layout(sensor), locked->layout, *to);
   });
 }
@@ -108,8 +106,7 @@ gno_status gno_batch_stream_get_layout(gno_batch_stream stream, size_t sensor, g
 gno_status gno_batch_stream_get_places(gno_batch_stream stream, size_t sensor, gno_result_places* places) {
   return guard([&] {
     const Out to(places, GNO_TYPE(gno_result_places));
-    Locked locked(stream);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(stream);
     give(locked->stream.places(sensor), *to);
   });
 }

@@ -5,6 +5,7 @@
 #include <gnosphere.h>
 
 #include <cstring>
+#include <gnosphere/error.hpp>
 #include <gnosphere/gnosphere.hpp>
 #include <initializer_list>
 #include <span>
@@ -58,15 +59,31 @@ std::span<T> array(T* values, size_t count, size_t each, const char* name) {
   return array(values, count * each, name);
 }
 
-/// An array of structs of the caller that begin with their sizes, which are as far apart as the first one says.
-template <class T>
-std::vector<T> sizedArray(const T* values, size_t count, const T& defaults, const char* type, const char* name) {
+/// Calls use(entry) for the entries of an array of the caller, in order. An error says which entry it is about.
+template <class T, class Use>
+void forEntries(std::span<T> entries, const char* name, const Use& use) {
+  size_t index = 0;
+  try {
+    for (; index < entries.size(); ++index) use(entries[index]);
+  } catch (const Error& error) {
+    throw Error(error.code(), std::string(name) + "[" + std::to_string(index) + "]: " + error.what());
+  }
+}
+
+/// Calls use(entry) as forEntries() does for an array of structs that begin with their sizes, which are as far apart as
+/// the first one says. An entry of another size is refused.
+template <class T, class Use>
+void forSized(const T* values, size_t count, const T& defaults, const char* type, const char* name, const Use& use) {
   array(values, count, name);
-  std::vector<T> result;
+  std::vector<const T*> entries;
   for (size_t i = 0; i < count; ++i)
-    result.push_back(sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size),
-                           defaults, type));
-  return result;
+    entries.push_back(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size));
+  forEntries(std::span(entries), name, [&](const T* entry) {
+    if (entry->struct_size != values->struct_size)
+      refuse("its struct_size is " + std::to_string(entry->struct_size) + ", and that of " + name + "[0] is " +
+             std::to_string(values->struct_size) + "; make all entries with " + type + "_init()");
+    use(sized(entry, defaults, type));
+  });
 }
 
 /// A struct of the caller that a function fills, as far as the caller knows its members.

@@ -175,10 +175,10 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
                              const gno_vulkan_recorded_scan** before, size_t* before_count) {
   return guard([&] {
     std::vector<vulkan::RecordedShot> wanted;
-    for (const gno_vulkan_recorded_shot& shot : array(shots, shot_count, "shots"))
+    forEntries(array(shots, shot_count, "shots"), "shots", [&](const gno_vulkan_recorded_shot& shot) {
       wanted.push_back({shotOf(shot.shot), rangeOf(shot.records), rangeOf(shot.header)});
-    Locked locked(recorder);
-    const Idle idle(locked->simulator);
+    });
+    WithSimulator locked(recorder);
     auto& results = locked->results;
     const auto made = locked->recorder.record(commands, frame_in_flight, wanted);
     try {
@@ -197,8 +197,7 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
 
 gno_status gno_vulkan_abandon(gno_vulkan_recorder recorder, size_t frame_in_flight) {
   return guard([&] {
-    Locked locked(recorder);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(recorder);
     locked->recorder.abandon(frame_in_flight);
   });
 }
@@ -214,8 +213,7 @@ gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t
     buffer.format = from.format;
     std::copy_n(from.scale, 3, buffer.scale.begin());
     std::copy_n(from.offset, 3, buffer.offset.begin());
-    Locked locked(recorder);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(recorder);
     locked->recorder.setVertices(mesh, buffer);
   });
 }
@@ -232,8 +230,7 @@ gno_status gno_vulkan_recorder_set_transforms(gno_vulkan_recorder recorder,
     buffer.origin = {from.origin[0], from.origin[1], from.origin[2]};
     buffer.firstInstance = from.first_instance;
     buffer.instances = from.instance_count;
-    Locked locked(recorder);
-    const Idle idle(locked->simulator);
+    WithSimulator locked(recorder);
     locked->recorder.setTransforms(buffer);
   });
 }

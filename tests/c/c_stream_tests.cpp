@@ -3,8 +3,11 @@
 #include <gnosphere_stream.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
+#include <thread>
 
 #include "c/wall.hpp"
 #include "support.hpp"
@@ -129,6 +132,58 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   CHECK(gno_batch_stream_destroy(stream) == GNO_OK);
   CHECK(gno_batch_stream_destroy(stream) == GNO_INVALID_ARGUMENT);
   CHECK(gno_simulator_destroy(host) == GNO_OK);
+}
+
+// If the two calls wait for each other, their threads never end, so nothing that they use belongs to the test.
+TEST_CASE("C: a function that receives warnings may read a stream to which another thread submits") {
+  needVulkan();
+  struct Reading {
+    gno_simulator simulator = nullptr;
+    gno_batch_stream stream = nullptr;
+    std::promise<void> warned;
+    gno_status read = GNO_DEVICE;
+  };
+  static Reading& reading = *new Reading;
+  gno_options options = gno_options_init();
+  options.cache = "off";
+  options.warn = [](const char*, void*) {
+    reading.warned.set_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // the other thread waits for the simulator now
+    gno_streamed_batch batch = gno_streamed_batch_init();
+    reading.read = gno_batch_stream_wait(reading.stream, 0, &batch);
+  };
+  REQUIRE(gno_options_set(&options, "results_on_device=true") == GNO_OK);
+  reading.simulator = simulatorWith(options);
+  gno_batch_stream_options one = gno_batch_stream_options_init();
+  one.views = 1;
+  REQUIRE(gno_batch_stream_create(reading.simulator, &one, &reading.stream) == GNO_OK);
+  static const gno_shot shot = gno_shot_init();
+  REQUIRE(gno_batch_stream_submit(reading.stream, &shot, 1, nullptr) == GNO_OK);
+
+  static std::promise<gno_status> submitted, added;
+  std::thread([] {
+    reading.warned.get_future().wait();
+    submitted.set_value(gno_batch_stream_submit(reading.stream, &shot, 1, nullptr));
+  }).detach();
+  std::thread([] {
+    gno_sensor none = nullptr;  // of no beams, of which the simulator warns
+    gno_sensor_settings settings = gno_sensor_settings_init();
+    settings.range_max = 100;
+    gno_grid grid = gno_grid_init();
+    grid.columns = 30;
+    gno_sensor_create_grid(&settings, &grid, &none);
+    gno_request request = gno_request_init();
+    request.sensor = none;
+    added.set_value(gno_simulator_add_sensor(reading.simulator, &request, nullptr));
+  }).detach();
+  std::future<gno_status> statuses[] = {added.get_future(), submitted.get_future()};
+  for (std::future<gno_status>& status : statuses)
+    REQUIRE(status.wait_for(std::chrono::seconds(60)) == std::future_status::ready);
+  CHECK(statuses[0].get() == GNO_INVALID_ARGUMENT);  // after the warning, as no results of it can stay on the device
+  CHECK(statuses[1].get() == GNO_OK);
+  CHECK(reading.read == GNO_OK);
+  CHECK(gno_batch_stream_destroy(reading.stream) == GNO_OK);
+  CHECK(gno_simulator_destroy(reading.simulator) == GNO_OK);
 }
 
 TEST_CASE("C: a streamed batch keeps its places and its layout, whatever sensor gets the index of its own") {

@@ -157,6 +157,60 @@ TEST_CASE("C: structs of an older header are taken with defaults for what they l
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
+TEST_CASE("C: settings that an older program gets, changes and sets leave what it does not know") {
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("OS0-32", &sensor) == GNO_OK);
+  gno_sensor_settings whole = gno_sensor_settings_init();
+  REQUIRE(gno_sensor_get_settings(sensor, &whole) == GNO_OK);
+  const double before = whole.range_at_10_percent;
+  REQUIRE(before > 0);
+  Older<gno_sensor_settings> older(gno_sensor_settings_init(), offsetof(gno_sensor_settings, range_at_10_percent));
+  REQUIRE(gno_sensor_get_settings(sensor, older.get()) == GNO_OK);
+  older.get()->name = "roof";
+  REQUIRE(gno_sensor_set_settings(sensor, older.get()) == GNO_OK);
+  REQUIRE(gno_sensor_get_settings(sensor, &whole) == GNO_OK);
+  CHECK(std::string(whole.name) == "roof");
+  CHECK(whole.range_at_10_percent == before);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+}
+
+TEST_CASE("C: an error in an array says which entry it is about") {
+  gno_scene scene = makeScene();
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  gno_request requests[2] = {gno_request_init(), gno_request_init()};
+  requests[0].sensor = sensor;
+  gno_simulator simulator = nullptr;
+  CHECK(fails(gno_simulator_create(scene, requests, 2, &options, &simulator), "sensors[1]: the handle"));
+  requests[1].sensor = sensor;
+  requests[1].field_count = 1;
+  CHECK(fails(gno_simulator_create(scene, requests, 2, &options, &simulator), "sensors[1]: fields is null"));
+  REQUIRE(gno_simulator_create(scene, requests, 1, &options, &simulator) == GNO_OK);
+
+  gno_shot shots[3] = {gno_shot_init(), gno_shot_init(), gno_shot_init()};
+  gno_batch batch = nullptr;
+  shots[2].motion_count = 1;
+  CHECK(fails(gno_simulator_scan_batch(simulator, shots, 3, nullptr, 0, &batch), "shots[2]: gno_shot::motion is null"));
+  shots[2] = gno_shot_init();
+  shots[2].struct_size = 8;  // which an older library would take for that of a program that knows no pose
+  CHECK(fails(gno_simulator_scan_batch(simulator, shots, 3, nullptr, 0, &batch), "shots[2]: its struct_size is 8"));
+  gno_instance instances[2] = {gno_instance_init(), gno_instance_init()};
+  instances[1].struct_size = 16;
+  CHECK(fails(gno_simulator_add_instances(simulator, instances, 2, nullptr), "instances[1]: its struct_size is 16"));
+  gno_beam_list lists[2] = {gno_beam_list_init(), gno_beam_list_init()};
+  const double ahead[] = {1, 0, 0};
+  lists[0].directions = ahead;
+  lists[0].beam_count = 1;
+  gno_sensor_settings settings = gno_sensor_settings_init();
+  gno_sensor ofLists = nullptr;
+  CHECK(fails(gno_sensor_create_list(&settings, lists, 2, &ofLists), "patterns[1]: gno_beam_list::directions is null"));
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
 TEST_CASE("C: options are set by their names") {
   gno_options options = gno_options_init();
   options.device = "reference";
@@ -172,6 +226,8 @@ TEST_CASE("C: options are set by their names") {
   CHECK(gno_options_set(&again, "accuracy=exact") == GNO_OK);
   CHECK(gno_options_set(&again, "faces=front") == GNO_OK);
   CHECK(again.assignments == options.assignments);  // kept once
+  CHECK(gno_options_set(&again, "accuracy=draft") == GNO_OK);
+  CHECK(std::string(again.assignments) == "faces=front\naccuracy=draft");  // in place of the accuracy before
 
   // The materials reflect on both sides, unless the option says otherwise: from below the floor is seen from behind.
   gno_scene scene = makeScene();

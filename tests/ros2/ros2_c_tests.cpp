@@ -111,6 +111,12 @@ TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   options = gno_ros2_options_init();
   options.reliability = 2;
   CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "reliability"));
+  options = gno_ros2_options_init();
+  options.domain = -2;
+  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "domain is -2"));
+  options.domain = -1;
+  options.localhost_only = 2;
+  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "localhost_only is 2"));
   CHECK(failed(gno_ros2_publish_clock(nullptr, 0), "the handle of the publisher is null"));
   // A publisher that is not to stay on this machine is on its networks, whatever the environment says of others.
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
