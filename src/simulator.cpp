@@ -7,6 +7,7 @@
 #include "base/call.hpp"
 #include "base/clock.hpp"
 #include "base/index_pool.hpp"
+#include "base/rounding.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -361,7 +362,10 @@ class Simulator::Impl {
 };
 
 Simulator::Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
-    : impl_(std::make_unique<Impl>(scene, sensors, options)) {}
+    : impl_([&] {
+        const NearestRounding rounding;
+        return std::make_unique<Impl>(scene, sensors, options);
+      }()) {}
 Simulator::Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options)
     : Simulator(scene, std::vector{sensor}, options) {}
 // A process that was forked from the one that has made the simulator cannot end the simulator's threads and device.

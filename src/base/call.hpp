@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/maker_process.hpp"
+#include "base/rounding.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -23,8 +24,8 @@ struct CallState {
               "it; make a simulator for each thread");
 }
 
-/// A call that may change an object, which is at work while this lives. Its class `T` has a function calls()
-/// that returns its CallState.
+/// A call that may change an object, which is at work while this lives, whatever the rounding mode of the caller. Its
+/// class `T` has a function calls() that returns its CallState.
 template <class T>
 class Call {
  public:
@@ -41,6 +42,7 @@ class Call {
 
  private:
   T& object_;
+  const NearestRounding rounding_;
 };
 
 /// Returns an object for a call that reads it. Throws Error(invalidArgument) as ofThisProcess() does, and if a call of

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cfenv>
 #include <chrono>
 #include <new>
 #include <string>
@@ -165,6 +166,31 @@ TEST_CASE("simulators in several threads give the same results as in one thread"
   for (std::thread& thread : threads) thread.join();
   for (const std::string& problem : problems) CHECK(problem == "");
   requireSame(reference, expected[0]);
+}
+
+TEST_CASE("a scan has the same bits in every rounding mode of the caller, who finds it as before") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(11, 300, 30, 10));
+  const Sensor sensor = builtinSensor("VLP-16");
+  const Pose pose = {{0.37, 0, 0}, {0, 0, 0.1, 1}};
+  for (const bool onDevice : {true, false}) {
+    TestOptions options = onDevice ? vulkanOptions() : TestOptions();
+    if (!onDevice) options.device.kind = DeviceChoice::Kind::reference;
+    options.accuracy = Accuracy::exact;
+    options.validation = false;
+    Scan scans[2];
+    for (const int mode : {FE_TONEAREST, FE_UPWARD}) {
+      REQUIRE(std::fesetround(mode) == 0);
+      Simulator simulator = makeSimulator(scene, {sensor}, options);
+      const int made = std::fegetround();
+      Scan scan = simulator.scan(pose);
+      const int scanned = std::fegetround();
+      std::fesetround(FE_TONEAREST);
+      CHECK((made == mode && scanned == mode));
+      scans[mode == FE_UPWARD] = std::move(scan);
+    }
+    CHECK(sameBytes(scans[0], scans[1]));
+  }
 }
 
 TEST_CASE("a simulator at work refuses other calls, of its own functions and of other threads") {

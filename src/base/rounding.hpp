@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cfenv>
+
+namespace gnosphere {
+
+/// While this lives the thread rounds to the nearest number, as do threads that it starts meanwhile; then it has the
+/// floating-point environment of before.
+class NearestRounding {
+ public:
+  NearestRounding() {
+    std::fegetenv(&before_);
+    std::fesetround(FE_TONEAREST);
+  }
+  ~NearestRounding() { std::fesetenv(&before_); }
+  NearestRounding(const NearestRounding&) = delete;
+  NearestRounding& operator=(const NearestRounding&) = delete;
+
+ private:
+  std::fenv_t before_;
+};
+
+}  // namespace gnosphere
