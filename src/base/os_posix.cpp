@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <initializer_list>
 #include <thread>
 
@@ -197,15 +198,19 @@ void atFork(void (*before)(), void (*after)()) {
   ::pthread_atfork(before, after, after);
 }
 
-// The sanitizers end a process that asks for symbols of its own. Not every system can be asked: with musl, as on
-// Alpine, a library shares them in any case.
+// AddressSanitizer calls dlopen() itself, which then does not search where the RUNPATH of this library says; so a
+// library of ours is also looked for beside this one. The sanitizers end a process that asks for symbols of its own.
+// Not every system can be asked: with musl, as on Alpine, a library shares them in any case.
 void* openLibrary(const std::string& file, [[maybe_unused]] bool ownSymbols) {
   int flags = RTLD_NOW | RTLD_LOCAL;
 #ifdef RTLD_DEEPBIND
   if (ownSymbols && !::dlsym(RTLD_DEFAULT, "__asan_init") && !::dlsym(RTLD_DEFAULT, "__tsan_init"))
     flags |= RTLD_DEEPBIND;
 #endif
-  return ::dlopen(file.c_str(), flags);
+  void* const library = ::dlopen(file.c_str(), flags);
+  Dl_info self;
+  if (library || !ownSymbols || !::dladdr(reinterpret_cast<const void*>(&openLibrary), &self)) return library;
+  return ::dlopen((std::filesystem::path(self.dli_fname).parent_path() / file).c_str(), flags);
 }
 
 std::string libraryProblem() {
