@@ -232,6 +232,7 @@ GNO_API gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_ins
 GNO_API gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]);
 /* An error that names the material, image, mesh, part or instance whose indices or sizes are inconsistent. */
 GNO_API gno_status gno_scene_validate(gno_scene scene);
+/* In names U+FFFD takes the place of what is not UTF-8. */
 GNO_API gno_status gno_scene_write_glb(gno_scene scene, const char* file);
 /* The optics of every material of a valid scene at a wavelength of 905 or 1550 nm. table may be null. Writes at most
  * `capacity` and gives the number that there are. */
@@ -473,7 +474,8 @@ GNO_API gno_status gno_effect_presets(const char* const** names, size_t* count);
 
 /* Reads the format of GnoSphere or ASAM OpenMATERIAL 3D; a null file gives an empty table. */
 GNO_API gno_status gno_material_table_load(const char* file, gno_material_table* table);
-/* Adds the optics of the materials of a name. A negative value means not stated. */
+/* Adds the optics of the materials of a name. A negative value means not stated; gno_simulator_create() refuses wrong
+ * ones. */
 GNO_API gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,
                                           float reflectance1550, float roughness, float retro, float transmission);
 GNO_API gno_status gno_material_table_destroy(gno_material_table table);

@@ -117,7 +117,7 @@ class Simulator::Impl {
     std::vector<Field> fields;
     checkFor(result, [&] {
       prepareToScan(shots, true);
-      sensors_.check(index);
+      sensors_.check(index, shots.empty() ? "a batch without shots has the beams of a sensor; " : "");
       checkSensorOfBatch(shots);
       fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
     });

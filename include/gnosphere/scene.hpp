@@ -115,7 +115,8 @@ struct Mesh {
 };
 
 /// The positions of the deformed mesh, 3 per vertex, in metres relative to Mesh::origin; every device rounds alike.
-/// Throws Error(invalidArgument) for a deformation that is not empty and has other numbers of joints or weights.
+/// Throws Error(invalidArgument) for a deformation that is not empty and has other numbers of joints or weights, or one
+/// that is not finite.
 GNOSPHERE_API std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation);
 
 /// One placement of a mesh in the world. Instances share the mesh; it is never copied.
@@ -243,7 +244,8 @@ GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptio
 
 /// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. loadScene() reads back
 /// what scans of the scene see, with the same numbers of instances and materials. A deformable mesh that no animated
-/// instance places is written as it is deformed. Throws Error(file) if it cannot be written.
+/// instance places is written as it is deformed. In names U+FFFD takes the place of what is not UTF-8. Throws
+/// Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

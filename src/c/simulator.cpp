@@ -33,7 +33,10 @@ SensorRequest requestOf(const gno_request& from) {
   if (from.effects) request.effects = *Locked(from.effects);
   request.fields = fieldsOf(from.fields, from.field_count);
   request.variableWeather = from.variable_weather != 0;
-  if (from.layout) request.layout = recordLayoutOf(from.layout);
+  if (from.layout) {
+    request.layout = recordLayoutOf(from.layout);
+    if (request.layout.values.empty()) refuse("gno_request::layout has no values; without a layout it is null");
+  }
   const auto ignored = array(from.ignored_instances, from.ignored_instance_count, "gno_request::ignored_instances");
   request.ignoredInstances.assign(ignored.begin(), ignored.end());
   return request;

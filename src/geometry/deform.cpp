@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.hpp"
 #include "common/deform.h"
 #include "gnosphere/error.hpp"
 
@@ -65,6 +66,9 @@ std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deform
                                                 " joints and " + std::to_string(deformation.morphWeights.size()) +
                                                 " morph weights, the mesh has " + std::to_string(mesh.jointCount) +
                                                 " and " + std::to_string(mesh.morphTargets.size()));
+  if (std::ranges::any_of(deformation.joints, [](const Transform& joint) { return !allFinite(joint.rows); }) ||
+      !allFinite(deformation.morphWeights))
+    throw Error(ErrorCode::invalidArgument, "the deformation has a joint or a morph weight that is not finite");
   const std::vector<JointMap> maps = jointMapsOf(mesh.origin, deformation);
   std::vector<float> result;
   result.reserve(mesh.positions.size());

@@ -312,6 +312,13 @@ TEST_CASE("C: animations and deformations that do not fit are errors that say so
   CHECK(fails(gno_scene_get_deformed_positions(scene, 0, &morph, positions.data(), 6), "morph_weights is null"));
   CHECK(fails(gno_scene_get_deformed_positions(scene, 0, nullptr, positions.data(), 5), "has 6 vertices, not 5"));
   CHECK(fails(gno_scene_get_deformed_positions(scene, 2, &none, positions.data(), 6), "mesh 2 does not exist"));
+  REQUIRE(gno_scene_get_state(scene, 0, 0, GNO_CLIP_LOOP, &state) == GNO_OK);
+  gno_deformation lost = state.deformations[0];
+  REQUIRE(lost.joint_count > 0);
+  std::vector<gno_transform> joints(lost.joints, lost.joints + lost.joint_count);
+  joints[0].rows[3] = 0.0 / 0.0;
+  lost.joints = joints.data();
+  CHECK(fails(gno_scene_get_deformed_positions(scene, 0, &lost, positions.data(), 6), "is not finite"));
   const float weight = 1;
   const gno_deformation half = {nullptr, 0, &weight, 1};
   CHECK(fails(gno_scene_get_deformed_positions(scene, 0, &half, positions.data(), 6), "0 joints and 1 morph weights"));

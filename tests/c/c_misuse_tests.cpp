@@ -297,6 +297,21 @@ TEST_CASE("C: counts that overflow, numbers that are not finite and indices of n
   CHECK(gno_scene_destroy(third) == GNO_OK);
 }
 
+TEST_CASE("C: a layout without values, and a batch without shots where sensor 0 is gone, are named") {
+  Wall wall;
+  gno_simulator simulator = nullptr;
+  REQUIRE(wall.create(simulator) == GNO_OK);
+  gno_request request = wall.request;
+  const gno_layout none = gno_layout_init();
+  request.layout = &none;
+  CHECK(fails(gno_simulator_add_sensor(simulator, &request, nullptr), "gno_request::layout has no values"));
+  REQUIRE(gno_simulator_add_sensor(simulator, &wall.request, nullptr) == GNO_OK);
+  REQUIRE(gno_simulator_remove_sensor(simulator, 0) == GNO_OK);
+  gno_batch batch = nullptr;
+  CHECK(fails(gno_simulator_scan_batch(simulator, nullptr, 0, nullptr, 0, &batch), "a batch without shots"));
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+}
+
 TEST_CASE("C: rows whose bytes have no number are refused with a sentence that says so") {
   Wall wall;
   gno_simulator simulator = nullptr;
