@@ -847,7 +847,8 @@ GNO_API gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info);
 /* An error if the scan does not have the field. */
 GNO_API gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* column);
 /* Gives a new scan with points, normals and velocities in the world frame, to which the scan's pose maps them.
- * If the sensor moves during the scan, the scan must be deskewed. */
+ * If the sensor moves during the scan, the scan must be deskewed. A scan that has been read is refused if its file does
+ * not state the sensor's pose, of which only PCD does. */
 GNO_API gno_status gno_scan_in_world(gno_scan scan, gno_scan* in_world);
 GNO_API gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters);
 /* The stages are valid until this function is called again for this scan, or the scan changes. */
@@ -901,9 +902,9 @@ typedef struct gno_comparison {
 /* Writes the rows of a scan to `rows` and gives their number; entries * stride bytes always suffice. */
 GNO_API gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, size_t bytes, size_t* row_count);
 /* Writes the format that the file's ending names, such as .pcd; an unknown one is refused with all that are known.
- * `options` may be null. */
+ * A field that stands twice is refused, too, and one that files of KITTI (.bin) do not have. `options` may be null. */
 GNO_API gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_options* options);
-/* Writes a range image and a view from above as PNG. */
+/* Writes a range image and a view from above as PNG; the name of the file ends in .png. */
 GNO_API gno_status gno_scan_write_picture(gno_scan scan, const char* file);
 /* Reads a cloud that gno_scan_write() wrote, if its format tells which beams the points are of, as .pcd does. */
 GNO_API gno_status gno_scan_read(const char* file, gno_scan* scan);

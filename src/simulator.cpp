@@ -102,6 +102,8 @@ class Simulator::Impl {
       result.columns = sensor.width();
       result.channels = sensor.height();
       result.pose = shots[i].pose;
+      result.poseKnown = true;
+      result.gridKnown = sensor.isGrid() || sensor.height() > 1;
       result.skewed = isSkewed(*plans_[shots[i].sensor], shots[i]);
       computed_[shots[i].sensor].set(kept_.classes(), shots[i].frame, result);
       warnings_.tellLostEchoes(shots[i].sensor, *plans_[shots[i].sensor], result.counters);

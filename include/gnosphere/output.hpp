@@ -43,14 +43,15 @@ struct CloudOptions {
 
 /// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's extension
 /// decides. PCD states the pose of the scan as its VIEWPOINT. A temporary file is written and then renamed, so no
-/// half-written file is left. Throws Error(invalidArgument) for an unknown extension or a field that the scan does not
-/// have, and Error(file) if the file cannot be written. Links are followed, and pipes and devices are written directly.
+/// half-written file is left. Throws Error(invalidArgument) for an unknown extension, a field that stands twice, or one
+/// that the scan or KITTI's files do not have, and Error(file) if the file cannot be written. Links are followed, and
+/// pipes and devices are written directly.
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
 /// Writes a PNG: a range image over columns and channels as the sensor sees it (upper channels on top, beams to the
 /// left on the left), and below it a bird's-eye view coloured by height, with the x axis upwards. If beams have several
-/// returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges, and
-/// Error(file) if the file cannot be written.
+/// returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges or the
+/// name does not end in .png, and Error(file) if the file cannot be written.
 GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud that writeCloud() wrote. The scan gets the fields of the file except ring, beam,
@@ -59,8 +60,9 @@ GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& f
 /// their order, unless the file states that beams have one; without `beam` they are points of one beam each, unless
 /// there is one for every entry of the grid that the file states. A compact file of several returns does not contain
 /// beams without returns, so its `cause` is left out; if it is NPY or CSV, it does not tell of those behind the last
-/// one with a return. The pose is that of a PCD file, else the identity. Throws Error(file), Error(format), or
-/// Error(invalidArgument) for an extension that cannot be read.
+/// one with a return. PCD states the sensor's pose, and PCD and PLY state Scan::skewed; other files leave the pose
+/// unknown (Scan::poseKnown). Throws Error(file), Error(format), or Error(invalidArgument) for an extension that cannot
+/// be read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// The differences between two clouds of the same beams, counted per beam, or per return if beams have several;
@@ -88,7 +90,8 @@ struct Comparison {
 /// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no
 /// tolerance of its own. If both clouds have points, these may be apart by the tolerance and the rounding of
 /// coordinates: a millionth of the range, or 2^-22 of the distance from the frame's origin if that is more. Throws
-/// Error(invalidArgument) if the clouds do not have the same beams, or for a tolerance that is not a number from 0 on.
+/// Error(invalidArgument) if the clouds do not have the same beams, in the same grid where both know theirs, or for a
+/// tolerance that is not a number from 0 on.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

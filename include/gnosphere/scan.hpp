@@ -202,6 +202,11 @@ struct Scan {
   /// True if the sensor moved during the scan, and points, normals and velocities are in the frames of their columns:
   /// they are not deskewed.
   bool skewed = false;
+  /// False for a cloud of a file that does not state the sensor's pose, of which only PCD does: `pose` is the identity.
+  bool poseKnown = true;
+  /// False for a list of beams in one row, which may be those of any grid, and for a cloud of a file that states one row
+  /// or no grid: `columns` and `channels` are those that its rows suggest.
+  bool gridKnown = true;
   /// Whether the first row (channel 0) is on top, and the first column on the left, in an image of what the sensor
   /// sees. The directions of all beams decide, whatever they hit. For a cloud of a file, which does not state all its
   /// beams, the points decide.
@@ -249,7 +254,8 @@ struct Scan {
 
 /// Returns the scan with its points, normals and velocities in the world frame, to which Scan::pose maps them; the pose
 /// becomes the identity. Coordinates stay in single precision: 1 mm apart at 8 km from the world's origin. Throws
-/// Error(invalidArgument) if the scan has no points, or if it is skewed; Effects::SensorMotion::deskew avoids this.
+/// Error(invalidArgument) if the scan has no points, if it is skewed, which Effects::SensorMotion::deskew avoids, or if
+/// its pose is not known.
 GNOSPHERE_API Scan inWorld(Scan scan);
 
 }  // namespace gnosphere

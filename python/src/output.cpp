@@ -2,7 +2,6 @@
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
 #include <string_view>
 
-#include "base/text.hpp"
 #include "field_list.hpp"
 #include "output/cloud_format.hpp"
 #include "scan.hpp"
@@ -203,7 +202,6 @@ void bindOutput(nb::module_& m) {
   m.def(
       "write_picture",
       [](const SharedScan& scan, const std::filesystem::path& file) {
-        if (lower(file.extension().string()) != ".png") refuse("write_picture: " + file.string() + " must end in .png");
         const std::shared_ptr<Scan> shared = scan.value;
         const ReleasedGil released;
         writePicture(*shared, file);
@@ -222,8 +220,9 @@ void bindOutput(nb::module_& m) {
       "beam, return_number and return_count, which follow from the index of an entry. With the field `beam` entries "
       "are placed by it, and by `return` if beams have several; without it the points are of one beam each, unless "
       "there is one for every entry of the grid that the file states. A compact file of several returns has no rows "
-      "for beams without any, so its `cause` is left out. The pose is that of a PCD file, else the identity. Raises "
-      "Error(file), Error(format), or Error(invalid_argument) for an extension that cannot be read.");
+      "for beams without any, so its `cause` is left out. PCD states the sensor's pose, and PCD and "
+      "PLY state Scan.skewed; other files leave the pose unknown (Scan.pose_known). Raises Error(file), Error(format), "
+      "or Error(invalid_argument) for an extension that cannot be read.");
   bindComparison(m);
 }
 

@@ -301,6 +301,12 @@ void bindScan(nb::module_& m) {
   readMember(scan, "skewed", &Scan::skewed,
              "True if the sensor moved during the scan, and points, normals and velocities are in the frames of their "
              "columns: they are not deskewed.");
+  readMember(scan, "pose_known", &Scan::poseKnown,
+             "False for a cloud of a file that does not state the sensor's pose, of which only PCD does: `pose` is the "
+             "identity.");
+  readMember(scan, "grid_known", &Scan::gridKnown,
+             "False for a list of beams in one row, which may be those of any grid, and for a cloud of a file that "
+             "states one row or no grid: `columns` and `channels` are those that its rows suggest.");
   readMember(scan, "first_row_on_top", &Scan::firstRowOnTop,
              "Whether the first row (channel 0) is on top in an image of what the sensor sees. The directions of all "
              "beams decide, whatever they hit. For a cloud of a file, which does not state all its beams, the points "
@@ -356,7 +362,8 @@ void bindScan(nb::module_& m) {
       .def("in_world", &inWorldTold,
            "Returns a copy with points, normals and velocities in the world frame, to which `pose` maps them; its pose "
            "is the identity. If the sensor moves during the scan, the scan must be deskewed "
-           "(Effects.SensorMotion.deskew). Coordinates stay float32: 1 mm apart at 8 km from the world's origin. Warns "
+           "(Effects.SensorMotion.deskew). A scan of a file that does not state the pose (pose_known) is refused. "
+           "Coordinates stay float32: 1 mm apart at 8 km from the world's origin. Warns "
            "(UserWarning) if they have steps of 2 mm or more.")
       .def(
           "has", [](const SharedScan& self, const FieldLike& given) { return scanHasField(self, given.field); },

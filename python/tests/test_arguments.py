@@ -209,7 +209,7 @@ def test_files_that_cannot_be_read(tmp_path, simulator, pose):
     with refused(ErrorCode.file, "nowhere"):
         gnosphere.write_cloud(scan, tmp_path / "nowhere" / "cloud.npy")
     for name in ("cloud.jpg", "cloud"):
-        with refused(ErrorCode.invalid_argument, f"write_picture: {tmp_path / name} must end in .png"):
+        with refused(ErrorCode.invalid_argument, f"{tmp_path / name} must end in .png"):
             gnosphere.write_picture(scan, tmp_path / name)
     with refused(ErrorCode.invalid_argument, "velocity"):
         gnosphere.write_cloud(scan, tmp_path / "cloud.npy", gnosphere.CloudOptions([gnosphere.Field.velocity]))

@@ -10,6 +10,7 @@
 
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
+#include "output/picture_file.hpp"
 
 namespace gnosphere {
 namespace {
@@ -98,6 +99,7 @@ int Canvas::textWidth(const std::string& text) {
 }
 
 void Canvas::writePng(const std::filesystem::path& file) const {
+  checkPictureFile(file);
   AtomicFile out(file);
   struct Sink {
     std::string bytes;

@@ -37,7 +37,7 @@ class Canvas {
   /// `y` is the top of the letters; they are 14 pixels high.
   void text(int x, int y, const std::string& text, const Colour& colour);
   static int textWidth(const std::string& text);
-  /// Throws Error(file) if the picture cannot be written.
+  /// Throws Error(invalidArgument) unless the name ends in .png, and Error(file) if the picture cannot be written.
   void writePng(const std::filesystem::path& file) const;
 
  private:

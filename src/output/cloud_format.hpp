@@ -49,5 +49,7 @@ inline constexpr PlyName kPlyNames[] = {{"normal_x", "nx"}, {"normal_y", "ny"}, 
 /// returns per beam if it is more than one.
 inline constexpr const char* kGridComment = "gnosphere columns %u channels %u";
 inline constexpr const char* kGridCommentReturns = "gnosphere columns %u channels %u returns %u";
+/// Ends the numbers of the comment of a cloud whose points are in the frames of their columns.
+inline constexpr const char* kSkewed = " skewed";
 
 }  // namespace gnosphere

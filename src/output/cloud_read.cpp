@@ -34,6 +34,7 @@ constexpr uint32_t kMostReturns = 16;
 struct Grid {
   uint32_t columns = 0, channels = 0;
   bool stated = true;  ///< whether no beam may lie beyond the grid
+  bool known = false;  ///< whether the file states its columns and channels, more than one
 };
 
 uint32_t whole(const CloudTable& table, const CloudColumn& column, size_t row) {
@@ -89,9 +90,10 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
                    " points");
     }
     // If there are fewer points than beams, only the column `beam` tells which beam a point belongs to.
-    if (beam || beams * returns == table.rows) return {table.gridColumns, table.gridChannels};
+    if (beam || beams * returns == table.rows)
+      return {table.gridColumns, table.gridChannels, true, table.gridChannels > 1};
   }
-  if (table.height > 1) return {table.width, table.height};
+  if (table.height > 1) return {table.width, table.height, true, true};
   if (!beam) return {static_cast<uint32_t>(table.rows), 1};
   uint64_t beams = fewest;
   for (size_t row = 0; row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
@@ -322,12 +324,15 @@ CloudFile cloudOf(const CloudTable& table, const Origin& origin) {
   read.floatStep = hasPoints ? table.floatStep(origin) : 0;
   Scan& scan = read.scan;
   scan.sensor = table.sensor;
-  scan.pose = table.pose;
+  scan.skewed = table.skewed;
+  scan.poseKnown = table.pose.has_value();
+  scan.pose = table.pose.value_or(Pose());
   scan.returns = findReturns(table, numbers);
   const Grid grid = findGrid(table, beam, scan.returns);
   read.statesGrid = grid.stated;
   scan.columns = grid.columns;
   scan.channels = grid.channels;
+  scan.gridKnown = grid.known;
   const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
   const Placer placer(table, entryCount, placeRows(table, beam, numbers, beamCount, scan.returns));
   if (hasPoints) placer.placePoints(origin, scan.points);

@@ -196,6 +196,7 @@ void CloudTable::readGridComment(std::string_view line) {
   if (count < 3) gridReturns = 1;
   const size_t name = text.find(" sensor ");
   if (name != text.npos) sensor = text.substr(name + 8);
+  skewed = std::string_view(text).substr(0, name).ends_with(kSkewed);
 }
 
 bool nextLine(std::string_view text, size_t& position, std::string_view& line) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,10 +34,11 @@ struct CloudTable {
   size_t rows = 0;
   /// The organisation of the rows, if the file states one: width x height = rows.
   uint32_t width = 0, height = 0;
-  /// The sensor's grid, if the file has the comment that writeCloud() writes.
+  /// The sensor's grid, its name and Scan::skewed, if the file has the comment that writeCloud() writes.
   uint32_t gridColumns = 0, gridChannels = 0, gridReturns = 1;
   std::string sensor;
-  Pose pose;  ///< the pose of the sensor, if the file states one
+  bool skewed = false;
+  std::optional<Pose> pose;  ///< the pose of the sensor, if the file states one
 
   [[noreturn]] void refuse(const std::string& why) const;  ///< throws Error(format)
   const CloudColumn* find(std::string_view name) const;
@@ -54,7 +56,7 @@ struct CloudTable {
   /// Parses text rows from `offset` on, separated by spaces, tabs or commas. Replaces bytes and columns by those of our
   /// fields, coordinates as doubles.
   void parseTextRows(size_t offset);
-  /// Takes the grid from a comment line if writeCloud() wrote it.
+  /// Takes the grid and what follows it from a comment line if writeCloud() wrote it.
   void readGridComment(std::string_view line);
 
  private:

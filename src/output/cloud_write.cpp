@@ -91,6 +91,7 @@ std::string gridComment(const Scan& scan) {
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
   std::string comment = text;
+  if (scan.skewed) comment.append(kSkewed);
   if (!name.empty()) comment.append(" sensor ").append(name);
   return comment;
 }
@@ -103,10 +104,24 @@ std::string joined(const std::vector<ColumnInfo>& columns, Text text) {
   return out;
 }
 
+/// Refuses fields that files of a fixed layout do not have.
+void checkFixed(const CloudFormat& format, const std::vector<Field>& fields) {
+  constexpr Field kFixed[] = {Field::x, Field::y, Field::z, Field::intensity};
+  for (const Field field : fields)
+    if (std::ranges::count(kFixed, field) == 0)
+      throw Error(ErrorCode::invalidArgument, std::string("files of ") + format.name + " (" + format.ending +
+                                                  ") always have x, y, z and the intensity; they cannot have '" +
+                                                  fieldInfo(field).name + "'");
+}
+
 /// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
 CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions& options) {
   const bool several = scan.returns > 1;
-  if (format.layout) return {Rows(scan, true), format.layout(scan), {}};
+  if (format.layout) {
+    checkFixed(format, options.fields);
+    return {Rows(scan, true), format.layout(scan), {}};
+  }
+  checkOnce(options.fields);
   std::vector<Field> fields = options.fields;
   if (fields.empty()) {
     fields = defaultFields();

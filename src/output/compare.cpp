@@ -30,10 +30,22 @@ std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
   return scan.hit(entry) || scan.returned(entry) ? std::optional(entry) : std::nullopt;
 }
 
+[[noreturn]] void refuseBeams(const std::string& ofReference, const std::string& ofOther) {
+  throw Error(ErrorCode::invalidArgument,
+              "the clouds are not of the same beams: the reference has " + ofReference + ", the other " + ofOther);
+}
 [[noreturn]] void refuseBeams(const Scan& reference, const Scan& other) {
-  throw Error(ErrorCode::invalidArgument, "the clouds are not of the same beams: the reference has " +
-                                              std::to_string(reference.beamCount()) + ", the other " +
-                                              std::to_string(other.beamCount()));
+  refuseBeams(std::to_string(reference.beamCount()), std::to_string(other.beamCount()));
+}
+
+/// Refuses clouds whose grids are known and differ, whose beams of one number are different beams.
+void checkGrids(const Scan& reference, const Scan& other) {
+  if (!reference.gridKnown || !other.gridKnown) return;
+  if (reference.columns == other.columns && reference.channels == other.channels) return;
+  const auto textOf = [](const Scan& scan) {
+    return std::to_string(scan.channels) + " channels of " + std::to_string(scan.columns) + " columns";
+  };
+  refuseBeams(textOf(reference), textOf(other));
 }
 
 /// An error of a return that both clouds have; one that is no number is infinite, such as that of a hit without a
@@ -88,6 +100,7 @@ void ComparisonSum::add(const CloudFile& reference, const CloudFile& other) {
 }
 
 void ComparisonSum::addBeams(const Scan& reference, const Scan& other) {
+  checkGrids(reference, other);
   checkFields(reference, "the reference cloud");
   checkFields(other, "the other cloud");
   const size_t beams = std::max(reference.beamCount(), other.beamCount());

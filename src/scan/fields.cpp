@@ -121,6 +121,12 @@ const std::vector<Field>& defaultFields() {
   return fields;
 }
 
+void checkOnce(std::span<const Field> fields) {
+  for (auto field = fields.begin(); field != fields.end(); ++field)
+    if (std::find(fields.begin(), field, *field) != field)
+      throw Error(ErrorCode::invalidArgument, std::string("field '") + fieldInfo(*field).name + "' is asked for twice");
+}
+
 std::vector<Field> parseFields(const std::string& names) {
   std::vector<Field> fields;
   for (size_t begin = 0; begin <= names.size();) {
@@ -141,12 +147,10 @@ std::vector<Field> parseFields(const std::string& names) {
                       (doppler ? "the speed along the beam is radial_speed" : nearestText(name, all)) +
                       "; docs/api.md and gnosphere scan --help list all");
     }
-    if (std::find(fields.begin(), fields.end(), *known) != fields.end()) {
-      throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");
-    }
     fields.push_back(*known);
     begin = end + 1;
   }
+  checkOnce(fields);
   return fields;
 }
 

@@ -42,6 +42,8 @@ std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields);
 /// Finds a field by its name, or by that of its enumerator as Python spells it, which differs for `return_number`,
 /// `return_count` and `class_id`. The name must be in lower case.
 std::optional<Field> findField(std::string_view name);
+/// Throws Error(invalidArgument) if a field stands in the list twice.
+void checkOnce(std::span<const Field> fields);
 /// Finds a column by name, ignoring case; null if the name is unknown.
 const ColumnInfo* findColumn(std::string_view name);
 

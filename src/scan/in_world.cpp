@@ -26,6 +26,9 @@ Scan inWorld(Scan scan) {
     throw Error(
         ErrorCode::invalidArgument,
         "the sensor moved during the scan, whose columns have frames of their own; scan with sensor-motion.deskew");
+  if (!scan.poseKnown)
+    throw Error(ErrorCode::invalidArgument,
+                "the file that the scan was read from does not state the sensor's pose; PCD files do, so write one");
   const Vec3 one = {1, 1, 1};
   map(composed(scan.pose.position, scan.pose.orientation, one), scan.points.data(), entries);
   const Transform rotation = composed({}, scan.pose.orientation, one);

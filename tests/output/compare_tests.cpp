@@ -406,6 +406,19 @@ TEST_CASE("clouds of different beams, or without the arrays to compare, are refu
   const Scan reference = street();
   CHECK_THROWS_WITH(compare(reference, syntheticScan(builtinSensor("VLP-32"))),
                     ContainsSubstring("28800") && ContainsSubstring("115200"));
+  const auto wall = [](uint32_t columns, uint32_t channels) {
+    return syntheticScan(Sensor{"grid", columns, std::vector<Channel>(channels), 0, 100});
+  };
+  const Scan one = wall(360, 1), two = wall(180, 2);
+  CHECK_THROWS_WITH(compare(one, two),
+                    ContainsSubstring("1 channels of 360 columns") && ContainsSubstring("2 channels of 180 columns"));
+  const test::Folder folder;  // a file without the grid has the beams of any
+  CloudOptions options;
+  options.fields = parseFields("x,y,z,range,triangle,instance");
+  writeCloud(two, folder / "two.csv", options);
+  const Scan list = readCloud(folder / "two.csv");
+  CHECK_FALSE(list.gridKnown);
+  CHECK(compare(two, list).same());
   Scan poor = reference;
   poor.triangles.clear();
   CHECK_THROWS_WITH(compare(reference, poor), ContainsSubstring("the other cloud") && ContainsSubstring("triangle"));

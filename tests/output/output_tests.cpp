@@ -83,6 +83,51 @@ TEST_CASE("a PCD file states the pose of its scan, which is read back to the bit
   CHECK_THAT(bytesOf(folder / "world.pcd"), ContainsSubstring("\nVIEWPOINT 0 0 0 1 0 0 0\n"));
 }
 
+TEST_CASE("a cloud of a file whose pose is not known, or whose columns have frames of their own, is not in the world") {
+  const Folder folder;
+  Scan scan = tiny();
+  scan.pose.position.x = 10;
+  for (const char* name : {"a.ply", "a.npy", "a.csv"}) {
+    INFO(name);
+    writeCloud(scan, folder / name);
+    const Scan read = readCloud(folder / name);
+    CHECK_FALSE(read.poseKnown);
+    CHECK_THROWS_WITH(inWorld(read), ContainsSubstring("does not state the sensor's pose"));
+  }
+  writeCloud(scan, folder / "a.pcd");
+  CHECK(inWorld(readCloud(folder / "a.pcd")).points[0] == scan.points[0] + 10);
+  std::ofstream(folder / "b.pcd") << "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n";
+  CHECK_FALSE(readCloud(folder / "b.pcd").poseKnown);
+
+  scan.skewed = true;
+  for (const uint32_t returns : {1u, 2u})
+    for (const char* name : {"a.pcd", "a.ply"}) {
+      INFO(name);
+      scan.returns = returns;
+      scan.channels = 2 / returns;  // of six entries
+      writeCloud(scan, folder / name);
+      const Scan read = readCloud(folder / name);
+      CHECK(read.skewed);
+      CHECK(read.sensor == scan.sensor);
+      CHECK_THROWS_WITH(inWorld(read), ContainsSubstring("the sensor moved during the scan"));
+    }
+}
+
+TEST_CASE("a file that no reader would take is refused before it is written") {
+  const Folder folder;
+  const Scan scan = tiny();
+  for (const char* name : {"a.pcd", "a.ply", "a.npy", "a.csv"}) {
+    CloudOptions options;
+    options.fields = {Field::range, Field::beam, Field::range};
+    CHECK_THROWS_WITH(writeCloud(scan, folder / name, options), ContainsSubstring("field 'range' is asked for twice"));
+  }
+  CloudOptions options;
+  options.fields = {Field::x, Field::range};
+  CHECK_THROWS_WITH(writeCloud(scan, folder / "a.bin", options), ContainsSubstring("cannot have 'range'"));
+  CHECK_THROWS_WITH(writePicture(scan, folder / "a.jpg"), ContainsSubstring("a.jpg must end in .png"));
+  CHECK(folder.fileCount() == 0);
+}
+
 TEST_CASE("ASCII PCD and CSV are readable text with one line per beam") {
   const Folder folder;
   CloudOptions options;

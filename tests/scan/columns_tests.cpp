@@ -74,7 +74,7 @@ TEST_CASE("every field has a name, a type and components, and parses back from i
 TEST_CASE("a field is named by its column or by its enumerator") {
   CHECK(parseFields("return_number, RETURN_COUNT,class_id") ==
         std::vector<Field>{Field::returnNumber, Field::returnCount, Field::classId});
-  CHECK_THROWS_WITH(parseFields("class,class_id"), ContainsSubstring("'class_id' is asked for twice"));
+  CHECK_THROWS_WITH(parseFields("class,class_id"), ContainsSubstring("'class' is asked for twice"));
 }
 
 TEST_CASE("a scan without entries has the fields that every scan has, and those that were made") {

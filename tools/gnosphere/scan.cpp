@@ -20,6 +20,7 @@
 #include "max_error.hpp"
 #include "no_hits.hpp"
 #include "output/cloud_format.hpp"
+#include "output/picture_file.hpp"
 #include "scan/coarse_points.hpp"
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
@@ -73,9 +74,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
                   "--fields: only --device reference gives '" + std::string(fieldInfo(field).name) + "'");
     }
   }
-  if (!options.image.empty() && lower(pathOf(options.image).extension().string()) != ".png") {
-    throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
-  }
+  if (!options.image.empty()) checkPictureFile(pathOf(options.image));
   const auto asciiChanges = [](const std::string& file) {
     return cloudFormat(pathOf(file)).text == CloudFormat::Text::ifAsked;
   };
@@ -192,8 +191,11 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
     mapped = inWorld(scan);
     warned = warned || warnOfSteps(*mapped);
   }
-  for (const std::string& output : options.outputs)
-    writeCloud(mapped ? *mapped : scan, pathOf(fileOf(options, output, number)), cloud);
+  for (const std::string& output : options.outputs) {
+    CloudOptions chosen = cloud;
+    if (cloudFormat(pathOf(output)).layout) chosen.fields.clear();  // they are those of the other outputs
+    writeCloud(mapped ? *mapped : scan, pathOf(fileOf(options, output, number)), chosen);
+  }
   if (!options.image.empty()) writePicture(scan, pathOf(fileOf(options, options.image, number)));
 }
 

@@ -6,11 +6,11 @@
 
 #include "base/file.hpp"
 #include "base/path.hpp"
-#include "base/text.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "output/pattern_picture.hpp"
+#include "output/picture_file.hpp"
 #include "scanning.hpp"
 #include "sensor/beams.hpp"
 
@@ -184,8 +184,7 @@ int runSensors(const SensorsOptions& options) {
     listCatalogue();
     return 0;
   }
-  if (!options.image.empty() && lower(pathOf(options.image).extension().string()) != ".png")
-    throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
+  if (!options.image.empty()) checkPictureFile(pathOf(options.image));
   for (const std::string& file : {options.beams, options.image})
     if (!file.empty()) checkWritable(pathOf(file));
   const BuiltInHead head = builtInHead(options.name);
