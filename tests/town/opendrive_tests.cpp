@@ -347,6 +347,147 @@ TEST_CASE(
   }
 }
 
+/// The distance by which the surface ends short of or beyond a point, along a direction away from the road (metres).
+double edgeError(const std::vector<Triangle>& triangles, const Vec3& edge, const Vec3& outwards) {
+  constexpr double kFar = 0.6, kStep = 0.0025;
+  double reached = -kFar;
+  for (double out = -kFar; out < kFar; out += kStep) {
+    const Vec3 p = edge + out * outwards;
+    if (std::isfinite(heightAt(triangles, p.x, p.y))) reached = out;
+  }
+  return std::abs(reached);
+}
+
+/// A road with one lane to its right along straight geometries from corner to corner.
+Road roadOfLines(const std::vector<Vec3>& corners, double width) {
+  Road road = straightRoad("1", 0, 0);
+  road.geometries.clear();
+  road.length = 0;
+  for (size_t i = 1; i < corners.size(); ++i) {
+    const Vec3 way = corners[i] - corners[i - 1];
+    Geometry line = curve(Shape::line, std::sqrt(dot(way, way)));
+    line.s = road.length;
+    line.start = corners[i - 1];
+    line.heading = std::atan2(way.y, way.x);
+    road.geometries.push_back(line);
+    road.length += line.length;
+  }
+  LaneSection& section = road.sections[0];
+  section.end = road.length;
+  section.lanes.erase(section.lanes.begin());
+  section.lanes[1].width = {{0, width}};
+  return road;
+}
+
+TEST_CASE("where geometries of a reference line meet at an angle, the edges of lanes meet in a corner") {
+  for (const double degrees : {30.0, -30.0, 70.0}) {
+    const double angle = degrees * M_PI / 180, joint = 10.5, width = 3.5;
+    const Vec3 after = {std::cos(angle), std::sin(angle), 0};
+    const Road road = roadOfLines({{0, 0, 0}, {joint, 0, 0}, Vec3{joint, 0, 0} + 30 * after}, width);
+    const std::vector<Triangle> triangles = trianglesOf(roadPieces(road));
+    // The right edges of the two straight parts cross at the corner, on the line that halves the angle.
+    const Vec3 corner = Vec3{joint, 0, 0} + width * Vec3{std::tan(angle / 2), -1, 0};
+    CAPTURE(degrees);
+    double worst = 0;
+    for (double x = 0.5; x < corner.x; x += 0.37)
+      worst = std::max(worst, edgeError(triangles, {x, -width, 0}, {0, -1, 0}));
+    for (double way = 0.05; way < 20; way += 0.37)
+      worst = std::max(worst, edgeError(triangles, corner + way * after, {after.y, -after.x, 0}));
+    CHECK(worst < 0.02);
+    double area = 0;
+    for (const Triangle& triangle : triangles) {
+      CHECK(triangle.plan() > -1e-6);  // none is seen from below
+      area += triangle.plan() / 2;
+    }
+    CHECK(std::abs(area - width * (joint + 30 + width * std::tan(angle / 2))) < 0.01);
+  }
+}
+
+TEST_CASE(
+    "a bend that is written as short lines has the edge of the circle, and no cross-sections that it does not need") {
+  constexpr double kRadius = 8, kWidth = 3;
+  for (const int count : {12, 24, 900}) {
+    std::vector<Vec3> corners;
+    for (int i = 0; i <= count; ++i) {
+      const double angle = i * M_PI / 2 / count;
+      corners.push_back({kRadius * std::sin(angle), kRadius * (1 - std::cos(angle)), 0});
+    }
+    const Road road = roadOfLines(corners, kWidth);
+    const std::vector<Triangle> triangles = trianglesOf(roadPieces(road));
+    // A line of this bend is up to this far inside of the circle.
+    const double sagitta = (kRadius + kWidth) * (1 - std::cos(M_PI / 4 / count));
+    double worst = 0;
+    for (double angle = 0.1; angle < 1.5; angle += 0.02) {
+      const Vec3 out = {std::sin(angle), -std::cos(angle), 0};
+      worst = std::max(worst, edgeError(triangles, Vec3{0, kRadius, 0} + (kRadius + kWidth) * out, out));
+    }
+    CAPTURE(count);
+    CHECK(worst < 0.02 + sagitta);
+    CHECK(stations(road, 0, road.length).size() < 50);
+  }
+  // Joints without an angle need no cross-section.
+  std::vector<Vec3> straight;
+  for (int i = 0; i <= 1000; ++i) straight.push_back({0.09 * i, 0, 0});
+  CHECK(stations(roadOfLines(straight, 3), 0, 90).size() == stations(straightRoad("1", 0, 90), 0, 90).size());
+}
+
+TEST_CASE("the edges of tapers, of lane offsets and of wide lanes in bends are within 2 cm of their curves") {
+  constexpr double kStart = 31, kWidth = 3.5;
+  for (const double length : {4.0, 6.0, 10.0}) {
+    const double c = 3 * kWidth / (length * length), d = -2 * kWidth / (length * length * length);
+    const Profile taper = {{0, kWidth}, {kStart, kWidth, 0, c, d}, {kStart + length, 2 * kWidth}};
+    for (const int kind : {0, 1, 2}) {
+      Road road = straightRoad("1", 0, 60);
+      Lane& right = road.sections[0].lanes[2];
+      if (kind == 0) right.width = taper;
+      if (kind == 1) {
+        right.width.clear();
+        right.border = taper;
+      }
+      if (kind == 2) {
+        road.laneOffset = taper;
+        for (Cubic& cubic : road.laneOffset) {
+          cubic.a = -cubic.a + kWidth;
+          cubic.c = -cubic.c;
+          cubic.d = -cubic.d;
+        }
+      }
+      const std::vector<Triangle> triangles = trianglesOf(roadPieces(road));
+      double worst = 0;
+      for (double s = kStart - 1; s < kStart + length + 1; s += 0.1) {
+        const double in = std::clamp(s - kStart, 0.0, length), slope = in * (2 * c + 3 * d * in);
+        const Vec3 out = {-slope / std::hypot(1, slope), -1 / std::hypot(1, slope), 0};
+        worst = std::max(worst, edgeError(triangles, {s, -(kWidth + in * in * (c + d * in)), 0}, out));
+      }
+      CAPTURE(length, kind);
+      CHECK(worst < 0.025);  // 2 cm, and a step of the search
+    }
+  }
+  // Twelve metres outside of a bend of 12 m, the edge is a circle of 24 m.
+  Road road = straightRoad("1", 0, 18);
+  road.geometries = {curve(Shape::arc, 18, 1 / 12.0, 1 / 12.0)};
+  road.sections[0].lanes[2].width = {{0, 12}};
+  const std::vector<Triangle> triangles = trianglesOf(roadPieces(road));
+  double worst = 0;
+  for (double angle = 0.1; angle < 1.4; angle += 0.01) {
+    const Vec3 out = {std::sin(angle), -std::cos(angle), 0};
+    worst = std::max(worst, edgeError(triangles, Vec3{0, 12, 0} + 24 * out, out));
+  }
+  CHECK(worst < 0.025);
+  // A superelevation that changes its rate bends the edges of a wide road.
+  Road banked = straightRoad("1", 0, 30);
+  banked.superelevation = {{0, 0}, {10, 0, 0, 0.008, -0.0004}, {20, 0.4, 0.04}};
+  for (Lane& lane : banked.sections[0].lanes)
+    if (lane.id != 0) lane.width = {{0, 14}};
+  const std::vector<Triangle> surface = trianglesOf(roadPieces(banked));
+  worst = 0;
+  for (double s = 10.05; s < 20; s += 0.05) {
+    const double roll = 0.008 * (s - 10) * (s - 10) - 0.0004 * std::pow(s - 10, 3), t = 13.99;
+    worst = std::max(worst, std::abs(heightAt(surface, s, t * std::cos(roll)) - t * std::sin(roll)));
+  }
+  CHECK(worst < 0.025);
+}
+
 TEST_CASE("a junction has the heights of the connecting road, and no step where other roads meet it") {
   constexpr double kStart = 50, kEnd = 81.3;  // metres: where the connecting road C lies between the roads A and B
   for (const auto& [slope, bend, roll, width] :

@@ -182,7 +182,7 @@ class JunctionSurface {
       if (first >= last) continue;
       for (double s : stations(road, first, last)) {
         const auto [left, right] = edgesAt(section, laneEdges(road, section, s));
-        const RoadFrame frame = road.frame(s);
+        const RoadFrame frame = crossSection(road, s);
         strip.push_back({s, frame.point(left) - origin_, frame.point(right) - origin_, frame.along});
       }
     }

@@ -50,22 +50,6 @@ const LaneSection& Road::sectionAt(double s) const {
   return next == sections.begin() ? *next : next[-1];
 }
 
-double Road::largestCurvature(double from, double to) const {
-  double largest = 0;
-  for (const Geometry& geometry : geometries)
-    if (geometry.s < to && geometry.s + geometry.length > from)
-      largest = std::max(largest, geometry.largestCurvature());
-  for (size_t i = 0; i < elevation.size(); ++i) {
-    const Cubic& cubic = elevation[i];
-    const double first = std::max(from, cubic.start);
-    const double last = i + 1 < elevation.size() ? std::min(to, elevation[i + 1].start) : to;
-    if (first >= last) continue;
-    for (double s : {first, last})  // the second derivative is linear in s
-      largest = std::max(largest, std::abs(2 * cubic.c + 6 * cubic.d * (s - cubic.start)));
-  }
-  return largest;
-}
-
 std::vector<double> laneEdges(const Road& road, const LaneSection& section, double s) {
   // Lane offsets jump where sections change, so at a section's end the offset just inside it is used.
   const double inset = std::min(1e-6, (section.end - section.s) / 2);

@@ -71,8 +71,6 @@ struct Road {
 
   RoadFrame frame(double s) const;
   const LaneSection& sectionAt(double s) const;
-  /// Returns an upper bound of the curvature of the reference line, in plan and in elevation.
-  double largestCurvature(double from, double to) const;
   /// Whether traffic on a lane goes towards larger s.
   bool isForward(const Lane& lane) const { return ((lane.id < 0) != leftHand) != lane.reversed; }
 };

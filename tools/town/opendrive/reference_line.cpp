@@ -118,18 +118,4 @@ CurvePoint Geometry::at(double ds) const {
   }
 }
 
-double Geometry::largestCurvature() const {
-  if (shape == Shape::line) return 0;
-  if (shape == Shape::arc || shape == Shape::spiral) return std::max(std::abs(curvature), std::abs(curvatureAtEnd));
-  double largest = 0;  // largest change of direction between two samples
-  constexpr int kSamples = 16;
-  Vec3 before = at(0).along;
-  for (int i = 1; i <= kSamples; ++i) {
-    const Vec3 along = at(length * i / kSamples).along;
-    largest = std::max(largest, lengthOf(along - before) * kSamples / length);
-    before = along;
-  }
-  return largest;
-}
-
 }  // namespace gnosphere::town::opendrive

@@ -40,8 +40,6 @@ struct Geometry {
 
   /// Returns the point `ds` metres along it.
   CurvePoint at(double ds) const;
-  /// Returns the largest absolute curvature in it, or an upper bound from samples.
-  double largestCurvature() const;
 };
 
 }  // namespace gnosphere::town::opendrive

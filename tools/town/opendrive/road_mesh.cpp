@@ -176,6 +176,136 @@ class Panel {
   const Cut* cuts_[2];
 };
 
+/// Where a part of a road is cut into cross-sections.
+class Stations {
+ public:
+  Stations(const Road& road, double from, double to) : road_(road), from_(from), to_(to) {}
+
+  std::vector<double> list() {
+    addBreaks();
+    addJoints();
+    std::vector<double> fixed;
+    for (const Break& each : breaks_) fixed.push_back(each.s);
+    for (double panel = std::ceil(from_ / kPanel) * kPanel; panel < to_; panel += kPanel) {
+      const auto next = std::lower_bound(breaks_.begin(), breaks_.end(), panel,
+                                         [](const Break& each, double s) { return each.s < s; });
+      if (next == breaks_.begin() || next == breaks_.end()) continue;
+      if (panel > next[-1].s + next[-1].reach && panel < next->s - next->reach) fixed.push_back(panel);
+    }
+    std::sort(fixed.begin(), fixed.end());
+    for (size_t i = 0; i + 1 < fixed.size(); ++i) {
+      stations_.push_back(fixed[i]);
+      refine(fixed[i], fixed[i + 1]);
+    }
+    stations_.push_back(to_);
+    return std::move(stations_);
+  }
+
+ private:
+  static constexpr double kSame = 1e-3;      // metres: breaks that are closer together than this are one
+  static constexpr double kApart = 0.05;     // metres: the least distance of other stations from a break
+  static constexpr double kShortest = 0.15;  // metres between stations, but for breaks and joints
+
+  /// A station that a road needs, and how many metres other stations keep away from it.
+  struct Break {
+    double s = 0, reach = kApart;
+  };
+
+  void addBreak(double s, double reach = kApart) {
+    if (s > from_ + kSame && s < to_ - kSame) breaks_.push_back({s, reach});
+  }
+
+  void addBreaks() {
+    const auto addStarts = [&](const Profile& profile, double start) {
+      for (const Cubic& cubic : profile) addBreak(start + cubic.start);
+    };
+    for (const Profile* profile : {&road_.elevation, &road_.superelevation, &road_.laneOffset}) addStarts(*profile, 0);
+    for (const LaneSection& section : road_.sections) {
+      if (section.end < from_ || section.s > to_) continue;
+      for (const Lane& lane : section.lanes) {
+        for (const Profile* profile : {&lane.width, &lane.border, &lane.inner, &lane.outer})
+          addStarts(*profile, section.s);
+        for (const RoadMark& mark : lane.marks) addBreak(section.s + mark.start);
+      }
+    }
+  }
+
+  /// Notes the joints of geometries. Joints that shift the edges of lanes by more than kApart are breaks: behind the
+  /// mitre, a cross-section would lie in the other geometry's part of the road.
+  void addJoints() {
+    for (size_t i = 1; i < road_.geometries.size(); ++i) {
+      const double s = road_.geometries[i].s;
+      if (s < from_ + kSame || s > to_ - kSame || (!joints_.empty() && s < joints_.back() + kSame)) continue;
+      joints_.push_back(s);
+      const RoadFrame frame = crossSection(road_, s);
+      const std::vector<double> edges = laneEdges(road_, road_.sectionAt(s), s);
+      const double length = lengthOf(frame.left);  // 1 / cos(half the angle)
+      const double tangent = std::sqrt(std::max(length * length - 1, 0.0));
+      const double reach = tangent * std::max(std::abs(edges.front()), std::abs(edges.back()));
+      if (reach > kApart) addBreak(s, reach);
+    }
+    breaks_.push_back({from_});
+    std::sort(breaks_.begin(), breaks_.end(),
+              [](const Break& a, const Break& b) { return a.s != b.s ? a.s < b.s : a.reach > b.reach; });
+    breaks_.erase(
+        std::unique(breaks_.begin(), breaks_.end(), [](const Break& a, const Break& b) { return b.s - a.s < kSame; }),
+        breaks_.end());
+    breaks_.push_back({to_});
+  }
+
+  /// Returns the points of a section's edges on its cross-section at `s`.
+  std::vector<Vec3> edgesAt(const LaneSection& section, double s) const {
+    const RoadFrame frame = crossSection(road_, s);
+    std::vector<Vec3> points;
+    for (double t : laneEdges(road_, section, s)) points.push_back(frame.point(t));
+    return points;
+  }
+
+  /// Adds the stations between two of them that keep edges within kSagitta of their chords.
+  void refine(double from, double to) {
+    const bool isLong = to - from > 2 * kShortest;
+    const auto first = std::upper_bound(joints_.begin(), joints_.end(), from + kSame);
+    const auto last = std::lower_bound(first, joints_.end(), to - kSame);
+    std::vector<double> samples(first, last);
+    if (isLong)
+      for (double share : {0.5, 0.25, 0.75}) samples.push_back(from + share * (to - from));
+    if (samples.empty()) return;
+    const LaneSection& section = road_.sectionAt((from + to) / 2);
+    const std::vector<Vec3> before = edgesAt(section, from), after = edgesAt(section, to);
+    double worst = kSagitta;
+    const double* cut = nullptr;
+    for (const double& s : samples) {
+      const std::vector<Vec3> here = edgesAt(section, s);
+      for (size_t i = 0; i < here.size(); ++i) {
+        const double off = distanceFromChord(here[i], before[i], after[i]);
+        if (off <= worst) continue;
+        worst = off;
+        cut = &s;
+      }
+    }
+    if (!cut) return;
+    const bool isJoint = cut < samples.data() + (last - first);
+    if (!isJoint && !isLong) return;
+    const double s = isJoint ? *cut : (from + to) / 2;
+    refine(from, s);
+    stations_.push_back(s);
+    refine(s, to);
+  }
+
+  /// Returns the distance from the line through two points. Next to a mitre points of an edge may lie behind the ends.
+  static double distanceFromChord(const Vec3& p, const Vec3& from, const Vec3& to) {
+    const Vec3 chord = to - from, way = p - from;
+    const double square = dot(chord, chord);
+    return lengthOf(way - (square > 0 ? dot(way, chord) / square : 0) * chord);
+  }
+
+  const Road& road_;
+  double from_, to_;
+  std::vector<Break> breaks_;     // ascending, with from_ and to_
+  std::vector<double> joints_;    // where geometries of the reference line meet
+  std::vector<double> stations_;  // the result
+};
+
 /// Closes the end of a road without a successor, so that its surface cannot be seen from below.
 void addCap(MeshBuilder& builder, const Vec3& origin, const Cut& cut, bool atStart) {
   const double left = cut.edges.front(), right = cut.edges.back();
@@ -201,44 +331,23 @@ std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vec
   return lanes;
 }
 
-std::vector<double> stations(const Road& road, double from, double to) {
-  constexpr double kSame = 1e-3;   // metres: breaks that are closer together than this are one
-  constexpr double kApart = 0.05;  // metres: the least distance of other stations from a break
-  std::vector<double> breaks = {from};
-  const auto addBreak = [&](double s) {
-    if (s > from + kSame && s < to - kSame) breaks.push_back(s);
-  };
-  const auto addBreaks = [&](const Profile& profile, double start) {
-    for (const Cubic& cubic : profile) addBreak(start + cubic.start);
-  };
-  for (const Profile* profile : {&road.elevation, &road.superelevation, &road.laneOffset}) addBreaks(*profile, 0);
-  for (const LaneSection& section : road.sections) {
-    if (section.end < from || section.s > to) continue;
-    for (const Lane& lane : section.lanes) {
-      for (const Profile* profile : {&lane.width, &lane.border, &lane.inner, &lane.outer})
-        addBreaks(*profile, section.s);
-      for (const RoadMark& mark : lane.marks) addBreak(section.s + mark.start);
-    }
-  }
-  std::sort(breaks.begin(), breaks.end());
-  breaks.erase(std::unique(breaks.begin(), breaks.end(), [](double a, double b) { return b - a < kSame; }),
-               breaks.end());
-  breaks.push_back(to);
+RoadFrame crossSection(const Road& road, double s) {
+  constexpr double kBefore = 1e-6;  // metres: so far before a joint the geometry before it still applies
+  constexpr double kSmooth = 1e-4;  // radians: a smaller angle between geometries is rounding, or a bend
+  constexpr double kLongest = 2;    // the longest mitre: of geometries that meet at 120 degrees
+  RoadFrame frame = road.frame(s);
+  const Vec3 before = road.frame(std::max(s - kBefore, 0.0)).along;
+  if (lengthOf(frame.along - before) < kSmooth) return frame;
+  // Half the sum of unit vectors is as long as the cosine of half the angle between them.
+  const Vec3 half = 0.5 * (before + frame.along);
+  const double cosineOfHalf = std::max(lengthOf(half), 1 / kLongest), level = lengthOf(frame.left.x, frame.left.y);
+  frame.along = lengthOf(half) > kSmooth ? normalized(half) : frame.along;
+  frame.left = level / cosineOfHalf * Vec3{-frame.along.y, frame.along.x, 0} + Vec3{0, 0, frame.left.z};
+  return frame;
+}
 
-  std::vector<double> list = breaks;
-  for (double panel = std::floor(from / kPanel) * kPanel; panel < to; panel += kPanel) {
-    const double curvature = road.largestCurvature(panel, panel + kPanel);
-    const double step = curvature > 0 ? std::sqrt(8 * kSagitta / curvature) : kPanel;
-    const int parts = std::clamp(static_cast<int>(std::ceil(kPanel / step)), 1, 10);
-    for (int i = 0; i < parts; ++i) {
-      const double s = panel + kPanel * i / parts;
-      const auto next = std::lower_bound(breaks.begin(), breaks.end(), s);
-      if (next != breaks.begin() && next != breaks.end() && s > next[-1] + kApart && s < *next - kApart)
-        list.push_back(s);
-    }
-  }
-  std::sort(list.begin(), list.end());
-  return list;
+std::vector<double> stations(const Road& road, double from, double to) {
+  return Stations(road, from, to).list();
 }
 
 void addPatch(MeshBuilder& builder, Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -263,11 +372,11 @@ std::vector<GroundPiece> roadPieces(const Road& road) {
       const Vec3 at = road.frame(from).at;
       const Vec3 origin = {std::round(at.x), std::round(at.y), std::round(at.z)};
       MeshBuilder builder;
-      Cut before = {from, road.frame(from), laneEdges(road, section, from)};
+      Cut before = {from, crossSection(road, from), laneEdges(road, section, from)};
       if (from == 0 && road.predecessor.kind == RoadLink::nothing) addCap(builder, origin, before, true);
       const std::vector<double> cuts = stations(road, from, to);
       for (size_t k = 1; k < cuts.size(); ++k) {
-        Cut cut = {cuts[k], road.frame(cuts[k]), laneEdges(road, section, cuts[k])};
+        Cut cut = {cuts[k], crossSection(road, cuts[k]), laneEdges(road, section, cuts[k])};
         Panel(builder, origin, section, before, cut).add();
         before = std::move(cut);
       }

@@ -25,9 +25,15 @@ struct VisibleLane {
 /// Returns the lanes of a section that have a surface at `s`, from left to right, without gaps between them.
 std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vector<double>& edges);
 
-/// Returns where a road is cut into cross-sections: every three metres, more often in bends, crests and sags, where an
-/// entry of its profiles, of its lanes' profiles or of their marks starts, and at `from` and `to`.
+/// Returns where a road is cut into cross-sections: every three metres, where an entry of its profiles, of its lanes'
+/// profiles or of their marks starts, at `from` and `to`, and between these wherever an edge of a lane would otherwise
+/// be more than 2 cm off its chord: in bends and tapers, on crests, and where geometries of the reference line meet at
+/// an angle.
 std::vector<double> stations(const Road& road, double from, double to);
+
+/// Returns the axes of the cross-section at `s`. Where geometries of the reference line meet at an angle it halves this
+/// angle, and `left` is longer than 1, so that the edges of lanes before and after it meet in a corner (a mitre).
+RoadFrame crossSection(const Road& road, double s);
 
 /// Adds a quad, or a triangle or nothing if corners coincide.
 void addPatch(MeshBuilder& builder, Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
