@@ -73,6 +73,21 @@ TEST_CASE("a drive through a town needs a name of the town that JSON can have") 
   CHECK(place.files() == std::vector<std::string>{"floor.obj"});
 }
 
+TEST_CASE("the offset of a network's header is printed, and so are warnings of the file") {
+  const Workplace place;
+  const std::string road =
+      "<road id='1' length='100' junction='-1'><link><successor elementType='road' elementId='7'/></link><planView>"
+      "<geometry s='0' x='0' y='0' hdg='0' length='100'><line/></geometry></planView><lanes>"
+      "<laneSection s='0'><center><lane id='0'/></center><right><lane id='-1' type='driving'>"
+      "<width sOffset='0' a='3.5' b='0' c='0' d='0'/></lane></right></laneSection></lanes></road></OpenDRIVE>";
+  place.put("moved.xodr", "<OpenDRIVE><header><offset x='649187.87' y='5318235.61' z='-0' hdg='0'/></header>" + road);
+  place.put("plain.xodr", "<OpenDRIVE><header><offset x='0' y='0' z='0' hdg='0'/></header>" + road);
+  const Result moved = place.run("town -o town.glb --triangles 5000 --xodr moved.xodr");
+  CHECK_THAT(moved.out, ContainsSubstring("offset     x 649187.87, y 5318235.61, z 0 m, of the file's header"));
+  CHECK_THAT(moved.err, ContainsSubstring("warning: road 1: it is linked to road 7, which the file lacks"));
+  CHECK(place.run("town -o town.glb --triangles 5000 --xodr plain.xodr").out.find("offset") == std::string::npos);
+}
+
 TEST_CASE("the cars of a network's example drive keep to the middle of their lane in tight bends") {
   const Workplace place;
   place.put("circle.xodr",

@@ -609,6 +609,15 @@ TEST_CASE("a mistake in a file is reported in one line with the file, the road a
       {"s=\"50\" x", "s=\"5\" x",
        "road 2: its reference line is known up to 50 m, and the next <geometry> begins at 5 m"},
       {"length=\"80\" id", "length=\"90\" id", "road 1: its reference line is known up to 80 m, and it ends at 90 m"},
+      {"length=\"120\" id=\"3\"", "length=\"120\" id=\"1\"",
+       "road 1: its id is that of another one; give each its own"},
+      {"<right><lane id=\"-1\"", "<right><lane id=\"3\"", "road 1: a <laneSection> has lane 3 in its <right>; ids are"},
+      {"<left><lane id=\"2\"", "<left><lane id=\"-9\"", "road 1: a <laneSection> has lane -9 in its <left>; ids are"},
+      {"<laneSection s=\"60\">", "<laneSection s=\"99\">",
+       "road 1: a <laneSection> begins at 99 m, and the road ends at 80 m"},
+      {"a=\"3.5\"", "a=\"-3.5\"", "road 1: driving lane 1 has a width of -3.5 m"},
+      {"<width sOffset=\"0\" a=\"3.5\" b=\"0\" c=\"0\" d=\"0\"/>", "",
+       "road 1: driving lane 1 has neither a <width> nor a <border>"},
       {"elementType=\"road\"", "elementType=\"rail\"", "road 2: it is linked to a \"rail\""},
       {"</OpenDRIVE>", "", "invalid XML"},
       {"<laneLink from=\"-1\"", "<laneLink from=\"\"", "junction 100: <laneLink> has from=\"\""},
@@ -625,6 +634,65 @@ TEST_CASE("a mistake in a file is reported in one line with the file, the road a
   CHECK_THROWS_AS(readNetwork(TemporaryFile("<OpenDRIVE/>").path), Error);
   CHECK_THROWS_AS(readNetwork(TemporaryFile("<osm/>").path), Error);
   CHECK_THROWS_AS(readNetwork("nowhere.xodr"), Error);
+}
+
+TEST_CASE("gaps, links that lead nowhere and included files are warnings, one of each kind") {
+  const std::string sound = textOf(kJunction);
+  const auto warningsOf = [](const std::string& text) { return readNetwork(TemporaryFile(text).path).warnings; };
+  CHECK(warningsOf(sound).empty());
+  using Lines = std::vector<std::string>;
+  CHECK(warningsOf(replaced(sound, "x=\"120.0\"", "x=\"120.25\"")) ==
+        Lines{"road 2: its reference line jumps by 0.25 m at s = 20 m (and 1 more)"});
+  CHECK(warningsOf(replaced(sound, "x=\"120.0\"", "x=\"120.05\"")).empty());
+  CHECK(warningsOf(replaced(sound, "elementId=\"4\"", "elementId=\"44\"")) ==
+        Lines{"road 2: it is linked to road 44, which the file lacks"});
+  CHECK(warningsOf(replaced(sound, "<junction ", "<include file=\"other.xml\"/><junction ")) ==
+        Lines{"<include file=\"other.xml\"> is not read; put its content into the file"});
+}
+
+TEST_CASE("beside a lane section of a single side, the lanes of the other side go on") {
+  const auto lane = [](int id, double width, double slope, const char* link) {
+    return "<lane id=\"" + std::to_string(id) + "\" type=\"driving\">" + link + "<width sOffset=\"0\" a=\"" +
+           std::to_string(width) + "\" b=\"" + std::to_string(slope) +
+           "\" c=\"0\" d=\"0\"/><roadMark sOffset=\"10\" type=\"solid\" width=\"0.2\"/></lane>";
+  };
+  const auto section = [](double s, const std::string& left, const std::string& right, const char* more) {
+    const auto side = [](const char* name, const std::string& lanes) {
+      return lanes.empty() ? "" : "<" + std::string(name) + ">" + lanes + "</" + name + ">";
+    };
+    return "<laneSection s=\"" + std::to_string(s) + "\" " + more + ">" + side("left", left) +
+           "<center><lane id=\"0\"/></center>" + side("right", right) + "</laneSection>";
+  };
+  const auto roadOf = [](const std::string& sections) {
+    const TemporaryFile file(
+        "<OpenDRIVE><header/><road id=\"1\" length=\"400\" junction=\"-1\"><planView><geometry s=\"0\" x=\"0\" y=\"0\" "
+        "hdg=\"0\" length=\"400\"><line/></geometry></planView><lanes>" +
+        sections + "</lanes></road></OpenDRIVE>");
+    const Network network = readNetwork(file.path);
+    return std::pair(network.roads[0], planDrive(network, 1, 390).points.size());
+  };
+  const char *single = "singleSide=\"true\"", *successor = "<link><successor id=\"2\"/></link>";
+  const auto [road, points] =
+      roadOf(section(0, lane(1, 3, 0.01, successor), lane(-1, 3.5, 0, ""), "") +
+             section(100, "", lane(-1, 5, 0, ""), single) + section(200, "", lane(-1, 4, 0, ""), single) +
+             section(300, lane(1, 1, 0, "") + lane(2, 3, 0, "<link><predecessor id=\"1\"/></link>"), "", single));
+  REQUIRE(road.sections.size() == 4);
+  for (const auto& [s, left, right] :
+       {std::tuple{50.0, 3.5, 3.5}, {150.0, 4.5, 5.0}, {250.0, 5.5, 4.0}, {350.0, 4.0, 4.0}}) {
+    const std::vector<double> edges = laneEdges(road, road.sectionAt(s), s);
+    CAPTURE(s);
+    CHECK(std::abs(edges.front() - left) < 1e-9);
+    CHECK(std::abs(edges.back() + right) < 1e-9);
+  }
+  CHECK(road.sections[2].find(1)->successor == 2);
+  CHECK(road.sections[1].find(1)->predecessor == 1);
+  CHECK(road.sections[2].find(1)->marks[0].start == -190);
+  CHECK(points > 700);  // one each half metre: the drive goes on from section to section
+  // Each side may have a section of its own where the road begins.
+  const Road both =
+      roadOf(section(0, lane(1, 3, 0, ""), "", single) + section(0, "", lane(-1, 2, 0, ""), single)).first;
+  REQUIRE(both.sections.size() == 1);
+  CHECK(laneEdges(both, both.sections[0], 7) == std::vector<double>{3, 0, 0, -2});
 }
 
 TEST_CASE("damaged files give an Error or a town without a crash") {

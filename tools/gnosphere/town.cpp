@@ -93,6 +93,9 @@ Action addTown(CLI::App& app) {
   return [call] {
     call->options.xodr = pathOf(call->xodr);
     call->options.warn = [](const std::string& message) { complain("warning: " + message); };
+    call->options.moved = [](const std::string& offset) {
+      say("offset", offset + ", of the file's header; the town is moved by it, and traffic must be, too");
+    };
     return runTown(*call);
   };
 }

@@ -82,6 +82,9 @@ struct NetworkTown {
   NetworkTown(const TownOptions& options, const Detail& detail) {
     const opendrive::Network network = opendrive::readNetwork(options.xodr);
     toFile = network.toFile;
+    if (options.warn)
+      for (const std::string& line : network.warnings) options.warn(line);
+    if (options.moved && !network.offset.empty()) options.moved(network.offset);
     land = enclosedLand(options.seed, opendrive::landOf(network));
     plan = planNetwork(network, land, opendrive::planDrive(network, options.seed, kDriveMetres), options.seed, detail);
   }

@@ -18,8 +18,10 @@ struct TownOptions {
   uint64_t triangles = 300'000;  ///< placed triangles to aim for, within about 10 %
   uint32_t seed = 1;
   std::filesystem::path xodr;  ///< an OpenDRIVE file; empty: a grid of streets
-  /// Told in one line if the triangles do not suffice for all roads of the file.
+  /// Told in one line each what is doubtful in the file, and if the triangles do not suffice for all of its roads.
   std::function<void(const std::string&)> warn = {};
+  /// Told the header's offset, if the file has one: the town is moved by it.
+  std::function<void(const std::string&)> moved = {};
 };
 
 /// Makes a procedural town, z up: roads, kerbs, buildings, trees, poles, cars, people. On a grid of streets it has a

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "town/opendrive/reference_line.hpp"
 
@@ -111,10 +112,15 @@ struct Network {
   std::vector<Road> roads;
   std::vector<Junction> junctions;
   Transform toFile;
+  std::string offset;                 ///< the words for the header's offset; empty if it has none
+  std::vector<std::string> warnings;  ///< lines about what the file lacks, or what is not read of it
 
   const Road* road(const std::string& id) const;
   const Junction* junction(const std::string& id) const;
 };
+
+/// Returns warnings of gaps in reference lines and of links to roads and junctions that a network does not have.
+std::vector<std::string> doubtsOf(const Network& network);
 
 /// Reads OpenDRIVE 1.x: plan view, elevation, superelevation, lanes and links. Objects, signals and shapes are ignored.
 /// Throws Error(file), or Error(format) that names the file, the road and the mistake.

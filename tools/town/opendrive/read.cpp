@@ -5,6 +5,10 @@
 #include <cstdio>
 #include <cstring>
 #include <pugixml.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -181,6 +185,15 @@ RoadMark readMark(const Reader& reader, const Node& node) {
   return mark;
 }
 
+/// Refuses a driving lane that has no room for traffic. Rounded tapers may end a little below zero.
+void checkWidth(const Reader& reader, const Lane& lane) {
+  constexpr double kRounding = 0.01;  // metres
+  const std::string who = "driving lane " + std::to_string(lane.id);
+  if (lane.width.empty() && lane.border.empty()) reader.fail(who + " has neither a <width> nor a <border>");
+  for (const Cubic& width : lane.width)
+    if (width.a < -kRounding) reader.fail(who + " has a width of " + metres(width.a));
+}
+
 Lane readLane(const Reader& reader, const Node& node) {
   Lane lane;
   lane.id = reader.integer(node, "id");
@@ -192,6 +205,7 @@ Lane readLane(const Reader& reader, const Node& node) {
   lane.reversed = std::strcmp(node.attribute("direction").as_string("standard"), "reversed") == 0;
   lane.width = readProfile(reader, node, "width", "sOffset");
   if (lane.width.empty()) lane.border = readProfile(reader, node, "border", "sOffset");
+  if (lane.driving && lane.id != 0) checkWidth(reader, lane);
   for (const Node& height : node.children("height")) {
     const double start = reader.number(height, "sOffset");
     lane.inner.push_back({start, reader.number(height, "inner")});
@@ -215,7 +229,45 @@ LaneSection readSection(const Reader& reader, const Node& node) {
   for (size_t i = 0; i + 1 < section.lanes.size(); ++i)
     if (section.lanes[i].id == section.lanes[i + 1].id)
       reader.fail("a <laneSection> has lane " + std::to_string(section.lanes[i].id) + " twice");
+  const auto checkSide = [&](const char* side, auto&& isSound) {
+    for (const Node& lane : node.child(side).children("lane"))
+      if (const int id = reader.integer(lane, "id"); !isSound(id))
+        reader.fail("a <laneSection> has lane " + std::to_string(id) + " in its <" + side +
+                    ">; ids are positive on the left, 0 in the centre and negative on the right");
+  };
+  checkSide("left", [](int id) { return id > 0; });
+  checkSide("center", [](int id) { return id == 0; });
+  checkSide("right", [](int id) { return id < 0; });
   return section;
+}
+
+/// Returns the lane as it goes on `distance` metres further, in a section of its own.
+Lane continued(const Lane& lane, double distance) {
+  Lane further = lane;
+  for (Profile* profile : {&further.width, &further.border, &further.inner, &further.outer})
+    for (Cubic& cubic : *profile) cubic.start -= distance;
+  for (RoadMark& mark : further.marks) mark.start -= distance;
+  return further;
+}
+
+/// Adds a section behind those before it. One with singleSide="true" is valid for the side that has lanes in it, and
+/// the other side goes on as it was (ASAM OpenDRIVE 1.8, section 11.3).
+void addSection(std::vector<LaneSection>& sections, LaneSection section, bool singleSide) {
+  if (singleSide && !sections.empty()) {
+    LaneSection& before = sections.back();
+    const bool hasLeft = section.lanes.front().id > 0, hasRight = section.lanes.back().id < 0;
+    const double since = section.s - before.s;
+    for (Lane& lane : before.lanes) {
+      if (lane.id == 0 || (lane.id > 0 ? hasLeft : hasRight)) continue;
+      section.lanes.push_back(continued(lane, since));
+      if (since == 0) continue;  // the section before has no length, and this one takes its place
+      section.lanes.back().predecessor = lane.id;
+      lane.successor = lane.id;
+    }
+    std::sort(section.lanes.begin(), section.lanes.end(), [](const Lane& a, const Lane& b) { return a.id > b.id; });
+    if (since == 0) sections.pop_back();
+  }
+  sections.push_back(std::move(section));
 }
 
 RoadLink readLink(const Reader& reader, const Node& node) {
@@ -228,6 +280,7 @@ RoadLink readLink(const Reader& reader, const Node& node) {
 }
 
 Road readRoad(Reader& reader, const Node& node) {
+  constexpr double kRounding = 0.01;  // metres
   Road road;
   reader.who = "a road";
   road.id = reader.text(node, "id");
@@ -241,9 +294,12 @@ Road readRoad(Reader& reader, const Node& node) {
   road.superelevation = readProfile(reader, node.child("lateralProfile"), "superelevation", "s");
   road.laneOffset = readProfile(reader, node.child("lanes"), "laneOffset", "s");
   for (const Node& section : node.child("lanes").children("laneSection")) {
-    road.sections.push_back(readSection(reader, section));
-    if (road.sections.size() > 1 && road.sections.back().s < road.sections[road.sections.size() - 2].s)
+    LaneSection next = readSection(reader, section);
+    if (!road.sections.empty() && next.s < road.sections.back().s)
       reader.fail("<laneSection> elements are not in the order of their s");
+    if (next.s > road.length + kRounding)
+      reader.fail("a <laneSection> begins at " + metres(next.s) + ", and the road ends at " + metres(road.length));
+    addSection(road.sections, std::move(next), section.attribute("singleSide").as_bool());
   }
   if (road.sections.empty()) reader.fail("it has no <laneSection>");
   for (size_t i = 0; i < road.sections.size(); ++i)
@@ -287,6 +343,19 @@ Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
   return {std::round((low.x + high.x) / 2), std::round((low.y + high.y) / 2), std::round((low.z + high.z) / 2)};
 }
 
+/// Returns the words for the offset of a header.
+std::string offsetText(const Vec3& moved, double turned) {
+  char text[160];
+  std::snprintf(text, sizeof text, "x %.10g, y %.10g, z %.10g m", moved.x + 0.0, moved.y + 0.0,
+                moved.z + 0.0);  // no -0
+  std::string words = text;
+  if (turned != 0) {
+    std::snprintf(text, sizeof text, ", then hdg %.10g", turned);
+    words += text;
+  }
+  return words;
+}
+
 /// Moves the middle of the network to the origin.
 void centre(Reader& reader, Network& network) {
   const Vec3 middle = middleOf(reader, network.roads);
@@ -313,21 +382,34 @@ Network readNetwork(const std::filesystem::path& file) {
   Network network;
   network.file = file.string();
   double length = 0;
+  std::set<std::string> roads, junctions;
+  const auto checkNew = [&](std::set<std::string>& ids, const std::string& id) {
+    if (!ids.insert(id).second) reader.fail("its id is that of another one; give each its own");
+  };
   for (const Node& node : root.children("road")) {
     network.roads.push_back(readRoad(reader, node));
+    checkNew(roads, network.roads.back().id);
     length += network.roads.back().length;
     if (length > kLongestNetwork) reader.fail("with it the roads are more than 1,000 km long; cut the map into parts");
   }
-  for (const Node& node : root.children("junction")) network.junctions.push_back(readJunction(reader, node));
+  for (const Node& node : root.children("junction")) {
+    network.junctions.push_back(readJunction(reader, node));
+    checkNew(junctions, network.junctions.back().id);
+  }
   reader.who.clear();
   if (network.roads.empty()) reader.fail("it has no roads");
   if (const Node offset = root.child("header").child("offset")) {
     reader.who = "header";
+    const Vec3 moved = {reader.number(offset, "x", 0), reader.number(offset, "y", 0), reader.number(offset, "z", 0)};
+    const double turned = reader.number(offset, "hdg", 0);
     // The data set is translated by x, y, z, then rotated by hdg about the new origin.
-    network.toFile =
-        place({}, reader.number(offset, "hdg", 0) / 6.283185307179586) *
-        place({reader.number(offset, "x", 0), reader.number(offset, "y", 0), reader.number(offset, "z", 0)});
+    network.toFile = place({}, turned / 6.283185307179586) * place(moved);
+    if (dot(moved, moved) > 0 || turned != 0) network.offset = offsetText(moved, turned);
   }
+  network.warnings = doubtsOf(network);
+  for (const pugi::xpath_node& found : document.select_nodes("//include"))
+    network.warnings.push_back("<include file=\"" + std::string(found.node().attribute("file").value()) +
+                               "\"> is not read; put its content into the file");
   centre(reader, network);
   return network;
 }
