@@ -367,7 +367,8 @@ def test_kinds_of_entities_of_open_scenario(tmp_path):
         f"<OpenSCENARIO><Entities>{entities}</Entities><Storyboard><Init><Actions>{places}</Actions></Init>"
         "</Storyboard></OpenSCENARIO>"
     )
-    actors = robotics.read_traffic(tmp_path / "a.xosc", {kind: f"model of {kind}" for _, kind in things})
+    models = {kind: f"model of {kind}" for _, kind in things}
+    actors = robotics.read_traffic(tmp_path / "a.xosc", models, centred=False)
     assert [actor["model"] for actor in actors] == [f"model of {kind}" for _, kind in things]
     assert [actor["trajectory"]["waypoints"][0]["position"] for actor in actors] == [[i, 0, 0] for i in range(6)]
 
@@ -385,3 +386,97 @@ def test_the_actors_of_a_group_of_open_scenario_go_one_way(tmp_path):
     (tmp_path / "a.xosc").write_text(clothoid)
     with pytest.warns(UserWarning, match=r"leaves out trajectories that are no polylines \(1\)"):
         robotics.read_traffic(tmp_path / "a.xosc", {"*": "car"})
+
+
+def test_the_offset_of_a_network_moves_traffic_as_it_moves_a_town(tmp_path):
+    file = fcd(tmp_path / "fcd.xml", *(f'<vehicle id="a" x="{10 + i}" y="20" z="1" angle="90"/>' for i in range(2)))
+
+    def way(network, name="map.xodr", source=file):
+        (tmp_path / name).write_text(network)
+        (actor,) = robotics.read_traffic(source, {"*": "car"}, lengths={"*": 0.0}, network=tmp_path / name)
+        return actor["trajectory"]["waypoints"]
+
+    plain = "<OpenDRIVE{}><header>{}</header></OpenDRIVE>"
+    assert way(plain.format("", ""))[0] == {"time": 0.0, "position": [10, 20, 1], "yaw_deg": 0}
+    far = '<offset x="649187.87" y="5318235.61" z="500" hdg="0"/>'
+    for xmlns in ("", ' xmlns="http://code.asam.net/simulation/standard/opendrive_schema"'):
+        assert way(plain.format(xmlns, far))[1]["position"] == [649198.87, 5318255.61, 501]
+    # netconvert adds the netOffset of a network to what the projection gives, and its OpenDRIVE files take it back.
+    location = '<net><location netOffset="-649187.87,-5318235.61"/></net>'
+    assert way(location, "map.net.xml")[1]["position"] == [649198.87, 5318255.61, 1]
+    assert way("<net/>", "map.net.xml")[1]["position"] == [11, 20, 1]
+    # A header first moves, and then turns about the new origin.
+    turned = way(plain.format("", f'<offset x="5" y="-20" z="0" hdg="{math.pi / 2}"/>'))
+    assert turned[1] == {"time": 0.5, "position": [0, 16, 1], "yaw_deg": 90}
+    file.write_text(file.read_text().replace('angle="90"', 'angle="90" slope="30"'))
+    x, y, z, w = way(plain.format("", f'<offset hdg="{math.pi / 2}"/>'))[0]["orientation"]
+    forward = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]
+    np.testing.assert_allclose(forward, [0, math.cos(math.pi / 6), 0.5], atol=1e-8)
+    for bad, message in (
+        ("<osm/>", "map.xodr is XML of <osm>"), ("<net", "map.xodr is not XML"),
+        ('<net><location netOffset="far"/></net>', "map.xodr: "),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=message):
+            way(bad)
+
+
+BOX = """<Vehicle vehicleCategory="car"><BoundingBox><Center x="1.4" y="0.2" z="0.75"/><Dimensions width="2" length="4.6"
+height="1.5"/></BoundingBox></Vehicle>"""
+
+
+def test_the_middle_of_the_box_of_open_scenario_is_the_middle_of_the_model(tmp_path):
+    init = """<Storyboard><Init><Actions><Private entityRef="Ego"><PrivateAction><TeleportAction><Position>
+<WorldPosition x="7" y="3" h="3.14159265"/></Position></TeleportAction></PrivateAction></Private></Actions></Init>"""
+    text = XOSC.replace('<Pedestrian pedestrianCategory="pedestrian"/>', BOX).replace(
+        '<Vehicle vehicleCategory="car"/>', BOX
+    )
+    text = text.replace("<Storyboard>", init).replace(
+        '<Vertex time="3"><Position><LanePosition/></Position></Vertex>', ""
+    )
+    file = tmp_path / "a.xosc"
+
+    def places(text, **settings):
+        file.write_text(text)
+        actors = robotics.read_traffic(file, {"*": "car"}, **settings)
+        return [[point["position"] for point in actor["trajectory"]["waypoints"]] for actor in actors]
+
+    # The ego looks along -x; the other one at first along x, and then along y.
+    assert places(text) == [[[5.6, 2.8, 0]], [[2.4, 0.2, 0], [0.8, 3.4, 0.5]]]
+    assert places(text, centred=False) == [[[7, 3, 0]], [[1, 0, 0], [1, 2, 0.5]]]
+    # Uphill the middle is higher.
+    climbing = places(text.replace('h="1.5707963"', f'h="0" p="{-math.pi / 6}"'))[1][1]
+    np.testing.assert_allclose(climbing, [1 + 1.4 * math.cos(math.pi / 6), 2.2, 0.5 + 0.7], atol=1e-4)
+    # Without headings the entity looks along its way, and at a bend half-way between the two.
+    follow = '</TrajectoryRef><TrajectoryFollowingMode followingMode="follow"/>'
+    bend = '<Vertex time="4"><Position><WorldPosition x="5" y="2"/></Position></Vertex></Polyline>'
+    along = text.replace('h="1.5707963"', "").replace("</TrajectoryRef>", follow).replace("</Polyline>", bend)
+    half = math.sqrt(0.5)
+    expected = [[0.8, 1.4, 0], [1 + 1.2 * half, 2 + 1.6 * half, 0.5], [6.4, 2.2, 0]]
+    np.testing.assert_allclose(places(along)[1], expected, atol=2e-4)
+    # Boxes of catalogues are not read.
+    with pytest.warns(UserWarning, match=r"the centres of the boxes of entries in catalogues \(1\)$"):
+        places(text.replace(BOX, '<CatalogReference catalogName="c" entryName="van"/>', 1))
+
+
+def test_actions_of_open_scenario_that_are_not_followed_are_counted(tmp_path):
+    speed = "<SpeedAction><SpeedActionTarget><AbsoluteTargetSpeed value='{}'/></SpeedActionTarget></SpeedAction>"
+
+    def told(text):
+        (tmp_path / "a.xosc").write_text(text)
+        with pytest.warns(UserWarning) as warned:
+            robotics.read_traffic(tmp_path / "a.xosc", {"*": "car"})
+        return str(warned[0].message).partition(" leaves out ")[2]
+
+    text = XOSC.replace('<Vertex time="3"><Position><LanePosition/></Position></Vertex>', "")
+    story = speed.format(9) + "<LaneChangeAction/><LaneChangeAction/><AssignRouteAction/><TeleportAction/>"
+    others = text.replace("</RoutingAction>", f"</RoutingAction>{story}")
+    assert told(others) == "<SpeedAction> (1), <LaneChangeAction> (2), <AssignRouteAction> (1), <TeleportAction> (1)"
+    start, end = text.index("<Trajectory name"), text.index("</TrajectoryRef>")
+    catalogue = text[:start] + '<CatalogReference catalogName="c" entryName="t"/>' + text[end:]
+    assert told(catalogue) == "trajectories of catalogues (1)"
+    # Init gives the ego, which has no trajectory, a speed. That of the walker is the trajectory's.
+    init = "<Storyboard><Init><Actions>" + "".join(
+        f'<Private entityRef="{name}"><PrivateAction>{speed.format(value)}</PrivateAction></Private>'
+        for name, value in (("Ego", 10), ("Ego", 0), ("Walker", 1))
+    )
+    assert told(text.replace("<Storyboard>", init + "</Actions></Init>")) == "<SpeedAction> (1)"

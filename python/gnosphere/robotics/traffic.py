@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import os
 import statistics
@@ -34,6 +35,8 @@ def read_traffic(
     models: Mapping[str, str],
     classes: Optional[Mapping[str, str]] = None,
     lengths: Optional[Mapping[str, float]] = None,
+    network: Optional[Union[str, Path]] = None,
+    centred: bool = True,
 ) -> list[Actor]:
     """The "actors" of a drive file. Those of SUMO are gone before their first and after their last time; those of
     OpenSCENARIO stand there.
@@ -44,20 +47,27 @@ def read_traffic(
         pattern of models is left out, with a warning.
     lengths: metres, by the same patterns. SUMO places a vehicle by the middle of its front, so it is shifted back by
         half of its length. A warning names the types of vehicles that no pattern fits.
+    network: the OpenDRIVE file (.xodr) or the SUMO network (.net.xml) in whose own coordinates the traffic is. The
+        offset of its header, or its netOffset, moves the traffic to where the network lies on the map, as it moves a
+        town.
+    centred: OpenSCENARIO places an entity by its origin, for vehicles the middle of the rear axle. If true, the middle
+        of its bounding box is in its place, as far as the file states it, because this is where models have theirs.
     """
     path = Path(file)
     try:
         root = ET.parse(path).getroot()
     except ET.ParseError as error:
         raise ValueError(f"{path} is not XML: {error}") from error
-    readers = {"fcd-export": _sumo, "OpenSCENARIO": _open_scenario}
-    if root.tag not in readers:
+    if root.tag not in ("fcd-export", "OpenSCENARIO"):
         raise ValueError(f"{path} is XML of <{root.tag}>; SUMO's <fcd-export> and <OpenSCENARIO> are read")
+    is_sumo = root.tag == "fcd-export"
     lengths = lengths or {}
+    offset = None if network is None else _offset_of(Path(network))
     left_out = Counter[str]()
     actors = []
     try:
-        tracks = list(readers[root.tag](root, lengths, left_out))
+        reader = _sumo(root, lengths, left_out) if is_sumo else _open_scenario(root, centred, left_out)
+        tracks = list(reader)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
     for name, kind, waypoints, needs_length in tracks:
@@ -72,8 +82,8 @@ def read_traffic(
                 "name": name,
                 "model": model,
                 "class": adapter.of_longest_pattern(classes or {}, kind) or model,
-                "trajectory": {"waypoints": waypoints},
-                "outside": "gone" if readers[root.tag] is _sumo else "hold",
+                "trajectory": {"waypoints": [_moved(point, offset) for point in waypoints] if offset else waypoints},
+                "outside": "gone" if is_sumo else "hold",
             }
         )
     adapter.warn_left_out(os.fspath(path), +left_out)
@@ -87,6 +97,50 @@ def _waypoint(time: float, position: Iterable[float], yaw: float, pitch: float =
         turn = adapter.quaternion(rotation(roll, pitch, yaw))
         return {**waypoint, "orientation": [round(float(value), 9) for value in turn]}
     return {**waypoint, "yaw_deg": round(math.degrees(yaw), 3)}
+
+
+class _Offset(NamedTuple):
+    """How a network is moved to its place on the map: by metres, then by radians about the new origin."""
+
+    x: float
+    y: float
+    z: float
+    turn: float
+
+
+def _offset_of(path: Path) -> _Offset:
+    """The offset of an OpenDRIVE file, or of a network of SUMO, which states what was added to make its coordinates."""
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise ValueError(f"{path} is not XML: {error}") from error
+    tag = root.tag.rpartition("}")[2]
+    try:
+        if tag == "OpenDRIVE":
+            offset = root.find("{*}header/{*}offset")
+            stated = ET.Element("offset") if offset is None else offset
+            return _Offset(*(_number(stated, key) for key in ("x", "y", "z", "hdg")))
+        if tag == "net":
+            location = root.find("location")
+            text = "0,0" if location is None else location.get("netOffset", "0,0")
+            x, y = (float(number) for number in text.split(","))
+            return _Offset(-x, -y, 0, 0)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    raise ValueError(f"{path} is XML of <{tag}>; <OpenDRIVE> and SUMO's <net> have offsets")
+
+
+def _moved(waypoint: Actor, offset: _Offset) -> Actor:
+    cosine, sine = math.cos(offset.turn), math.sin(offset.turn)
+    x, y, z = (a + b for a, b in zip(waypoint["position"], offset[:3]))
+    place = cosine * x - sine * y, sine * x + cosine * y, z
+    moved = {**waypoint, "position": [round(value, 4) for value in place]}
+    if "yaw_deg" in waypoint:
+        moved["yaw_deg"] = round(waypoint["yaw_deg"] + math.degrees(offset.turn), 3)
+    if "orientation" in waypoint:
+        (x, y, z, w), c, s = waypoint["orientation"], math.cos(offset.turn / 2), math.sin(offset.turn / 2)
+        moved["orientation"] = [round(v, 9) for v in (c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z)]
+    return moved
 
 
 class _Sighting(NamedTuple):
@@ -222,13 +276,19 @@ def _way_of_person(part: list[_Sighting]) -> list[Actor]:
     return [_waypoint(sighting.time, sighting.place, yaw) for sighting, yaw in zip(part, _yaws(part))]
 
 
-def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Counter[str]) -> Iterator[Track]:
+def _open_scenario(root: ET.Element, centred: bool, left_out: Counter[str]) -> Iterator[Track]:
     """Entities stand where Init puts them until their trajectories begin, and where these end afterwards."""
     _fill_in_parameters(root)
     tracks: dict[str, Track] = {}
+    centres: dict[str, ET.Element] = {}
+    of_catalogues = set()
     for thing in root.iter("ScenarioObject"):
         name = thing.get("name", "")
         tracks[name] = Track(name, _kind_of(thing), [])
+        if (centre := thing.find("*/BoundingBox/Center")) is not None:
+            centres[name] = centre
+        if thing.find("CatalogReference") is not None:
+            of_catalogues.add(name)
     for group in root.iter("ManeuverGroup"):
         names = [reference.get("entityRef", "") for reference in group.iter("EntityRef")]
         for waypoints in _trajectories(group, left_out):
@@ -248,8 +308,63 @@ def _open_scenario(root: ET.Element, lengths: Mapping[str, float], left_out: Cou
         ordered = _in_order(waypoints, left_out)
         if name in starts:
             ordered = _from_init(starts[name], ordered)
+        if centred and name in centres:
+            ordered = _by_centre(ordered, _number(centres[name], "x"), _number(centres[name], "y"))
+        if centred and ordered and name in of_catalogues:
+            left_out["the centres of the boxes of entries in catalogues"] += 1
         if ordered:
             yield Track(name, kind, ordered)
+    _count_other_actions(root, {name for name, track in tracks.items() if track.waypoints}, left_out)
+
+
+_OTHER_ACTIONS = (
+    "SpeedAction", "SpeedProfileAction", "LongitudinalDistanceAction", "LaneChangeAction", "LaneOffsetAction",
+    "LateralDistanceAction", "SynchronizeAction", "AssignRouteAction", "RandomRouteAction", "AcquirePositionAction",
+)  # fmt: skip
+
+
+def _count_other_actions(root: ET.Element, moving: set[str], left_out: Counter[str]) -> None:
+    """Counts the actions that move entities, and that only a simulator of traffic can follow. The speed that Init gives
+    to an entity with a trajectory is none of them, nor is a speed of 0."""
+    for group in root.iter("ManeuverGroup"):
+        for tag in (*_OTHER_ACTIONS, "TeleportAction"):
+            left_out[f"<{tag}>"] += len(list(group.iter(tag)))
+    for private in root.iterfind("Storyboard/Init/Actions/Private"):
+        for tag in _OTHER_ACTIONS:
+            for action in private.iter(tag):
+                speed = action.find("SpeedActionTarget/AbsoluteTargetSpeed") if tag == "SpeedAction" else None
+                stands = speed is not None and _number(speed, "value") == 0
+                left_out[f"<{tag}>"] += not stands and (tag != "SpeedAction" or private.get("entityRef") not in moving)
+
+
+def _by_centre(waypoints: list[Actor], x: float, y: float) -> list[Actor]:
+    """The waypoints of the point x, y of an entity, which is so far ahead of its origin and to the left of it."""
+    moved = []
+    for point, yaw in zip(waypoints, _yaws_along(waypoints)):
+        if "orientation" in point:
+            i, j, k, w = point["orientation"]
+            ahead = 1 - 2 * (j * j + k * k), 2 * (i * j + k * w), 2 * (i * k - j * w)
+            left = 2 * (i * j - k * w), 1 - 2 * (i * i + k * k), 2 * (j * k + i * w)
+        else:
+            yaw = math.radians(point["yaw_deg"]) if "yaw_deg" in point else yaw
+            ahead, left = (math.cos(yaw), math.sin(yaw), 0.0), (-math.sin(yaw), math.cos(yaw), 0.0)
+        place = [round(p + x * a + y * b, 4) for p, a, b in zip(point["position"], ahead, left)]
+        moved.append({**point, "position": place})
+    return moved
+
+
+def _yaws_along(waypoints: list[Actor]) -> list[float]:
+    """The yaw at each waypoint of an entity that looks along its way: half-way between those of the ways before and
+    after it, and where it stands that of the nearest way before, or else after."""
+    ways = []
+    for before, after in zip(waypoints, waypoints[1:]):
+        x, y = (b - a for a, b in zip(before["position"][:2], after["position"][:2]))
+        ways.append(complex(x, y) / abs(complex(x, y)) if x or y else 0)
+    yaws = []
+    for i in range(len(waypoints)):
+        along = sum(ways[max(i - 1, 0) : i + 1]) or next((way for way in (*ways[i::-1], *ways[i:]) if way), 1)
+        yaws.append(cmath.phase(along))
+    return yaws
 
 
 def _fill_in_parameters(root: ET.Element) -> None:
@@ -302,6 +417,7 @@ def _trajectories(group: ET.Element, left_out: Counter[str]) -> Iterator[list[Ac
             offset, scale = _number(timing, "offset"), _number(timing, "scale", "1")
             if timing.get("domainAbsoluteRelative") == "relative":
                 left_out["the starts of trajectories with relative times, which are taken as 0"] += 1
+        left_out["trajectories of catalogues"] += len(list(action.iter("CatalogReference")))
         for trajectory in action.iter("Trajectory"):
             left_out["trajectories that are no polylines"] += sum(
                 curve.find("Polyline") is None for curve in trajectory.iter("Shape")
