@@ -145,24 +145,45 @@ void DriveReader::warnOfRadians(const json& list, const std::vector<double>& alo
            ", and the way leads elsewhere; the yaws are in degrees, and along the way these would be radians");
 }
 
-/// Returns the stamps of waypoints, and appends to `turned` whether each states an angle. With a speed (m/s, else 0)
-/// the times follow from the distances between them; the first is 0.
+/// Warns of something that looks along its way, but is level where it climbs or descends.
+void DriveReader::warnOfLevel(const std::vector<Trajectory::Stamp>& stamps, const std::string& path) {
+  constexpr double kLevel = 0.03;
+  const double steepest = steepestOf(stamps);
+  if (steepest <= kLevel) return;
+  warn(path,
+       "has a slope of " + gnosphere::numberText(std::round(100 * steepest)) +
+           " %, and what faces its direction of travel stays level; \"pitch\": true inclines it along its way, and "
+           "false keeps it level without this warning");
+}
+
+/// Returns the stamps of waypoints, none if their times are refused, and appends to `turned` whether each states an
+/// angle. With a speed (m/s, else 0) the times follow from the distances between them; the first is 0.
 std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, double speed, const std::string& path,
                                                       std::vector<bool>& turned) {
   std::vector<Trajectory::Stamp> stamps;
+  bool sound = true;
+  const auto refuseTime = [&](const std::string& at, const std::string& why) {
+    refuse(at, why);
+    sound = false;
+  };
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string at = entryPath(path, i);
     if (speed > 0 && list[i].contains("time"))
-      refuse(at + ".time", "follows from the 'speed' of the trajectory; keep one");
+      refuseTime(at + ".time", "follows from the 'speed' of the trajectory; keep one");
     else if (speed == 0 && !list[i].contains("time"))
-      refuse(at, "needs a 'time', or the trajectory a 'speed'");
+      refuseTime(at, "needs a 'time', or the trajectory a 'speed'");
     const Pose placed = pose(list[i], at);
     double time = list[i].value("time", 0.0);
-    if (speed > 0 && i > 0) time = stamps[i - 1].time + lengthOf(placed.position - stamps[i - 1].pose.position) / speed;
+    if (speed > 0 && i > 0) {
+      const double way = lengthOf(placed.position - stamps[i - 1].pose.position);
+      if (!(way > 0)) refuseTime(at, "is at the place of the one before, so with a 'speed' it has no time of its own");
+      time = stamps[i - 1].time + way / speed;
+    }
     stamps.push_back({time, placed});
     turned.push_back(list[i].contains("orientation") || list[i].contains("yaw_pitch_roll_deg") ||
                      list[i].contains("yaw_deg"));
   }
+  if (!sound) return {};
   warnOfRadians(list, yawsAlong(stamps), path);
   warnOfTurns(list, path);
   return stamps;
@@ -186,6 +207,7 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   if (object.contains("waypoints")) {
     if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
     stamps = waypoints(object["waypoints"], object.value("speed", 0.0), path + ".waypoints", turned);
+    if (stamps.empty()) return {};
   } else {
     TrajectoryFileOptions options;
     if (object.contains("times")) options.times = file(object["times"]);
@@ -205,14 +227,18 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
       object.value("heading", false) || (object.contains("file") && (format == "carla" || format == "carla-route"));
   turned.resize(stamps.size(), true);
   if (looksAlong) turned.assign(stamps.size(), false);
+  const auto someAre = [&](bool turnedOnes) { return std::ranges::find(turned, turnedOnes) != turned.end(); };
+  const bool pitched = object.value("pitch", false);
+  if (pitched && !someAre(false))
+    refuse(memberPath(path, "pitch"), "is for waypoints without an orientation, or with \"heading\": true");
   // INFINITY is a float, which value() would round the times to.
   constexpr double kEver = std::numeric_limits<double>::infinity();
   const double from = object.value("from", -kEver), to = object.value("to", kEver);
   size_t kept = 0;
-  std::optional<double> yawBefore;
+  std::optional<Direction> before;
   for (size_t i = 0; i < stamps.size(); ++i) {
     if (stamps[i].time < from || stamps[i].time > to) continue;
-    if (kept == 0) yawBefore = yawOfLastWay(std::span(stamps).first(i + 1));
+    if (kept == 0) before = directionOfLastWay(std::span(stamps).first(i + 1), pitched);
     stamps[kept] = stamps[i];
     turned[kept++] = turned[i];
   }
@@ -228,11 +254,11 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
     stamp.time += shift;
     stamp.pose.position = stamp.pose.position + moved;
   }
+  if (!object.contains("pitch") && !someAre(true)) warnOfLevel(stamps, path);
   Trajectory result;
-  const bool allTurned = std::ranges::find(turned, false) == turned.end();
   attempt(path, [&] {
-    result = allTurned ? Trajectory(std::move(stamps))
-                       : Trajectory::alongWay(std::move(stamps), std::move(turned), yawBefore);
+    result = !someAre(false) ? Trajectory(std::move(stamps))
+                             : Trajectory::alongWay(std::move(stamps), std::move(turned), pitched, before);
   });
   return result;
 }

@@ -66,6 +66,7 @@ class DriveReader {
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, double speed, const std::string& path,
                                            std::vector<bool>& turned);
   void warnOfRadians(const nlohmann::json& list, const std::vector<double>& along, const std::string& path);
+  void warnOfLevel(const std::vector<Trajectory::Stamp>& stamps, const std::string& path);
   void warnOfTurns(const nlohmann::json& list, const std::string& path);
   Sensor sensor(const nlohmann::json& value, const std::string& path);
   Effects effects(const nlohmann::json& value, const std::string& path);

@@ -23,18 +23,21 @@ bool equal(const Pose& a, const Pose& b) {
   return p.x == q.x && p.y == q.y && p.z == q.z && isSame(a.orientation, b.orientation);
 }
 
-std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, std::optional<double> yawBefore = {}) {
+std::vector<Segment> segmentsOf(std::span<const Trajectory::Stamp> stamps, bool pitched,
+                                std::optional<Direction> before = {}) {
   constexpr double kStill = 1e-6;  // metres
   std::vector<Segment> segments;
   for (size_t i = 1; i < stamps.size(); ++i) {
     const Vec3 way = stamps[i].pose.position - stamps[i - 1].pose.position;
-    const bool moves = lengthOf(way.x, way.y) > kStill;
-    const double before = segments.empty() ? yawBefore.value_or(0) : segments.back().yaw;
-    segments.push_back({stamps[i].time - stamps[i - 1].time, moves ? std::atan2(way.y, way.x) : before, moves});
+    const double level = lengthOf(way.x, way.y);
+    const bool moves = level > kStill;
+    const Direction last = segments.empty() ? before.value_or(Direction{}) : segments.back().along;
+    const Direction here = {std::atan2(way.y, way.x), pitched ? std::atan2(-way.z, level) : 0};
+    segments.push_back({stamps[i].time - stamps[i - 1].time, moves ? here : last, moves});
   }
   const auto first = std::ranges::find(segments, true, &Segment::moves);
-  if (first != segments.end() && !yawBefore)
-    for (auto segment = segments.begin(); segment != first; ++segment) segment->yaw = first->yaw;
+  if (first != segments.end() && !before)
+    for (auto segment = segments.begin(); segment != first; ++segment) segment->along = first->along;
   return segments;
 }
 
@@ -76,27 +79,31 @@ double blurOf(std::span<const Trajectory::Stamp> stamps) {
 
 /// The turn at a stamp from the segment before it to that after it. A vehicle turns only while it moves.
 struct Bend {
-  double angle = 0;              ///< radians, counter-clockwise
+  Direction angle;               ///< of the whole turn
   double before = 0, after = 0;  ///< seconds of the turn before and after the stamp; 0 if there is no turn
-  double yaw = 0;                ///< at the stamp
+  Direction there;               ///< where the vehicle looks at the stamp
 
-  double speed() const { return angle / (before + after); }
+  /// Returns where it looks from a direction on, so many seconds of the turn later.
+  Direction turned(const Direction& from, double seconds) const {
+    return {from.yaw + angle.yaw / (before + after) * seconds, from.pitch + angle.pitch / (before + after) * seconds};
+  }
 };
 
 Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
   constexpr double kStraight = 1e-6;  // radians
   if (segments.empty()) return {};
-  if (stamp == 0) return {0, 0, 0, segments.front().yaw};
+  if (stamp == 0) return {{}, 0, 0, segments.front().along};
   const Segment& before = segments[stamp - 1];
-  if (stamp == segments.size()) return {0, 0, 0, before.yaw};
+  if (stamp == segments.size()) return {{}, 0, 0, before.along};
   const Segment& after = segments[stamp];
-  const double angle = std::remainder(after.yaw - before.yaw, 2 * M_PI);
-  if (std::abs(angle) < kStraight) return {0, 0, 0, before.yaw};
+  const Direction angle = {std::remainder(after.along.yaw - before.along.yaw, 2 * M_PI),
+                           after.along.pitch - before.along.pitch};
+  if (std::abs(angle.yaw) < kStraight && std::abs(angle.pitch) < kStraight) return {{}, 0, 0, before.along};
   const auto share = [&](const Segment& segment) {
     return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongestBend) : 0.0;
   };
-  Bend bend = {angle, share(before), share(after), before.yaw};
-  if (bend.before > 0) bend.yaw += bend.speed() * bend.before;
+  Bend bend = {angle, share(before), share(after), before.along};
+  if (bend.before > 0) bend.there = bend.turned(before.along, bend.before);
   return bend;
 }
 
@@ -118,16 +125,17 @@ Trajectory::Trajectory(std::vector<Stamp> stamps) : motion_{std::move(stamps)} {
   blur_ = blurOf(motion_.stamps);
 }
 
-Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned, std::optional<double> yawBefore) {
+Trajectory Trajectory::alongWay(std::vector<Stamp> stamps, std::vector<bool> turned, bool pitched,
+                                std::optional<Direction> before) {
   Trajectory result(std::move(stamps));
   std::vector<Stamp>& kept = result.motion_.stamps;
   turned.resize(kept.size());
-  result.segments_ = segmentsOf(kept, yawBefore);
+  result.segments_ = segmentsOf(kept, pitched, before);
   result.turned_ = std::move(turned);
   for (size_t i = 0; i < kept.size(); ++i) {
     if (result.turned_[i]) continue;
-    const double yaw = result.segments_.empty() ? yawBefore.value_or(0) : bendAt(result.segments_, i).yaw;
-    kept[i].pose.orientation = yawPitchRoll(yaw, 0, 0);
+    const Direction there = result.segments_.empty() ? before.value_or(Direction{}) : bendAt(result.segments_, i).there;
+    kept[i].pose.orientation = yawPitchRoll(there.yaw, there.pitch, 0);
   }
   return result;
 }
@@ -145,10 +153,10 @@ Pose Trajectory::at(double time) const {
   if (!looksAlong(i)) return pose;
   const Bend from = bendAt(segments_, i), to = bendAt(segments_, i + 1);
   const double since = time - stamps[i].time, until = stamps[i + 1].time - time;
-  double yaw = segments_[i].yaw;
-  if (since < from.after) yaw -= from.speed() * (from.after - since);
-  if (until < to.before) yaw += to.speed() * (to.before - until);
-  pose.orientation = yawPitchRoll(yaw, 0, 0);
+  Direction along = segments_[i].along;
+  if (since < from.after) along = from.turned(along, since - from.after);
+  if (until < to.before) along = to.turned(along, to.before - until);
+  pose.orientation = yawPitchRoll(along.yaw, along.pitch, 0);
   return pose;
 }
 
@@ -241,16 +249,34 @@ std::vector<double> Trajectory::timesWithin(double from, double to) const {
   return times;
 }
 
-std::optional<double> yawOfLastWay(std::span<const Trajectory::Stamp> stamps) {
-  const std::vector<Segment> segments = segmentsOf(stamps);
+std::optional<Direction> directionOfLastWay(std::span<const Trajectory::Stamp> stamps, bool pitched) {
+  const std::vector<Segment> segments = segmentsOf(stamps, pitched);
   if (std::ranges::find(segments, true, &Segment::moves) == segments.end()) return {};
-  return segments.back().yaw;
+  return segments.back().along;
+}
+
+double steepestOf(std::span<const Trajectory::Stamp> stamps) {
+  constexpr double kWay = 2;  // metres: on shorter ways, noise looks like slopes
+  std::vector<double> gone = {0};
+  for (size_t i = 1; i < stamps.size(); ++i) {
+    const Vec3 way = stamps[i].pose.position - stamps[i - 1].pose.position;
+    gone.push_back(gone.back() + lengthOf(way.x, way.y));
+  }
+  double steepest = 0;
+  size_t from = 0;  // the last stamp that is kWay or more before `to`, or the first
+  for (size_t to = 1; to < stamps.size(); ++to) {
+    while (from + 1 < to && gone[to] - gone[from + 1] >= kWay) ++from;
+    const double way = gone[to] - gone[from];
+    if (way < std::min(kWay, gone.back()) || !(way > 0)) continue;
+    steepest = std::max(steepest, std::abs(stamps[to].pose.position.z - stamps[from].pose.position.z) / way);
+  }
+  return steepest;
 }
 
 std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps) {
-  const std::vector<Segment> segments = segmentsOf(stamps);
+  const std::vector<Segment> segments = segmentsOf(stamps, false);
   std::vector<double> yaws(stamps.size());
-  for (size_t i = 0; i < stamps.size(); ++i) yaws[i] = bendAt(segments, i).yaw;
+  for (size_t i = 0; i < stamps.size(); ++i) yaws[i] = bendAt(segments, i).there.yaw;
   return yaws;
 }
 

@@ -14,11 +14,16 @@ namespace gnosphere::drive {
 
 inline constexpr double kGravity = 9.80665;  ///< m/s^2, standard gravity
 
+/// Where a vehicle looks that does not roll, in radians.
+struct Direction {
+  double yaw = 0, pitch = 0;  ///< the pitch is positive downhill
+};
+
 /// A straight way from one stamp of a trajectory to the next.
 struct Segment {
   double duration = 0;  ///< seconds
-  double yaw = 0;       ///< of the way; where it does not move on, of the last way that does, or else of the first
-  bool moves = false;
+  Direction along;      ///< of the way; where it does not move on, of the last way that does, or else of the first
+  bool moves = false;   ///< on the ground plan
 };
 
 /// A list of poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the
@@ -31,13 +36,14 @@ class Trajectory {
   Trajectory() : Trajectory(std::vector<Stamp>{{}}) {}
   /// Throws Error(format) unless there are stamps, and their times ascend.
   explicit Trajectory(std::vector<Stamp> stamps);
-  /// Returns the trajectory of a vehicle that looks along its way, level, except at the stamps that are `turned`, which
-  /// keep their orientation. Between two stamps it looks along the straight line. Around a stamp at which the way bends
-  /// it turns at constant speed, from half a second before the stamp to half a second after it, or from the middle of a
-  /// shorter way. While it stands it keeps its direction. Next to a turned stamp it turns by slerp all the way between
-  /// the two stamps. `yawBefore` is the direction in which it comes to the first stamp, if it stands there.
-  static Trajectory alongWay(std::vector<Stamp> stamps, std::vector<bool> turned = {},
-                             std::optional<double> yawBefore = {});
+  /// Returns the trajectory of a vehicle that looks along its way, level unless it is `pitched`: then it pitches along
+  /// its way, too. The stamps that are `turned` keep their orientation. Between two stamps it looks along the straight
+  /// line. Around a stamp at which the way bends it turns at constant speed, from half a second before the stamp to
+  /// half a second after it, or from the middle of a shorter way. While it stands it keeps its direction. Next to a
+  /// turned stamp it turns by slerp all the way between the two stamps. `before` is the direction in which it comes to
+  /// the first stamp, if it stands there.
+  static Trajectory alongWay(std::vector<Stamp> stamps, std::vector<bool> turned = {}, bool pitched = false,
+                             std::optional<Direction> before = {});
 
   Pose at(double time) const;
   double begin() const { return motion_.stamps.front().time; }
@@ -92,8 +98,10 @@ class Trajectory {
   std::vector<bool> turned_;       // by stamp
 };
 
-/// Returns the yaw in radians of the last way between stamps that moves; none if none does.
-std::optional<double> yawOfLastWay(std::span<const Trajectory::Stamp> stamps);
+/// Returns the direction of the last way between stamps that moves; none if none does.
+std::optional<Direction> directionOfLastWay(std::span<const Trajectory::Stamp> stamps, bool pitched);
+/// Returns the steepest climb or descent over 2 m of the way, or over all of a shorter way, as a share of the way.
+double steepestOf(std::span<const Trajectory::Stamp> stamps);
 /// Returns the yaw in radians at every stamp of a vehicle that looks along its way, see Trajectory::alongWay().
 std::vector<double> yawsAlong(const std::vector<Trajectory::Stamp>& stamps);
 

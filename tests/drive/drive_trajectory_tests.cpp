@@ -261,6 +261,78 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   CHECK_THAT(sparse.ratesAt(2).turnRate.z, WithinAbs(-M_PI / 2, 1e-6));
 }
 
+TEST_CASE("what looks along its way pitches with \"pitch\": true, and is level with a warning without it") {
+  const DriveFolder folder;
+  const auto read = [&](const Json& trajectory) {
+    Json json = quietDrive();
+    json["actors"] = Json::array();
+    json["ego"]["trajectory"] = trajectory;
+    return folder.read(json);
+  };
+  // Level for 10 m, 3 m up within 4 m, and again level, after a turn to the left.
+  const double slope = std::atan2(3, 4);
+  Json way = {{"waypoints",
+               {waypoint(0, 0, 0, 0), waypoint(2, 10, 0, 0), waypoint(4, 14, 0, 3), waypoint(6, 14, 0, 3),
+                waypoint(8, 14, 9, 3)}}};
+  const auto anglesAt = [&](double time) { return drive::yawPitchRollOf(read(way).ego.at(time).orientation); };
+  const auto slopeWarning = ContainsSubstring(
+      "ego.trajectory: has a slope of 75 %, and what faces its direction of travel stays level; \"pitch\": true "
+      "inclines");
+  CHECK_THAT(anglesAt(3)[1], WithinAbs(0, 1e-12));
+  REQUIRE(read(way).warnings.size() == 1);
+  CHECK_THAT(read(way).warnings[0], slopeWarning);
+  way["pitch"] = false;
+  CHECK(read(way).warnings.empty());
+  CHECK_THAT(anglesAt(3)[1], WithinAbs(0, 1e-12));
+  way["pitch"] = true;
+  CHECK(read(way).warnings.empty());
+  for (const auto& [time, share] :
+       {std::pair(0.0, 0.0), {1.5, 0.0}, {1.75, 0.25}, {2.0, 0.5}, {2.5, 1.0}, {3.0, 1.0}}) {
+    CAPTURE(time);
+    CHECK_THAT(anglesAt(time)[0], WithinAbs(0, 1e-9));
+    CHECK_THAT(anglesAt(time)[1], WithinAbs(-share * slope, 1e-9));  // the front looks up
+  }
+  CHECK_THAT(anglesAt(5)[1], WithinAbs(-slope, 1e-9));  // it stands
+  CHECK_THAT(anglesAt(6.25)[0], WithinAbs(M_PI / 4, 1e-9));
+  CHECK_THAT(anglesAt(6.25)[1], WithinAbs(-slope / 2, 1e-9));
+  CHECK_THAT(anglesAt(7)[1], WithinAbs(0, 1e-9));
+  const Vec3 ahead = read(way).ego.at(3).orientation * Vec3{1, 0, 0};
+  CHECK_THAT(lengthOf(ahead - Vec3{0.8, 0, 0.6}), WithinAbs(0, 1e-12));
+  way["from"] = 4;  // it stands there as it came
+  CHECK_THAT(anglesAt(5)[1], WithinAbs(-slope, 1e-9));
+  // Waypoints with an angle of their own are as they say.
+  Json given = {{"waypoints", {waypoint(0, 0, 0, 0), waypoint(2, 4, 0, 3)}}, {"pitch", true}};
+  for (Json& point : given["waypoints"]) point["yaw_deg"] = 10;
+  CHECK_THROWS_WITH(read(given), ContainsSubstring("ego.trajectory.pitch: is for waypoints without an orientation"));
+  given["heading"] = true;
+  CHECK_THAT(drive::yawPitchRollOf(read(given).ego.at(1).orientation)[1], WithinAbs(-slope, 1e-9));
+  given.erase("pitch");
+  given["heading"] = false;
+  CHECK(read(given).warnings.empty());
+  // Noise of 1 cm is no slope, and neither are 2 %.
+  Json noisy = {{"waypoints", Json::array()}};
+  for (int i = 0; i < 100; ++i)
+    noisy["waypoints"].push_back(waypoint(0.1 * i, 0.1 * i, 0, 0.02 * 0.1 * i + 0.01 * (i % 2)));
+  for (const std::string& warning : read(noisy).warnings) CHECK_THAT(warning, !ContainsSubstring("slope"));
+}
+
+TEST_CASE("waypoints without times of their own are told once each, and nothing is said of the order of times") {
+  const DriveFolder folder;
+  const auto problem = [&](const Json& trajectory) {
+    Json json = smallDrive();
+    json["ego"]["trajectory"] = trajectory;
+    return test::problemOf([&] { (void)folder.read(json); }, ErrorCode::format);
+  };
+  const Json twice = {{{"position", {0, 0, 0}}}, {{"position", {0, 0, 0}}}, {{"position", {9, 0, 0}}}};
+  const std::string same = problem({{"speed", 5}, {"waypoints", twice}});
+  CHECK_THAT(same,
+             ContainsSubstring("ego.trajectory.waypoints[1]: is at the place of the one before, so with a 'speed'"));
+  CHECK(same.find("does not come after") == std::string::npos);
+  const std::string timeless = problem({{"waypoints", twice}});
+  CHECK_THAT(timeless, ContainsSubstring("ego.trajectory.waypoints[1]: needs a 'time', or the trajectory a 'speed'"));
+  CHECK(timeless.find("does not come after") == std::string::npos);
+}
+
 TEST_CASE("an inertial unit measures vibrations that the stamps show") {
   constexpr double kStamps = 400, kTilt = 0.01;  // Hz, rad
   // Returns the greatest turn rate and acceleration that a unit of this rate measures, as shares of the true ones.

@@ -89,7 +89,8 @@ Json car(const char* name, const std::string& trajectory, double ahead) {
           {"outside", "gone"}};
 }
 
-/// A person who crosses the road where the vehicle is at this pose, and has crossed it a second before.
+/// A person who crosses the road where the vehicle is at this pose, and has crossed it a second before. Persons walk
+/// upright, on inclined roads, too.
 Json person(size_t number, const Pose& pose, double time) {
   constexpr double kWay = 5, kSpeed = 1.4;  // metres to each side, m/s
   const Quaternion& q = pose.orientation;
@@ -99,10 +100,11 @@ Json person(size_t number, const Pose& pose, double time) {
   const auto stamp = [&](double at, double along) {
     return Json{{"time", at}, {"position", listOf(middle + along * left)}};
   };
-  return {{"name", formatted("person-%zu", number)},
-          {"model", "person"},
-          {"class", "person"},
-          {"trajectory", {{"waypoints", {stamp(time - 1 - half, side), stamp(time - 1 + half, -side)}}}}};
+  return {
+      {"name", formatted("person-%zu", number)},
+      {"model", "person"},
+      {"class", "person"},
+      {"trajectory", {{"waypoints", {stamp(time - 1 - half, side), stamp(time - 1 + half, -side)}}, {"pitch", false}}}};
 }
 
 void writeModel(const Mesh& mesh, const fs::path& file) {
