@@ -204,8 +204,8 @@ struct Scan {
   bool skewed = false;
   /// False for a cloud of a file that does not state the sensor's pose, of which only PCD does: `pose` is the identity.
   bool poseKnown = true;
-  /// False for a list of beams in one row, which may be those of any grid, and for a cloud of a file that states one row
-  /// or no grid: `columns` and `channels` are those that its rows suggest.
+  /// False for a list of beams in one row, which may be those of any grid, and for a cloud of a file that states one
+  /// row or no grid: `columns` and `channels` are those that its rows suggest.
   bool gridKnown = true;
   /// Whether the first row (channel 0) is on top, and the first column on the left, in an image of what the sensor
   /// sees. The directions of all beams decide, whatever they hit. For a cloud of a file, which does not state all its
