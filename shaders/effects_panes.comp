@@ -34,9 +34,11 @@ uint beamIndex, beamRow;
 Beam axis;
 vec3 direction;
 
-// The hits of the beam, in order of range, the light that comes to each, and the light that no surface ends.
+// The hits of the beam, in order of range, the light that comes to each, and behind the last the light that no surface
+// ends.
+const uint kLights = kMaxLayers + 1;
 uint hitCount;
-float ranges[kMaxLayers], energies[kMaxLayers], lights[kMaxLayers], unmet;
+float ranges[kMaxLayers], energies[kMaxLayers], lights[kLights];
 uint ids[kMaxLayers];
 
 float farthestOf(uint index) { return frame.rangeMax; }
@@ -125,12 +127,11 @@ void follow() {
   uvec2 opaque = words.at[beamEntry(beamIndex)];
   float carried = 1.0, before = 0.0;
   hitCount = 0;
-  unmet = 0.0;
   while (hitCount < LAYERS && carried > 0.0) {
     float range;
     uint id, pane = nextPane(before, opaque, range, id);
     if (pane == kNone && opaque.y == kNone) {
-      unmet = carried;
+      lights[hitCount] = carried;
       return;
     }
     float energy = carried, passed = 0.0;
@@ -147,6 +148,7 @@ void follow() {
     ++hitCount;
     carried = passed;
   }
+  lights[hitCount] = 0.0;
   if (carried > 0.0) atomicAdd(counters.lostEchoes, 1);
 }
 
@@ -182,8 +184,7 @@ void gatherEchoes(uint beam) {
       strongest = ids[k];
     }
     if (!any) break;
-    float light = k < hitCount ? lights[k] : unmet;
-    storeEcho(echoPlace(beamIndex, count), echoOf(first, inverseFirst, sums), light, strongest);
+    storeEcho(echoPlace(beamIndex, count), echoOf(first, inverseFirst, sums), lights[k], strongest);
     ++count;
   }
   echoCounts.at[resultOf(beam)] = count;

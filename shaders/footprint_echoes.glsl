@@ -218,11 +218,11 @@ void gatherEchoes(uint index, uint beam) {
     [[unroll]] for (uint layer = 0; layer < HELD_LAYERS; ++layer) {
       if (IS_MET(layer)) addLayer(sums, most, strongest, first, inverseFirst, end, layer);
     }
-    vec3 echo = echoOf(first, inverseFirst, sums);
-    first = end < last ? nextRange(end) : kNothing;
-    float light = KEEPS_LIGHT ? lightTo(first) : 0.0;  // up to the next echo, or beyond all surfaces
-    if (speaksForBeam()) keepEcho(index, count, echo, light, strongest);
+    float next = end < last ? nextRange(end) : kNothing;
+    float light = KEEPS_LIGHT ? lightTo(next) : 0.0;  // up to the next echo, or beyond all surfaces
+    if (speaksForBeam()) keepEcho(index, count, echoOf(first, inverseFirst, sums), light, strongest);
     ++count;
+    first = next;
   }
   if (speaksForBeam()) echoCounts.at[resultOf(beam)] = min(count, keptEchoes(RETURNS));
 }

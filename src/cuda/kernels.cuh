@@ -217,7 +217,7 @@ struct effects_footprint : Invocation {
 };
 
 struct effects_panes : Invocation {
-  static constexpr uint kPrivateBytes = 4 * 4 * kMaxLayers;
+  static constexpr uint kPrivateBytes = 4 * (4 * kMaxLayers + 1);
 #include "glsl/effects_panes.comp"
 };
 
