@@ -641,8 +641,8 @@ typedef struct gno_options {
 
 /* Sets an option by its name, as "tuning.binning=lists" or "accuracy=exact"; docs/options.md lists the names, of which
  * the struct has the most used ones alone. An error has the nearest known names, or the values that the option takes;
- * the options are then unchanged. What an earlier call has set for the same name is replaced. The library keeps the texts
- * that have been set until the process ends, each once. */
+ * the options are then unchanged. What an earlier call has set for the same name is replaced. The library keeps the
+ * texts that have been set until the process ends, each once. */
 GNO_API gno_status gno_options_set(gno_options* options, const char* assignment);
 
 /* A sensor, the effects that its scans simulate, and the fields that its scans hold. */
