@@ -28,7 +28,8 @@ DroppedTriangles droppedTriangles(const Scene& scene) {
 
 std::string droppedText(uint64_t triangles, const std::string& file) {
   return std::to_string(triangles) + (triangles == 1 ? " triangle of " : " triangles of ") + file +
-         (triangles == 1 ? " is" : " are") + " dropped because a corner is NaN, infinite or beyond 1e9 m or units of the file";
+         (triangles == 1 ? " is" : " are") +
+         " dropped because a corner is NaN, infinite or beyond 1e9 m or units of the file";
 }
 
 }  // namespace gnosphere
