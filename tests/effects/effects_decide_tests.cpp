@@ -225,6 +225,7 @@ TEST_CASE("an effect that is left to auto is planned if the request gives it a v
   asked.effects.rangeNoise = {.sigmaAtThreshold = 0.05};
   checkIn(asked, "range-noise", "sigma 0 m, 0.05 m at the threshold of detection");
   checkIn(asked, "intensity", "needed by range-noise");
+  asked.effects.rangeNoise = {};
   asked.effects.angleNoise.elevation = 1e-3;
   checkIn(asked, "angle-noise", "sigma 0 x 1 mrad");
   asked.effects.intensityNoise.sigma = 0.02;
