@@ -38,9 +38,13 @@ std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
   refuseBeams(std::to_string(reference.beamCount()), std::to_string(other.beamCount()));
 }
 
-/// Refuses clouds whose grids are known and differ, whose beams of one number are different beams.
+/// Refuses clouds whose grids are known and differ, whose beams of one number are different beams. A scan that a
+/// program has put together may have no grid.
 void checkGrids(const Scan& reference, const Scan& other) {
-  if (!reference.gridKnown || !other.gridKnown) return;
+  const auto isKnown = [](const Scan& scan) {
+    return scan.gridKnown && size_t{scan.columns} * scan.channels == scan.beamCount();
+  };
+  if (!isKnown(reference) || !isKnown(other)) return;
   if (reference.columns == other.columns && reference.channels == other.channels) return;
   const auto textOf = [](const Scan& scan) {
     return std::to_string(scan.channels) + " channels of " + std::to_string(scan.columns) + " columns";
