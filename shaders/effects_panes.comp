@@ -34,8 +34,8 @@ uint beamIndex, beamRow;
 Beam axis;
 vec3 direction;
 
-// The hits of the beam, in order of range, the light that comes to each, and behind the last the light that no surface
-// ends.
+// The hits of the beam stand in order of range, each with the light that comes to it. Behind the last one stands the
+// light that no surface ends.
 const uint kLights = kMaxLayers + 1;
 uint hitCount;
 float ranges[kMaxLayers], energies[kMaxLayers], lights[kLights];

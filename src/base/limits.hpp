@@ -54,8 +54,8 @@ inline constexpr Limit kInfluences = {"influences per vertex", 16,
 inline constexpr Limit kCoordinate = {
     "units of its file from the origin of its mesh to a vertex", 1'000'000'000,
     "The vertex's triangles are dropped, as those with NaN are; `Counters::nonFinite` counts them. The unit is the "
-    "metre "
-    "unless `--scale` states another one, so floats in millimetres end at 1,000 km: give them in metres, or as OBJ."};
+    "metre unless `--scale` states another one, so floats in millimetres end at 1,000 km: give them in metres, or as "
+    "OBJ."};
 inline constexpr Limit kPlaced = {
     "m from the sensor to a vertex, along an axis of the sensor", 1'000'000'000,
     "Its triangles are dropped; `Counters::nonFinite` counts them, unless what is out of range is left out before."};
