@@ -20,7 +20,7 @@ Json inputsOf(const Drive& drive) {
   return inputs;
 }
 
-/// Returns what each sensor simulates, and why.
+/// Returns the effects that each sensor simulates, with the reasons.
 Json effectsOf(const Drive& drive, const Scanner& scanner) {
   Json sensors = Json::array();
   for (size_t s = 0; s < drive.sensors.size(); ++s)
