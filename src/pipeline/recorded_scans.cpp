@@ -150,6 +150,7 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   gnosphere::makeRoom(order_, frames_.size());
   vertices_.readDropped(number);
   readResults(frame, sensors);
+  if (recording.makeRoom) recording.makeRoom(frame.results.size());
   try {
     makeRoom(all, frame);
   } catch (const Error& error) {  // without memory for several views, shots are recorded view by view

@@ -2,6 +2,7 @@
 // One call that records scans into a command buffer of the caller or of a stream of batches.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "gnosphere/simulator.hpp"
@@ -39,6 +40,8 @@ struct Recording {
   /// them large enough since they were made.
   bool mayOverflow = false;
   std::vector<Result> results;  ///< of the scans recorded for this frame in flight the last time
+  /// If given, makes room for so many results before anything is recorded. If it throws, the results are not lost.
+  std::function<void(size_t count)> makeRoom;
 };
 
 }  // namespace gnosphere

@@ -42,14 +42,9 @@ std::vector<RecordedScan> Recorder::record(VkCommandBuffer commands, size_t fram
   for (const RecordedShot& shot : shots)
     recording.scans.push_back(
         {&shot.shot, {shot.records.address, shot.records.bytes}, {shot.header.address, shot.header.bytes}});
-  simulator_.record(recording);
   std::vector<RecordedScan> results;
-  try {
-    results.reserve(recording.results.size());
-  } catch (...) {
-    simulator_.abandon(frame);
-    throw;
-  }
+  recording.makeRoom = [&](size_t count) { results.reserve(count); };
+  simulator_.record(recording);
   for (const Recording::Result& result : recording.results)
     results.push_back(
         {result.sensor, result.frame, result.complete, result.nonFinite, result.degenerate, result.unplaced});

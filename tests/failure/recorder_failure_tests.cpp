@@ -34,13 +34,13 @@ class Recordings {
 
   void take(size_t shape) { recorded_.simulator().setPositions(1, shapes_[shape]); }
   /// Records shots, as frame in flight 1, into a command buffer that is never submitted.
-  void record(size_t count = 1) {
+  std::vector<vulkan::RecordedScan> record(size_t count = 1) {
     recorded_.frame(0).wait();
     recorded_.frame(1).wait();
     const VkCommandBuffer commands = spare_.begin();
     std::vector<vulkan::RecordedShot> shots(count, {{}, records_.range(), header_.range()});
     for (size_t i = 0; i < count; ++i) shots[i].shot.pose.position.x = 0.001 * static_cast<double>(i);
-    recorded_.recorder().record(commands, 1, shots);
+    return recorded_.recorder().record(commands, 1, shots);
   }
   /// Ends the command buffer of record(), with nothing in it that runs.
   void drop() { spare_.end(); }
@@ -120,6 +120,33 @@ TEST_CASE("a recording that fails for lack of memory loses no upload", "[combina
           recordings.simulator().removeMesh(mesh);
           return failed;
         }) > 0);
+}
+
+TEST_CASE("a recording that fails for lack of memory loses no result of the scans before it") {
+  needVulkan();
+  Recordings recordings;
+  recordings.take(0);
+  long n = 0;
+  for (bool fired = true; fired;) {
+    for (int frame = 0; frame < 2; ++frame) recordings.check(0);
+    std::vector<vulkan::RecordedScan> results;
+    {
+      const Injection injection(Fails::memory, ++n);
+      try {
+        results = recordings.record(0);
+      } catch (const std::exception&) {
+      }
+      fired = injection.fired();
+    }
+    recordings.drop();
+    if (results.empty()) {
+      results = recordings.record(0);
+      recordings.drop();
+    }
+    CHECK(results.size() == 1);
+    recordings.recorder().abandon(1);
+  }
+  CHECK(n > 1);
 }
 
 TEST_CASE("shots that have no room together are recorded view by view") {
