@@ -4,6 +4,7 @@
 #include <charconv>
 #include <iterator>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "gnosphere/error.hpp"
@@ -65,7 +66,10 @@ DeviceChoice::DeviceChoice(const DeviceInfo& device)
            : device.type == "cuda"    ? Kind::cuda
                                       : Kind::vulkan),
       name(device.name),
-      uuid(device.uuid) {}
+      uuid(device.uuid) {
+  // The choice of a CUDA device has its number, of which the name of the device is made: "cuda:0 NVIDIA H100".
+  if (kind == Kind::cuda && name.starts_with("cuda:")) name = name.substr(5, name.find(' ') - 5);
+}
 
 DeviceChoice deviceByName(const std::string& text) {
   using Kind = DeviceChoice::Kind;
@@ -80,7 +84,7 @@ DeviceChoice deviceByName(const std::string& text) {
   // A number is that of listDevices(), where devices of CUDA and the reference follow those of Vulkan.
   size_t index = 0;
   const char* const end = text.data() + text.size();
-  if (std::from_chars(text.data(), end, index).ptr == end) {
+  if (const auto [next, problem] = std::from_chars(text.data(), end, index); next == end && problem == std::errc()) {
     const std::vector<DeviceInfo> devices = listDevices();
     if (index < devices.size() && DeviceChoice(devices[index]).kind != Kind::vulkan) return devices[index];
   }

@@ -60,11 +60,14 @@ TEST_CASE("a driver that leaves out parts of Vulkan is found") {
 
 TEST_CASE("without a Vulkan driver one line says how to get one") {
   const Workplace place;
-  const Result scan = place.run("scan floor.obj", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
+  const std::string noDriver = "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent";
+  const Result scan = place.run("scan floor.obj", noDriver);
   CHECK(scan.status == 1);
   CHECK_THAT(scan.err, ContainsSubstring("apt install mesa-vulkan-drivers brings one") && EndsWith("\n"));
   CHECK_THAT(scan.err, ContainsSubstring("VK_DRIVER_FILES is '/nonexistent' and hides all other drivers: unset it"));
   CHECK(std::count(scan.err.begin(), scan.err.end(), '\n') == 1);
+  // The first device is the reference, or one of CUDA; a number too large for 64 bits is not its number.
+  CHECK(place.run("scan floor.obj --device 99999999999999999999999", noDriver).status == 1);
   place.put("bad.json", "no manifest");
   const Result bad = place.run("scan floor.obj", "VK_DRIVER_FILES=bad.json VK_ICD_FILENAMES=bad.json");
   CHECK(bad.status == 1);

@@ -160,6 +160,7 @@ TEST_CASE("a number selects a device by index, any other text by part of its nam
   CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
   for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx", "gpu"})
     CHECK(nameOf(deviceByName(name)) == name);
+  CHECK(nameOf(DeviceChoice(deviceOf("cuda:12 NVIDIA H100", "cuda"))) == "cuda:12");
   CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
 }
 
