@@ -106,6 +106,7 @@ VkResult Commands::waitForAll() {
     result = vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE, longest * device_.unendedUpTo(number));
     if (result == VK_SUCCESS) device_.noteEnd(number);
   }
+  if (result != VK_SUCCESS) device_.noteFailure();
   const bool hangs = result == VK_TIMEOUT;
   if (hangs != hangs_) device_.hangs() += hangs ? 1 : -1;
   hangs_ = hangs;

@@ -111,7 +111,10 @@ Device::~Device() {
 VkResult Device::submit(const VkSubmitInfo& info, VkFence fence, uint64_t& number) const {
   const std::lock_guard lock(queueMutex_);
   const VkResult result = vk_.vkQueueSubmit(queue_, 1, &info, fence);
-  if (result == VK_SUCCESS) number = ++submissions_;
+  if (result == VK_SUCCESS)
+    number = ++submissions_;
+  else
+    noteFailure();
   return result;
 }
 

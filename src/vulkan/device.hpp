@@ -17,9 +17,9 @@
 
 namespace gnosphere::vulkan {
 
-/// Returns the index of the chosen device. A name is "auto", an index or part of a device name; a number that is not an
-/// index is taken as part of a name. Throws Error(invalidArgument) or Error(device) that lists every device with the
-/// reason why it was refused.
+/// Returns the index of the device that DeviceChoice::name or its UUID chooses. A number that is not an index is taken
+/// as part of a name. Throws Error(invalidArgument) or Error(device) that lists every device with the reason why it was
+/// refused.
 size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice);
 VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& choice);
 
@@ -53,6 +53,9 @@ class Device {
   void noteEnd(uint64_t number) const;
   /// Returns the number of submissions, up to this one, that are not known to have ended, and at least 1.
   uint64_t unendedUpTo(uint64_t number) const { return std::max<uint64_t>(number, ended_ + 1) - ended_; }
+  /// Notes that a submission has failed, or the wait for one.
+  void noteFailure() const { failed_ = true; }
+  bool failed() const { return failed_; }
   /// The submissions that hang, see HangCount.
   HangCount& hangs() const { return hangs_; }
   const Capabilities& capabilities() const { return capabilities_; }
@@ -99,6 +102,7 @@ class Device {
   mutable std::mutex queueMutex_;     // one thread at a time may use a queue
   mutable uint64_t submissions_ = 0;  // guarded by it
   mutable std::atomic<uint64_t> ended_ = 0;
+  mutable std::atomic<bool> failed_ = false;
   std::unique_ptr<MemoryBlocks> blocks_;
 };
 

@@ -144,7 +144,7 @@ class VulkanMachine final : public Machine {
   Clock::duration compiling() const override { return compiling_; }
   size_t slots() const override { return kSlots; }
   void wait(size_t slot) override {
-    if (slot < slots_.size()) lent_->watched([&] { slots_[slot].commands.wait(); });
+    if (slot < slots_.size()) slots_[slot].commands.wait();
   }
   void readTimings(size_t slot, Timings& timings) override {
     slots_[slot].commands.readTimings(timings);
@@ -175,7 +175,7 @@ class VulkanMachine final : public Machine {
       if (step.kind == Step::Kind::cut) commands.cut();
       if (trace_) commands.traced(textOf(step));
     }));
-    lent_->watched([&] { commands.submit(); });
+    commands.submit();
   }
 
   bool recordsOnly() const override { return recordsOnly_; }
@@ -204,7 +204,7 @@ class VulkanMachine final : public Machine {
 
   std::unique_ptr<ResultRing> makeRing(size_t buffers, uint64_t bytes, uint64_t hostBytes) override {
     refuseLarger(device_, kResultsName, bytes, traits_.info.maxBufferBytes);
-    return std::make_unique<VulkanRing>(*lent_, buffers, bytes, hostBytes);
+    return std::make_unique<VulkanRing>(device_, buffers, bytes, hostBytes);
   }
 
  private:

@@ -42,7 +42,7 @@ struct SharedDevice : ReadyDevice {
   explicit SharedDevice(const SimulatorOptions& options) : ReadyDevice(options), settings(options) {}
   // A process that was forked has no threads of the driver, so devices of its parent are of no use there.
   bool isParents() const { return maker.isParent(); }
-  bool takesMore() const { return !failed && !isParents() && kernels.count() <= kMostKernels; }
+  bool takesMore() const { return !device.failed() && !isParents() && kernels.count() <= kMostKernels; }
   // The caller's device must outlive its simulators only, so it is not kept.
   bool canBeKept() const { return takesMore() && !settings.adopted; }
   bool isIdle() const { return users == 0 && !isParents(); }

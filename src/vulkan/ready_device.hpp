@@ -2,7 +2,6 @@
 // The devices of simulators, which simulators of one thread share.
 #pragma once
 
-#include <atomic>
 #include <memory>
 
 #include "gnosphere/simulator.hpp"
@@ -15,21 +14,9 @@ struct ReadyDevice {
   explicit ReadyDevice(const SimulatorOptions& options)
       : device(options.device, options.validation), cache(device, options.cache), kernels(device, cache) {}
 
-  /// Makes a call that fails only with the device itself.
-  template <typename Call>
-  void watched(const Call& call) {
-    try {
-      call();
-    } catch (...) {
-      failed = true;
-      throw;
-    }
-  }
-
   Device device;
   PipelineCache cache;
   Kernels kernels;
-  std::atomic<bool> failed = false;  ///< true if a scan has failed on it, so no more simulators may have it
 };
 
 /// Ends one use of the device. After the last use the device is kept for the next simulator, or destroyed.
@@ -38,8 +25,9 @@ struct GiveBack {
 };
 using LentDevice = std::unique_ptr<ReadyDevice, GiveBack>;
 
-/// Returns a device that was made with the same settings and keeps the kernels compiled so far: the device of other
-/// simulators that this thread has made, or else a device that no simulator uses any more, or else a new one.
+/// Returns a device that was made with the same settings, has not failed, and keeps the kernels compiled so far: the
+/// device of other simulators that this thread has made, or else a device that no simulator uses any more, or else a
+/// new one.
 /// Simulators of several threads have devices of their own, because CPU drivers work on one submission to a device at a
 /// time. Simulators on a device of the caller share its kernels, whatever their threads, if they are made with copies
 /// of one DeviceChoice.

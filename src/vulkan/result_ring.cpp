@@ -12,14 +12,14 @@ VulkanRing::Slot::Slot(const Device& device, uint64_t bytes, uint64_t hostBytes)
   if (!results.mapped()) copy = Buffer::staging(device, hostBytes, true);
 }
 
-VulkanRing::VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint64_t hostBytes)
-    : ready_(device), hostBytes_(hostBytes) {
-  while (slots_.size() < buffers) slots_.emplace_back(device.device, bytes, hostBytes);
+VulkanRing::VulkanRing(const Device& device, size_t buffers, uint64_t bytes, uint64_t hostBytes)
+    : device_(device), hostBytes_(hostBytes) {
+  while (slots_.size() < buffers) slots_.emplace_back(device, bytes, hostBytes);
 }
 
 void VulkanRing::begin(size_t buffer) {
   Slot& slot = slots_[buffer];
-  ready_.watched([&] { slot.commands.begin(0); });
+  slot.commands.begin(0);
   if (slot.givenAway) slot.commands.buffer().takeBack(slot.results);
 }
 
@@ -29,15 +29,15 @@ void VulkanRing::submit(size_t buffer, uint64_t bytes) {
     slot.commands.buffer().copy(slot.results, slot.copy, {0, 0, std::min(bytes, hostBytes_)});
     slot.commands.buffer().barrier();
   }
-  const bool giveAway = ready_.device.capabilities().exportsMemory;
+  const bool giveAway = device_.capabilities().exportsMemory;
   if (giveAway) slot.commands.buffer().giveAway(slot.results);
-  ready_.watched([&] { slot.commands.submit(); });
+  slot.commands.submit();
   slot.givenAway = giveAway;
 }
 
 void VulkanRing::wait(size_t buffer) {
   Slot& slot = slots_[buffer];
-  ready_.watched([&] { slot.commands.wait(); });
+  slot.commands.wait();
   slot.onHost().invalidate();
 }
 
@@ -57,7 +57,7 @@ uint64_t VulkanRing::bytes() const {
 }
 
 std::pair<int, uint64_t> VulkanRing::fd(size_t buffer) const {
-  const Capabilities& capabilities = ready_.device.capabilities();
+  const Capabilities& capabilities = device_.capabilities();
   if (!capabilities.exportsMemory)
     throw Error(ErrorCode::device, "the device '" + capabilities.info.name +
                                        "' does not export memory as file descriptors (VK_KHR_external_memory_fd)");
@@ -67,7 +67,7 @@ std::pair<int, uint64_t> VulkanRing::fd(size_t buffer) const {
 std::pair<uint64_t, int> VulkanRing::cudaAddress(size_t buffer) {
   Slot& slot = slots_[buffer];
   if (!slot.cuda) {
-    const DeviceInfo& info = ready_.device.capabilities().info;
+    const DeviceInfo& info = device_.capabilities().info;
     const int number = cudaNumberOf(info);
     const auto [fd, bytes] = this->fd(buffer);
     slot.cuda = std::make_unique<CudaMemory>(info, number, fd, bytes);

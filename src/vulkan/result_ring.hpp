@@ -8,7 +8,6 @@
 #include "pipeline/result_ring.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/cuda_memory.hpp"
-#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -18,7 +17,7 @@ class VulkanRing final : public ResultRing {
  public:
   /// Makes `buffers` buffers of `bytes` bytes each. The host gets the first `hostBytes` of each, or all of them if it
   /// shares the memory.
-  VulkanRing(ReadyDevice& device, size_t buffers, uint64_t bytes, uint64_t hostBytes);
+  VulkanRing(const Device& device, size_t buffers, uint64_t bytes, uint64_t hostBytes);
 
   void begin(size_t buffer) override;
   /// The commands that are being recorded.
@@ -44,7 +43,7 @@ class VulkanRing final : public ResultRing {
     Commands commands;                 // last member, destroyed first: its destructor waits for the device
   };
 
-  ReadyDevice& ready_;
+  const Device& device_;
   uint64_t hostBytes_;
   std::deque<Slot> slots_;
 };

@@ -189,15 +189,11 @@ size_t allocationsOf(Type type) {
 
 TEST_CASE("results of batches on a card are copied to the host as far as it asks for them") {
   needVulkan();
-  SimulatorOptions options;
-  options.validation = true;
-  options.cache = "off";
-  vulkan::ReadyDevice ready(options);
-  vulkan::Device& device = ready.device;
+  vulkan::Device device({}, true);
   becomeCard(device, 0);
   const uint64_t bytes = 4096, hostBytes = GENERATE(96, 4096);
   {
-    vulkan::VulkanRing ring(ready, 2, bytes, hostBytes);
+    vulkan::VulkanRing ring(device, 2, bytes, hostBytes);
     CHECK(ring.bytes() == 2 * (bytes + hostBytes));
     CHECK(allocationsOf(local) == 2);
     CHECK(allocationsOf(cached) == 1);  // small buffers share it
@@ -216,21 +212,21 @@ TEST_CASE("results of batches on a card are copied to the host as far as it asks
     }
   }
   CHECK(card.copies == 4);
-  CHECK_FALSE(ready.failed);
+  CHECK_FALSE(device.failed());
   device.throwOnMessages();
 }
 
 TEST_CASE(
     "result buffers are given to readers outside the device with each batch, and taken back before the next one") {
   needVulkan();
-  vulkan::ReadyDevice ready(vulkanOptions());
-  const vulkan::Capabilities& capabilities = ready.device.capabilities();
+  vulkan::Device device({}, vulkanOptions().validation);
+  const vulkan::Capabilities& capabilities = device.capabilities();
   using Way = std::pair<uint32_t, uint32_t>;  // of ownership, from one family of queues to another
   static std::vector<Way> ways;
   static PFN_vkCmdPipelineBarrier real;
   ways.clear();
-  real = ready.device.vk().vkCmdPipelineBarrier;
-  functionsOf(ready.device).vkCmdPipelineBarrier =
+  real = device.vk().vkCmdPipelineBarrier;
+  functionsOf(device).vkCmdPipelineBarrier =
       [](VkCommandBuffer commands, VkPipelineStageFlags before, VkPipelineStageFlags after, VkDependencyFlags flags,
          uint32_t memories, const VkMemoryBarrier* memory, uint32_t buffers, const VkBufferMemoryBarrier* buffer,
          uint32_t images, const VkImageMemoryBarrier* image) {
@@ -238,7 +234,7 @@ TEST_CASE(
           ways.emplace_back(buffer[i].srcQueueFamilyIndex, buffer[i].dstQueueFamilyIndex);
         real(commands, before, after, flags, memories, memory, buffers, buffer, images, image);
       };
-  vulkan::VulkanRing ring(ready, 1, 4096, 4096);
+  vulkan::VulkanRing ring(device, 1, 4096, 4096);
   for (int batch = 0; batch < 2; ++batch) {
     ring.begin(0);
     ring.commands(0).buffer().fill(ring.results(0), 0, VK_WHOLE_SIZE, 1);
@@ -249,7 +245,7 @@ TEST_CASE(
   }
   const Way away = {capabilities.queueFamily, VK_QUEUE_FAMILY_EXTERNAL}, back = {away.second, away.first};
   CHECK(ways == (capabilities.exportsMemory ? std::vector<Way>{away, back, away} : std::vector<Way>()));
-  ready.device.throwOnMessages();
+  device.throwOnMessages();
 }
 
 TEST_CASE("a card whose visible memory is full gives the host's, and staging never takes the card's") {
