@@ -71,7 +71,7 @@ size_t KeptScene::addMaterial(Material material, const AlphaImage* image) {
   if (image) {
     validate(*image, "the alpha image of the new material");
     alpha = *image;
-    material.alphaImage = unusedImage();
+    material.alphaImage = unusedImages(1)[0];
   }
   materials_.reserve();
   scene_.materials.resize(std::max(index + 1, materials_.size()));
@@ -102,7 +102,7 @@ void KeptScene::setMaterial(size_t index, Material material, const AlphaImage* i
   if (image) {
     validate(*image, "the alpha image of " + name);
     alpha = *image;
-    material.alphaImage = ownsImage(index) ? before.alphaImage : unusedImage();
+    material.alphaImage = ownsImage(index) ? before.alphaImage : unusedImages(1)[0];
   }
   const bool changesImage = image || ownsImage(index);
   const uint32_t number = image ? material.alphaImage : before.alphaImage;
@@ -121,13 +121,14 @@ bool KeptScene::ownsImage(size_t material) const {
   return image != kNoImage && std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1;
 }
 
-/// The number of an image that no material has.
-uint32_t KeptScene::unusedImage() {
-  const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
-                                   [](const AlphaImage& other) { return other.alpha.empty(); });
-  const auto number = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
-  if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();  // unused if what follows fails
-  return number;
+/// The numbers of so many images that no material has.
+std::vector<uint32_t> KeptScene::unusedImages(size_t count) {
+  std::vector<uint32_t> numbers;
+  for (uint32_t i = 0; numbers.size() < count; ++i) {
+    if (i == scene_.alphaImages.size()) scene_.alphaImages.emplace_back();  // unused if what follows fails
+    if (scene_.alphaImages[i].alpha.empty()) numbers.push_back(i);
+  }
+  return numbers;
 }
 
 void KeptScene::removeMaterial(size_t index) {
@@ -234,12 +235,12 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
   std::vector<Instance> instances = scene.instances;
   std::vector<Material> materials = scene.materials;
   std::vector<AlphaImage> images = scene.alphaImages;
-  const size_t firstImage = scene_.alphaImages.size();
+  const std::vector<uint32_t> imageNumbers = unusedImages(images.size());
   for (Material& material : materials)
-    if (material.alphaImage != kNoImage) material.alphaImage += static_cast<uint32_t>(firstImage);
+    if (material.alphaImage != kNoImage) material.alphaImage = imageNumbers[material.alphaImage];
   const auto exchange = [&] {
     for (size_t i = 0; i < materials.size(); ++i) std::swap(scene_.materials[added.materials[i]], materials[i]);
-    for (size_t i = 0; i < images.size(); ++i) std::swap(scene_.alphaImages[firstImage + i], images[i]);
+    for (size_t i = 0; i < images.size(); ++i) std::swap(scene_.alphaImages[imageNumbers[i]], images[i]);
     planner_.forgetTextures();
   };
   const auto giveBack = [&] {
@@ -252,7 +253,6 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
       materials_.take();
     }
     scene_.materials.resize(materials_.size());
-    scene_.alphaImages.resize(firstImage + images.size());
     changeMaterials(exchange);
   } catch (...) {
     giveBack();

@@ -64,7 +64,7 @@ class KeptScene {
   };
 
   bool ownsImage(size_t material) const;
-  uint32_t unusedImage();
+  std::vector<uint32_t> unusedImages(size_t count);
   uint64_t trianglesOf(size_t mesh) const;
   void checkDeformation(size_t mesh, const Deformation& deformation, const std::string& which) const;
   template <typename Exchange>

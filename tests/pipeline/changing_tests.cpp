@@ -220,10 +220,17 @@ TEST_CASE("a scene that is added scans as the joined scene does, and a wrong pla
   CHECK(simulator.plan().has("cut-outs"));
   CHECK(simulator.plan().has("transmission"));
   CHECK(sameBytes(simulator.scan({}), Simulator(joined(scene, added, place), request, vulkanOptions()).scan({})));
+  const auto imageBytes = [&] {
+    const Plan plan = simulator.plan();
+    return std::ranges::find(plan.buffers, "alphaImages", &Plan::Buffer::name)->bytes;
+  };
+  const uint64_t bytes = imageBytes();
   for (const uint32_t instance : indices.instances) simulator.removeInstance(instance);
   for (const uint32_t mesh : indices.meshes) simulator.removeMesh(mesh);
   for (const uint32_t material : indices.materials) simulator.removeMaterial(material);
   CHECK(sameBytes(simulator.scan({}), before));
+  simulator.addScene(added, place);
+  CHECK(imageBytes() == bytes);  // images take the places of those that were removed
 }
 
 TEST_CASE("a material of meshes in use changes its optics, its image, and whether it is glass") {
