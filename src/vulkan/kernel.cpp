@@ -203,11 +203,11 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
   return code;
 }
 
-KernelDigest digestOf(const Variant& variant, const KernelCode& code) {
+KernelDigest digestOf(const KernelCode& code) {
   Hasher hasher;
   hasher.add(code.words);
   if (!code.specialised) hasher.add(code.constants);
-  hasher.add(std::vector<uint32_t>{code.lanes, usesSubgroups(variant.kernel), variant.options.LISTED});
+  hasher.add(&code.lanes, sizeof code.lanes);
   return hasher.hex();
 }
 
@@ -254,7 +254,7 @@ void Kernels::prepare(std::span<const Variant> variants) {
   std::reverse(missing.begin(), missing.end());  // the kernels of effects take longest, so they begin first
   inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) {
     missing[i].code = codeOf(device_.capabilities(), missing[i].variant, specialise_);
-    missing[i].digest = digestOf(missing[i].variant, missing[i].code);
+    missing[i].digest = digestOf(missing[i].code);
   });
   std::vector<Missing*> different;
   std::set<KernelDigest> digests;

@@ -33,10 +33,10 @@ struct KernelCode : Code {
 };
 KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise = codeOf);
 
-/// A hash of the code and the settings with which a driver compiles a kernel. Kernels of equal digests share a
-/// handle.
+/// A hash of the code with which a driver compiles a kernel, and of the size of its subgroups. Kernels of equal digests
+/// share a handle.
 using KernelDigest = std::string;
-KernelDigest digestOf(const Variant& variant, const KernelCode& code);
+KernelDigest digestOf(const KernelCode& code);
 
 /// A kernel for a command buffer: a pipeline, or a shader object where Capabilities::keepsShaders. Both are null if the
 /// kernel is not compiled.
