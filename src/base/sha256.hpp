@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/text.hpp"
+
 namespace gnosphere {
 
 namespace sha256_constants {
@@ -64,10 +66,7 @@ inline std::string sha256(std::string_view bytes) {
 
 /// Returns the SHA-256 of some bytes as 64 hexadecimal digits.
 inline std::string sha256Text(std::string_view bytes) {
-  std::string digits;
-  for (const char byte : sha256(bytes))
-    for (const int shift : {4, 0}) digits += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
-  return digits;
+  return hexText(sha256(bytes));
 }
 
 }  // namespace gnosphere

@@ -50,6 +50,14 @@ inline std::string plainAscii(std::string text) {
   return text;
 }
 
+/// Returns bytes as hexadecimal digits, two for each.
+inline std::string hexText(std::string_view bytes) {
+  std::string digits;
+  for (const char byte : bytes)
+    for (const int shift : {4, 0}) digits += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
+  return digits;
+}
+
 /// Returns the shortest text that reads back to the same bits, with a point whatever the locale.
 inline std::string numberText(double value) {
   char buffer[32];

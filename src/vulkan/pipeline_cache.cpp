@@ -3,11 +3,14 @@
 
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "base/file.hpp"
+#include "base/hash.hpp"
 #include "base/os.hpp"
 #include "base/path.hpp"
+#include "base/text.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -24,22 +27,12 @@ std::filesystem::path cacheFolder(const std::string& setting) {
   return folder.empty() ? folder : folder / "gnosphere";
 }
 
-namespace {
-
-// The hash FNV-1a with 64 bits. Drivers do not check the data after the header, so damage must be detected here.
-std::string checksum(const std::string& bytes) {
-  uint64_t hash = 14695981039346656037u;
-  for (unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;
-  return {reinterpret_cast<const char*>(&hash), sizeof hash};
-}
-
-}  // namespace
-
+// A file begins with the hash of the rest: drivers do not check the data after the header for damage.
 std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties) {
   using Header = VkPipelineCacheHeaderVersionOne;
-  constexpr size_t kSum = sizeof(uint64_t);
-  if (file.size() < kSum + sizeof(Header)) return {};
-  const std::string bytes = file.substr(kSum);
+  const size_t seal = hashOf({}).size();
+  if (file.size() < seal + sizeof(Header)) return {};
+  const std::string bytes = file.substr(seal);
   // The version is read as a number, since the enumeration cannot hold every value that a damaged file has.
   struct {
     uint32_t size, version, vendor, device;
@@ -49,21 +42,8 @@ std::string pipelinesIn(const std::string& file, const VkPhysicalDevicePropertie
   const bool ours = header.size == sizeof(Header) && header.version == uint32_t{VK_PIPELINE_CACHE_HEADER_VERSION_ONE} &&
                     header.vendor == properties.vendorID && header.device == properties.deviceID &&
                     std::memcmp(bytes.data() + sizeof header, properties.pipelineCacheUUID, VK_UUID_SIZE) == 0;
-  return ours && file.compare(0, kSum, checksum(bytes)) == 0 ? bytes : std::string();
+  return ours && file.compare(0, seal, hashOf(bytes)) == 0 ? bytes : std::string();
 }
-
-namespace {
-
-std::string hex(const uint8_t* bytes, size_t count) {
-  std::string text;
-  for (size_t i = 0; i < count; ++i) {
-    text += "0123456789abcdef"[bytes[i] >> 4];
-    text += "0123456789abcdef"[bytes[i] & 15];
-  }
-  return text;
-}
-
-}  // namespace
 
 PipelineCache::PipelineCache(const Device& device, const std::string& setting)
     : device_(device), lacksFolder_(setting.empty() && cacheFolder(setting).empty()) {
@@ -72,7 +52,8 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting)
   device.instanceFunctions().vkGetPhysicalDeviceProperties2(device.physical(), &properties);
   if (const std::filesystem::path folder = cacheFolder(setting); !folder.empty()) {
     if (device.capabilities().keepsShaders) shaders_.emplace(device, folder);
-    file_ = folder / (hex(id.deviceUUID, VK_UUID_SIZE) + "-" + std::to_string(properties.properties.driverVersion));
+    const std::string uuid(std::begin(id.deviceUUID), std::end(id.deviceUUID));
+    file_ = folder / (hexText(uuid) + "-" + std::to_string(properties.properties.driverVersion));
     try {
       stored_ = pipelinesIn(readWholeFile(file_, kMostBytes), properties.properties);
     } catch (const Error&) {  // there is no file yet
@@ -116,7 +97,7 @@ void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
   std::filesystem::create_directories(file_.parent_path(), ignored);
   try {
     AtomicFile file(file_);
-    file.write(checksum(bytes));
+    file.write(hashOf(bytes));
     file.write(bytes);
     file.commit();
     stored_ = bytes;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "folder.hpp"
 #include "support.hpp"
 #include "vulkan/pipeline_cache.hpp"
@@ -50,12 +51,11 @@ fs::path storedIn(const fs::path& folder) {
   return filesIn(folder)[0];
 }
 
-// Updates the file's own checksum after a change: FNV-1a over the rest of the file.
-std::string sealed(std::string bytes) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (size_t i = 8; i < bytes.size(); ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
-  std::memcpy(bytes.data(), &hash, sizeof hash);
-  return bytes;
+constexpr size_t kSeal = 32;  // digits of the hash with which a file begins
+
+// Updates the hash in a file after a change.
+std::string sealed(const std::string& bytes) {
+  return hashOf(bytes.substr(kSeal)) + bytes.substr(kSeal);
 }
 
 }  // namespace
@@ -80,16 +80,16 @@ TEST_CASE("only an intact file of the same driver and device is accepted") {
   for (size_t i = 0; i < VK_UUID_SIZE; ++i) properties.pipelineCacheUUID[i] = static_cast<uint8_t>(3 * i + 1);
   VkPipelineCacheHeaderVersionOne header = {32, VK_PIPELINE_CACHE_HEADER_VERSION_ONE, 0x10de, 0x2335, {}};
   std::copy_n(properties.pipelineCacheUUID, VK_UUID_SIZE, header.pipelineCacheUUID);
-  std::string good(8 + sizeof header, '\0');
-  std::memcpy(good.data() + 8, &header, sizeof header);
+  std::string good(kSeal + sizeof header, '\0');
+  std::memcpy(good.data() + kSeal, &header, sizeof header);
   good = sealed(good + "compiled");
-  CHECK(vulkan::pipelinesIn(good, properties) == good.substr(8));
+  CHECK(vulkan::pipelinesIn(good, properties) == good.substr(kSeal));
   for (size_t at = 0; at < good.size(); ++at) {
     INFO("byte " << at);
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ 1);
     CHECK(vulkan::pipelinesIn(bad, properties).empty());
-    if (at >= 8 && at < 8 + sizeof header) CHECK(vulkan::pipelinesIn(sealed(bad), properties).empty());
+    if (at >= kSeal && at < kSeal + sizeof header) CHECK(vulkan::pipelinesIn(sealed(bad), properties).empty());
     CHECK(vulkan::pipelinesIn(good.substr(0, at), properties).empty());
   }
 }
