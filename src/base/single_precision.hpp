@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cmath>
-#include <iomanip>
+#include <cstdio>
 #include <limits>
-#include <sstream>
 #include <string>
+
+#include "base/decimal_point.hpp"
 
 namespace gnosphere {
 
@@ -20,10 +21,10 @@ inline double stepAt(float value) {
 
 /// As "in single precision, which has steps of 0.5 m at 5300020 m".
 inline std::string inSinglePrecision(double step, double far) {
-  std::ostringstream text;
-  text << "in single precision, which has steps of " << std::setprecision(3) << step << " m at "
-       << std::setprecision(10) << std::round(far) << " m";
-  return text.str();
+  const DecimalPoint point;
+  char text[96];
+  std::snprintf(text, sizeof text, "in single precision, which has steps of %.3g m at %.10g m", step, std::round(far));
+  return text;
 }
 
 }  // namespace gnosphere

@@ -6,11 +6,13 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <locale>
 
 #include "classified_fences.hpp"
 #include "cloud_support.hpp"
 #include "problem.hpp"
 #include "scan/api_example.hpp"
+#include "scan/coarse_points.hpp"
 #include "scan/columns.hpp"
 #include "scan/fields.hpp"
 #include "support.hpp"
@@ -379,4 +381,16 @@ TEST_CASE("the examples of docs/api.md are compiled, and do what they say") {
   CHECK(twoLidars(floorScene()).plan(1).has("intensity") == false);
   Simulator ahead(floorScene(), solidState());
   CHECK(ahead.scan({{0, 0, 1.8}, {}}).column<float>(Field::range).size() == 20'000);
+}
+
+TEST_CASE("how coarse points are in the world is told with a decimal point in every locale") {
+  struct Commas : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  Scan scan;
+  scan.points = {5500010, 0, 0};
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
+  const std::string told = coarsePoints(scan);
+  std::locale::global(before);
+  CHECK(told == "points in the world frame are in single precision, which has steps of 0.5 m at 5500010 m");
 }
