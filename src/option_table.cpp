@@ -124,15 +124,13 @@ std::vector<Option<S>> makeSimulatorTable() {
       {flag<&S::tuning, &Tuning::stageTimes>(
            "tuning.stage_times",
            "If true, the device's own time and that of each stage are measured on a CPU device, too. Other devices "
-           "always "
-           "measure them: it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which takes "
-           "about 1 ms of a scan, as long as a scan of few beams itself."),
+           "always measure them: it costs them nothing. Mesa's CPU driver stops its threads at every timestamp, which "
+           "takes about 1 ms of a scan, as long as a scan of few beams itself."),
        time},
       {count<&S::tuning, &Tuning::maxBatchBytes>(
            "tuning.max_batch_bytes", "bytes", 0, UINT64_MAX,
-           "Most bytes that scans which are submitted together take on the device in lists of "
-           "instances and clusters; at least one scan is submitted. 0 means 256 "
-           "MB on a CPU and 1 GB on other devices."),
+           "Most bytes that scans which are submitted together take on the device in lists of instances and clusters; "
+           "at least one scan is submitted. 0 means 256 MB on a CPU and 1 GB on other devices."),
        machine},
       {count<&S::tuning, &Tuning::maxSubmissionWork>(
            "tuning.max_submission_work", "", 0, UINT64_MAX,
@@ -171,8 +169,7 @@ std::vector<Option<SensorRequest>> makeRequestTable() {
   return {
       {flag<&SensorRequest::variableWeather>("variable_weather",
                                              "If true, shots may bring their own weather: fog, rain, snow and volumes "
-                                             "are planned even if `effects` gives them "
-                                             "no value, unless they are off."),
+                                             "are planned even if `effects` gives them no value, unless they are off."),
        Changes::cloud},
       {indices<&SensorRequest::ignoredInstances>(
            "ignored_instances", "instance",

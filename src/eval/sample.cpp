@@ -25,11 +25,11 @@ Scan BeamSample::of(Scan scan) const {
     some.triangles.push_back(scan.triangles[entry]);
     some.instances.push_back(scan.instances[entry]);
   }
-  const ScanColumns columns(some);
+  ScanColumns columns(some);
   const auto select = [&](Field field, auto value) {
     if (!scan.has(field)) return;
     const auto all = scan.column<decltype(value)>(field);
-    ScanColumns(some).make(field);
+    columns.make(field);
     decltype(value)* const to = columns.data<decltype(value)>(field);
     for (size_t i = 0; i < entries.size(); ++i) to[i] = all[entries[i]];
   };

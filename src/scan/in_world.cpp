@@ -8,9 +8,9 @@ namespace gnosphere {
 namespace {
 
 /// Maps `count` vectors of three floats each in place; they lie side by side.
-void map(const Transform& map, float* vectors, size_t count) {
+void map(const Transform& transform, float* vectors, size_t count) {
   for (float* v = vectors; v < vectors + 3 * count; v += 3) {
-    const Vec3 mapped = map * Vec3{v[0], v[1], v[2]};
+    const Vec3 mapped = transform * Vec3{v[0], v[1], v[2]};
     v[0] = static_cast<float>(mapped.x);
     v[1] = static_cast<float>(mapped.y);
     v[2] = static_cast<float>(mapped.z);
