@@ -65,9 +65,7 @@ class Simulator::Impl {
       const SensorRequest request = completed(given, plans_.size());
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(kept_.scene(), request, plans_.size(), false));
-      warnings_.tellNoBeams(request.sensor);
-      warnings_.tellLeftOut(*plans_.back());
-      warnings_.tellGuesses(*plans_.back());
+      warnings_.tellPlan(*plans_.back());
       requests_.push_back(request);
       sensors_.take();
     }
@@ -177,6 +175,7 @@ class Simulator::Impl {
     planAgain();
     for (size_t i = 0; i < recording.scans.size(); ++i)
       check(*recording.scans[i].shot, "shot " + std::to_string(i) + ": ");
+    for (const Recording::Item& item : recording.scans) warnings_.tellLeftOut(*item.shot, *plans_[item.shot->sensor]);
     recording.classes = &kept_.classes();
     backend_->record(recording);
   }
@@ -192,9 +191,7 @@ class Simulator::Impl {
     SensorRequest request = completed(given, index);
     sensors_.reserve();
     auto plan = planner_.plan(kept_.scene(), request, index, false);
-    warnings_.tellNoBeams(request.sensor);
-    warnings_.tellLeftOut(*plan);
-    warnings_.tellGuesses(*plan);
+    warnings_.tellPlan(*plan);
     ComputedColumns computed(request.sensor, request.fields);
     const size_t count = std::max(index + 1, sensors_.size());
     plans_.resize(count);

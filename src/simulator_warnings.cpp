@@ -44,23 +44,17 @@ void SimulatorWarnings::tellShears(const Scene& scene) const {
                 " sheared so strongly that the error bounds of the accuracies do not hold; see docs/limits.md");
 }
 
-void SimulatorWarnings::tellNoBeams(const Sensor& sensor) const {
-  if (options_.warn && sensor.beamCount() == 0)
-    options_.warn("sensor '" + sensor.name + "' has no channels, so its scans have no beams");
-}
-
-void SimulatorWarnings::tellLeftOut(const SensorPlan& plan) const {
+void SimulatorWarnings::tellPlan(const SensorPlan& plan) const {
   if (!options_.warn) return;
+  const std::string name = "sensor '" + plan.sensor.name + "'";
+  if (plan.sensor.beamCount() == 0) options_.warn(name + " has no channels, so its scans have no beams");
   for (const Plan::Decision& decision : plan.decisions)
     if (decision.leftOut)
-      options_.warn("sensor '" + plan.sensor.name + "': " + decision.effect + " is left out: " + decision.reason +
+      options_.warn(name + ": " + decision.effect + " is left out: " + decision.reason +
                     lackOfSpeeds(plan, decision.effect));
-}
-
-void SimulatorWarnings::tellGuesses(const SensorPlan& plan) const {
-  if (!options_.warn || !plan.looksAtMaterials || !plan.has(gpu::kDetection | gpu::kMediumEffects)) return;
-  const std::string warning = warningOf(options_.materials, plan.effects.intensity.wavelength);
-  if (!warning.empty()) options_.warn("sensor '" + plan.sensor.name + "': " + warning);
+  if (!plan.looksAtMaterials || !plan.has(gpu::kDetection | gpu::kMediumEffects)) return;
+  const std::string guess = warningOf(options_.materials, plan.effects.intensity.wavelength);
+  if (!guess.empty()) options_.warn(name + ": " + guess);
 }
 
 void SimulatorWarnings::tellLeftOut(const Shot& shot, const SensorPlan& plan) {

@@ -19,13 +19,10 @@ class SimulatorWarnings {
   /// Tells which rows of the material table have no effect, and which instances are sheared beyond what the error
   /// bounds of the accuracies allow.
   void tellScene(const Scene& scene) const;
-  /// Tells that a sensor has no beams.
-  void tellNoBeams(const Sensor& sensor) const;
-  /// Tells which effects are called for, but not with this accuracy or device, or not without an intensity.
-  void tellLeftOut(const SensorPlan& plan) const;
-  /// Tells that the detection of returns rests on colours, because the material table has the reflectances at the other
-  /// wavelength alone.
-  void tellGuesses(const SensorPlan& plan) const;
+  /// Tells of a new sensor that it has no beams, which effects are called for, but not with this accuracy or device, or
+  /// not without an intensity, and that the detection of returns rests on colours, because the material table has the
+  /// reflectances at the other wavelength alone.
+  void tellPlan(const SensorPlan& plan) const;
   /// Tells once per sensor and effect that its scans leave out the motion that a shot brings, unless the request turned
   /// the effect off.
   void tellLeftOut(const Shot& shot, const SensorPlan& plan);

@@ -372,6 +372,20 @@ constexpr double kFarAway = 60;  // from there, few triangles are in range
 
 }  // namespace
 
+TEST_CASE("a stream tells once of motion that a sensor leaves out, as scans do") {
+  needVulkan();
+  std::string told;
+  SimulatorOptions options = onDevice(vulkanOptions());
+  options.warn = [&](const std::string& warning) { told += warning; };
+  Simulator simulator(worlds(), SensorRequest(gridSensor(40, 5, -10, 10)), options);
+  BatchStream stream(simulator, {.views = 1});
+  Shot shot;
+  shot.motion.stamps = {{0, {}}, {0.1, {{1, 0, 0}, {}}}};
+  for (int i = 0; i < 2; ++i) stream.submit({&shot, 1});
+  CHECK(told ==
+        "sensor 'grid': sensor-motion is left out, although a shot brings it: the sensor fires all beams at once");
+}
+
 TEST_CASE("lists that are too small for the first batch of a buffer, or for more views, grow before it is handed out") {
   needVulkan();
   Crowded first;
