@@ -55,6 +55,7 @@ class Measurement {
   Measurement(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses, const AccuracyOptions& options)
       : poses_(poses),
         options_(options),
+        simulator_(settingsOf(options.simulator)),
         sample_(sampleOf(sensor, options.sample, options.seed)),
         causeAgainstPaper_(causeAgainstPaper(sensor)) {
     std::vector<NamedParts> rows = settingsFor(sensor);
@@ -66,9 +67,8 @@ class Measurement {
     subjects_.reserve(rows.size());
     for (const NamedParts& row : rows) {
       tell("set up", subjects_.size(), rows.size());
-      SimulatorOptions settings = options.simulator;
+      SimulatorOptions settings = simulator_;
       settings.accuracyParts = row.accuracyParts;
-      settings.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
       subjects_.push_back({{{}, row.name, row.accuracyParts},
                            Simulator(scene, {sensor, Effects::none()}, settings),
                            ComparisonSum(sample_.size() * poses.size(), 1e-3)});
@@ -100,9 +100,9 @@ class Measurement {
   /// Compares every row with the reference. This also warms up: afterwards every list on the device is large enough for
   /// these poses.
   void compareAll(const Scene& scene) {
-    SimulatorOptions settings = options_.simulator;
+    SimulatorOptions settings = simulator_;
     settings.device = DeviceChoice::Kind::reference;
-    settings.accuracyParts.reset();
+    settings.accuracyParts = accuracyPartsOf(Accuracy::standard);
     Simulator reference(scene, {sample_.sensor, Effects::none()}, settings);
     for (size_t p = 0; p < poses_.size(); ++p) {
       tell("compare pose", p + 1, poses_.size());
@@ -132,6 +132,7 @@ class Measurement {
 
   const std::vector<Pose>& poses_;
   const AccuracyOptions& options_;
+  SimulatorOptions simulator_;
   BeamSample sample_;
   std::string causeAgainstPaper_;              // empty if `paper` is among the settings
   std::vector<Subject> subjects_;              // the settings come first

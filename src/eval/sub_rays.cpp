@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <set>
 #include <string>
 
 #include "eval/rank.hpp"
@@ -110,15 +108,8 @@ class SubRayMeasurement {
         request_(request),
         poses_(poses),
         options_(options),
+        settings_(settingsOf(options.simulator)),
         sample_(sampleOf(request.sensor, options.sample, options.seed)) {
-    settings_ = options.simulator;
-    // The simulators have the same scene and options, so each would tell the same.
-    if (options.simulator.warn)
-      settings_.warn = [warn = options.simulator.warn,
-                        told = std::make_shared<std::set<std::string>>()](const std::string& message) {
-        if (told->insert(message).second) warn(message);
-      };
-    settings_.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
     report_.rows.resize(1 + options.counts.size());
     for (size_t i = 0; i < options.counts.size(); ++i) report_.rows[1 + i].subRays = options.counts[i];
     report_.beams = sample_.size() * poses.size();

@@ -1,13 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clock of the reports: times of rows that take turns.
+// What the reports have in common: the settings of their simulators, and the times of rows that take turns.
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "gnosphere/eval/accuracy.hpp"
 
 namespace gnosphere {
+
+/// Returns the settings of a report's simulators, which time whole scans, without reuse of still instances. The
+/// simulators have the same scene, so each would give the same warnings, which the settings hand on once.
+inline SimulatorOptions settingsOf(SimulatorOptions options) {
+  options.tuning.keepStill = false;
+  if (options.warn)
+    options.warn = [warn = options.warn, told = std::make_shared<std::set<std::string>>()](const std::string& message) {
+      if (told->insert(message).second) warn(message);
+    };
+  return options;
+}
 
 /// Scans once with each row in turn, so that other load of the machine affects all rows alike. The poses are spread
 /// over the runs. `scan(row, pose)` returns the timings of a scan. Returns the timings by row and run.

@@ -133,6 +133,7 @@ TEST_CASE("a scan of ties alone bounds no error") {
   AccuracyOptions options = quick();
   options.runs = 1;
   options.parts = false;
+  options.simulator.accuracy = Accuracy::paper;  // is ignored, and could not scan a list
   const AccuracyReport report =
       measureAccuracy(sceneOf(builder.take()), listSensor("line", beams, 50), {Pose{}}, options);
   const AccuracyRow& row = rowOf(report.settings, "standard");
@@ -279,4 +280,17 @@ TEST_CASE("measuring accuracy without poses, without runs or on the reference is
   options.runs = 0;
   CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {Pose{}}, options), Error,
                        MessageMatches(ContainsSubstring("run")));
+}
+
+TEST_CASE("a warning about the scene is given once, not by each simulator of the report") {
+  needVulkan();
+  Scene scene = sceneOf(soup(1, 10, 5, 2));
+  scene.instances[0].transform = {{1, 1, 0, 0, 0, 1e-6, 0, 0, 0, 0, 1, 0}};
+  AccuracyOptions options = quick();
+  options.parts = false;
+  std::vector<std::string> warnings;
+  options.simulator.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  measureAccuracy(scene, gridSensor(36, 2, -10, 10), {Pose{}}, options);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], ContainsSubstring("sheared"));
 }
