@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -62,6 +63,14 @@ inline std::string hexText(std::string_view bytes) {
 inline std::string numberText(double value) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
+}
+
+/// Returns a number of bytes as "1.5 MiB".
+inline std::string mebibytes(uint64_t bytes) {
+  char buffer[32];
+  const double value = static_cast<double>(bytes) / (1 << 20);
+  char* const end = std::to_chars(buffer, buffer + sizeof(buffer), value, std::chars_format::fixed, 1).ptr;
+  return std::string(buffer, end) + " MiB";
 }
 
 }  // namespace gnosphere

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <string>
 
-#include "base/decimal_point.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 
@@ -97,12 +96,9 @@ std::byte* allocate(const char* name, uint64_t bytes) {
   void* memory = nullptr;
   const cudaError_t result = cudaMalloc(&memory, bytes);
   if (result == cudaErrorMemoryAllocation) {
-    const DecimalPoint point;
-    char text[200];
-    std::snprintf(text, sizeof text, "cannot allocate %.1f MiB for '%s' on the CUDA device",
-                  static_cast<double>(bytes) / (1 << 20), name);
     cudaGetLastError();
-    throw Error(ErrorCode::outOfMemory, text);
+    throw Error(ErrorCode::outOfMemory,
+                "cannot allocate " + mebibytes(bytes) + " for '" + name + "' on the CUDA device");
   }
   check(result, "cudaMalloc");
   return static_cast<std::byte*>(memory);

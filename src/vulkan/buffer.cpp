@@ -2,21 +2,12 @@
 #include "vulkan/buffer.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstring>
 #include <utility>
 
-#include "base/decimal_point.hpp"
+#include "base/text.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
-
-std::string mebibytes(uint64_t bytes) {
-  const DecimalPoint point;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
-  return text;
-}
 
 constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
 constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
