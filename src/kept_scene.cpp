@@ -302,7 +302,7 @@ void KeptScene::removeInstances(std::span<const uint32_t> instances) {
                                                   " stands in an entry before it, too; name it once");
     named[instances[i]] = true;
   }
-  // The last is taken first.
+  // The pool hands out first the index that was given back last, so the next instances get these indices in order.
   std::for_each(instances.rbegin(), instances.rend(), [&](uint32_t instance) { removeInstance(instance); });
 }
 

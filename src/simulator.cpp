@@ -27,7 +27,7 @@
 namespace gnosphere {
 namespace {
 
-// The arrays of a result that failed are of no size in particular, so it is made empty.
+// Empties a result whose call has failed, because the sizes of its arrays may not agree.
 template <typename Result>
 struct Unfinished {
   Result* result;

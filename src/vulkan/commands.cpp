@@ -88,7 +88,7 @@ void Commands::submit() {
     Submission& next = submissions_[used_];
     submit.pCommandBuffers = &next.commands;
     const VkResult result = device_.submit(submit, next.fence.get(), next.number);
-    if (result != VK_SUCCESS && pending_) wait();  // for those before it
+    if (result != VK_SUCCESS && pending_) wait();  // for the submissions before the one that failed
     if (result == VK_ERROR_DEVICE_LOST) refuseLost();
     check(result, "vkQueueSubmit");
     pending_ = true;

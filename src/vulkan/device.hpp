@@ -100,7 +100,7 @@ class Device {
   DeviceFunctions vk_;
   VkQueue queue_ = VK_NULL_HANDLE;
   mutable std::mutex queueMutex_;     // one thread at a time may use a queue
-  mutable uint64_t submissions_ = 0;  // guarded by it
+  mutable uint64_t submissions_ = 0;  // guarded by queueMutex_
   mutable std::atomic<uint64_t> ended_ = 0;
   mutable std::atomic<bool> failed_ = false;
   std::unique_ptr<MemoryBlocks> blocks_;

@@ -37,12 +37,12 @@ namespace {
 
 using Module = std::span<const uint32_t>;
 
-// Returns the module for devices without 64-bit atomics, or with them.
+// Returns the module without 64-bit atomics if hits are collected in lists, as on devices without these atomics.
 Module byAtomics(const Variant& variant, Module without, Module with) {
   return variant.options.BINNING == gpu::kBinningLists ? without : with;
 }
 
-// Returns the module for such devices, or for those with double precision as well.
+// As above, for a kernel with a further module that uses double precision.
 Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
   return variant.float64 ? withDoubles : byAtomics(variant, without, with);
 }

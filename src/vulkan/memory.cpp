@@ -89,7 +89,7 @@ void Recordings::forget(const RecordedMemory& memory) {
 void Recordings::abandon(size_t number) noexcept {
   if (number >= frames_.size()) return;
   Frame& frame = frames_[number];
-  frame.recording = 0;  // nothing follows from it about the recordings before it
+  frame.recording = 0;  // when the frame comes again, the recordings before this one need not have completed
   while (!frame.taken.empty()) {
     auto node = frame.taken.extract(frame.taken.begin());
     const auto since = writes_.find(node.key());
