@@ -484,6 +484,7 @@ void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<con
 }
 
 Plan Simulator::plan(size_t sensor, size_t views) const {
+  const NearestRounding rounding;
   return forReading(impl_).plan(sensor, views);
 }
 const DeviceInfo& Simulator::device() const {

@@ -24,8 +24,8 @@ struct CallState {
               "it; make a simulator for each thread");
 }
 
-/// A call that may change an object, which is at work while this lives, whatever the rounding mode of the caller. Its
-/// class `T` has a function calls() that returns its CallState.
+/// A call that may change an object, which is at work while this lives, whatever the rounding mode and the
+/// floating-point traps of the caller. Its class `T` has a function calls() that returns its CallState.
 template <class T>
 class Call {
  public:

@@ -5,13 +5,13 @@
 
 namespace gnosphere {
 
-/// While this lives the thread rounds to the nearest number, as do threads that it starts meanwhile; then it has the
-/// floating-point environment of before.
+/// While this lives the thread rounds to the nearest number, keeps denormal numbers and has no floating-point traps, as
+/// do threads that it starts meanwhile; then it has the floating-point environment of before.
 class NearestRounding {
  public:
   NearestRounding() {
     std::fegetenv(&before_);
-    std::fesetround(FE_TONEAREST);
+    std::fesetenv(FE_DFL_ENV);
   }
   ~NearestRounding() { std::fesetenv(&before_); }
   NearestRounding(const NearestRounding&) = delete;

@@ -19,6 +19,7 @@
 #include "base/workers.hpp"
 #include "no_more_threads.hpp"
 #include "support.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 TEST_CASE("all runs are completed by however many threads the system starts") {
@@ -192,6 +193,41 @@ TEST_CASE("a scan has the same bits in every rounding mode of the caller, who fi
     CHECK(sameBytes(scans[0], scans[1]));
   }
 }
+
+#if defined(__GLIBC__) && defined(__SSE2__)
+TEST_CASE("simulators work in a thread with floating-point traps and without denormal numbers, which it keeps") {
+  needVulkan();
+  Scene scene = sceneOf(soup(11, 300, 30, 10));
+  MeshBuilder tiny;
+  tiny.triangle({0, 0, 0}, {1e-40, 0, 0}, {0, 1e-40, 0});
+  scene.meshes.push_back(tiny.take());
+  scene.instances.push_back({"", 1, {}});
+  const SensorRequest request = {builtinSensor("VLP-16"), {}, {Field::incidence}};
+  constexpr int kTraps = FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW;
+  constexpr unsigned kToZero = 0x8040;
+  for (const bool onDevice : {true, false}) {
+    TestOptions options = onDevice ? vulkanOptions() : TestOptions();
+    if (!onDevice) options.device.kind = DeviceChoice::Kind::reference;
+    const Scan expected = Simulator(scene, request, options).scan({});
+    CHECK(expected.counters.degenerate == 0);
+    vulkan::destroyIdleDevices();  // threads of the driver start with the next simulator
+    std::fenv_t usual;
+    std::fegetenv(&usual);
+    feenableexcept(kTraps);
+    __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | kToZero);
+    Simulator simulator(scene, request, options);
+    const Scan scan = simulator.scan({});
+    static_cast<void>(simulator.plan(0, 2));
+    const int traps = fegetexcept();
+    const unsigned mode = __builtin_ia32_stmxcsr();
+    std::fesetenv(&usual);
+    CHECK(traps == kTraps);
+    CHECK((mode & kToZero) == kToZero);
+    CHECK(sameBytes(scan, expected));
+    CHECK(scan.counters.degenerate == 0);
+  }
+}
+#endif
 
 TEST_CASE("a simulator at work refuses other calls, of its own functions and of other threads") {
   const Scene scene = sceneOf(soup(8, 300, 30, 10));
