@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <nanoflann.hpp>
 #include <tuple>
+#include <vector>
 
 #include "base/vector.hpp"
 #include "gnosphere/eval/accuracy.hpp"
@@ -12,11 +15,11 @@ namespace {
 /// The hits of a scan in the form that the k-d tree reads.
 struct Points {
   explicit Points(const Scan& scan) : scan_(scan) {
-    for (uint32_t beam = 0; beam < scan.beamCount(); ++beam)
-      if (scan.hit(beam)) beams_.push_back(beam);
+    for (size_t entry = 0; entry < scan.triangles.size(); ++entry)
+      if (scan.hit(entry)) entries_.push_back(entry);
   }
-  size_t kdtree_get_point_count() const { return beams_.size(); }
-  double kdtree_get_pt(size_t point, size_t axis) const { return scan_.points[3 * size_t{beams_[point]} + axis]; }
+  size_t kdtree_get_point_count() const { return entries_.size(); }
+  double kdtree_get_pt(size_t point, size_t axis) const { return scan_.points[3 * entries_[point] + axis]; }
   template <typename Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
@@ -24,7 +27,7 @@ struct Points {
 
  private:
   const Scan& scan_;
-  std::vector<uint32_t> beams_;
+  std::vector<size_t> entries_;
 };
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, uint32_t>;
@@ -41,13 +44,13 @@ NearestHistogram nearestHistogram(const Scan& reference, const Scan& other) {
   const Points points(reference);
   std::unique_ptr<Tree> tree;  // made when first needed, which is rare
   NearestHistogram histogram{};
-  for (size_t beam = 0; beam < other.beamCount(); ++beam) {
-    if (!other.hit(beam)) continue;
-    const float* p = &other.points[3 * beam];
+  for (size_t entry = 0; entry < other.triangles.size(); ++entry) {
+    if (!other.hit(entry)) continue;
+    const float* p = &other.points[3 * entry];
     const double query[3] = {p[0], p[1], p[2]};
-    // The nearest point is the beam's own or a nearer one; both fall into the first bin.
-    if (beam < reference.beamCount() && reference.hit(beam)) {
-      const float* own = &reference.points[3 * beam];
+    // The nearest point is that of the same entry or a nearer one; both fall into the first bin.
+    if (entry < reference.triangles.size() && reference.hit(entry)) {
+      const float* own = &reference.points[3 * entry];
       if (binOf(lengthOf({query[0] - own[0], query[1] - own[1], query[2] - own[2]})) == 0) {
         ++histogram[0];
         continue;

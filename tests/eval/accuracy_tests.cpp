@@ -209,6 +209,14 @@ TEST_CASE("against a cloud without points, every point falls into the histogram'
   CHECK(nearestHistogram(nothing, nothing) == NearestHistogram{});
 }
 
+TEST_CASE("every return of a beam falls into the histogram") {
+  Scan twice = cloudOf({{1, 0, 0}, {3, 0, 0}});
+  twice.columns = 1;
+  twice.returns = 2;
+  CHECK(nearestHistogram(twice, twice)[0] == 2);
+  CHECK(nearestHistogram(twice, cloudOf({{3, 0, 0}}))[0] == 1);
+}
+
 TEST_CASE("a comparison summed over scans equals the comparison of all beams at once") {
   Random uniform(11);
   Scan all[2];
