@@ -137,7 +137,7 @@
   ARRAY(readonly, vec4, rowOrigins)        /* each row's laser as seen from the middle of all: forward, left, up */ \
   ARRAY(readonly, Optics4, optics)         /* per material */ \
   ARRAY(readonly, uint, deadBeams)         /* one bit per beam */ \
-  ARRAY(readonly, VolumeBox, volumes) \
+  ARRAY(readonly, VolumeBox, volumes)      /* per view: as many as EffectParameters::volumeCount says */ \
   ARRAY(readonly, uvec4, alphaImages)      /* width, height, first byte, wrapping of u | wrapping of v << 8 */ \
   ARRAY(readonly, uint, texels)            /* four bytes of alpha each */ \
   ARRAY(readonly, vec4, subRays)           /* tangents to the left and up, weight, length of (1, left, up) */

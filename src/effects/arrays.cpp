@@ -44,6 +44,20 @@ std::vector<gpu::InstanceMotion> motionsOf(ShotMotions motions, const InstanceEn
   return all;
 }
 
+// Returns the boxes of dust of all shots, equally many for each. Those that a shot has too few of weaken no light and
+// scatter none.
+std::vector<gpu::VolumeBox> dustOf(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions) {
+  size_t most = 0;
+  for (const Shot& shot : shots) most = std::max(most, effectsOf(plan, shot).volumes.boxes.size());
+  std::vector<gpu::VolumeBox> boxes;
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const std::vector<gpu::VolumeBox> own = volumeBoxes(effectsOf(plan, shots[i]), seenFrom(shots, i, motions));
+    boxes.insert(boxes.end(), own.begin(), own.end());
+    boxes.resize((i + 1) * most);
+  }
+  return boxes;
+}
+
 }  // namespace
 
 std::vector<ArrayContent> beamArrays(const SensorPlan& plan, uint64_t beams) {
@@ -90,6 +104,11 @@ std::vector<ArrayContent> projectedArrays(const SensorPlan& plan, uint64_t count
 std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions,
                                      const InstanceEntries& entries) {
   std::vector<ArrayContent> arrays;
+  std::vector<gpu::VolumeBox> boxes;
+  if (plan.has(gpu::kVolumes)) {
+    boxes = dustOf(plan, shots, motions);
+    arrays.push_back(arrayOf(gpu::Array::volumes, boxes));
+  }
   if (plan.signals()) {
     std::vector<gpu::EffectParameters> all;
     for (const Shot& shot : shots) {
@@ -97,16 +116,10 @@ std::vector<ArrayContent> shotArrays(const SensorPlan& plan, std::span<const Sho
       if (shot.weather) parameters = effectParameters(effectsOf(plan, shot), plan.sensor, plan.bits);
       parameters.sensor = plan.parameters.sensor;
       parameters.frame = keyOfFrame(shot.frame);
+      parameters.volumeCount = static_cast<uint32_t>(boxes.size() / shots.size());
       all.push_back(parameters);
     }
     arrays.push_back(arrayOf(gpu::Array::parameters, all));
-  }
-  if (plan.has(gpu::kVolumes)) {
-    std::vector<gpu::VolumeBox> all;
-    for (size_t i = 0; i < shots.size(); ++i)
-      for (const gpu::VolumeBox& box : volumeBoxes(effectsOf(plan, shots[i]), seenFrom(shots, i, motions)))
-        all.push_back(box);
-    arrays.push_back(arrayOf(gpu::Array::volumes, all));
   }
   if (motions.empty()) return arrays;
   const std::vector<gpu::InstanceMotion> instances = motionsOf(motions, entries);

@@ -155,6 +155,19 @@ TEST_CASE("views with several effects have the bytes of single scans", "[combina
   }
 }
 
+TEST_CASE("views of shots with different numbers of dust boxes have the bytes of single scans") {
+  needVulkan();
+  std::vector<Shot> shots = shotsInWorlds(7);
+  for (size_t i = 0; i < shots.size(); ++i) {
+    std::vector<Effects::Volume>& boxes = shots[i].weather.emplace().volumes;
+    for (size_t k = 0; k < 2 * i % 3; ++k) {
+      const double x = 2.0 + 3.0 * static_cast<double>(k);
+      boxes.push_back({{x, -6, -2}, {x + 2, 8, 4}, 0.05 * static_cast<double>(i)});
+    }
+  }
+  checkTogether(smallSensor(), shots, optionsOf(numberOf("volumes"), numberOf("returns")));
+}
+
 TEST_CASE("views of a sensor that moves have the bytes of single scans", "[combinations]") {
   needVulkan();
   std::vector<Shot> shots = shotsInWorlds(7);
