@@ -63,6 +63,8 @@ Effects effectsOfLidar(const json& lidar) {
     effects.dropOut.intensityLimit = 1;
     effects.dropOut.zeroIntensityRate = 0;
   }
+  if (effects.dropOut.generalRate == 0 && effects.dropOut.zeroIntensityRate == 0)
+    effects.dropOut.use = EffectUse::off;  // an effect that is on must have something to do
   if (effects.rangeNoise.sigma > 0) effects.rangeNoise.use = EffectUse::on;
   return effects;
 }

@@ -79,6 +79,21 @@ TEST_CASE("with a limit of zero CARLA loses no return by its intensity") {
   }
 }
 
+TEST_CASE("a CARLA lidar that loses nothing at random is scanned without drop-out") {
+  for (const char* none : {R"("dropoff_zero_intensity": 0)", R"("dropoff_intensity_limit": 0)"}) {
+    INFO(none);
+    SensorRequest request;
+    request.effects = of(R"("dropoff_general_rate": "0.0", )" + std::string(none));
+    CHECK(request.effects.dropOut.use == EffectUse::off);
+    request.sensor.columns = 90;
+    request.sensor.channels = {{0}};
+    request.sensor.rangeMax = 10;
+    SimulatorOptions options;
+    options.device = DeviceChoice::Kind::reference;
+    CHECK(Simulator(Scene(), request, options).scan({}).counters.misses == 90);
+  }
+}
+
 TEST_CASE("lidars of a CARLA file whose effects differ are chosen by their ids") {
   CHECK(load(two("0.02")).rangeNoise.sigma == 0.02);
   CHECK(load(two("0.03"), "top").rangeNoise.sigma == 0.02);
