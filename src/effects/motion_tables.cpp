@@ -196,7 +196,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
                    .instances = 0,
                    .sensor = moves,
                    .middle = static_cast<float>(times.middle),
-                   .columnsToMiddle = static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
+                   .columnsToMiddle = static_cast<float>(std::max(toMiddle, times.used - 2.0 - toMiddle)),
                    .drift = glm::vec3(perColumn),
                    .wander = up(drift.wander),
                    .wanderPerColumn = up(drift.wanderPerColumn),

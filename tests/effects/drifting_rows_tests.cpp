@@ -156,6 +156,13 @@ TEST_CASE("the bend of a motion is the largest second difference of its frames b
   CHECK(boundsOf({}).bendEnd == 0);
 }
 
+TEST_CASE("the middle of a scan of one column is half a column away") {
+  Sensor sensor = gridSensor(1, 4, -10, 10);
+  sensor.rotationPeriod = kPeriod;
+  const MotionTables tables = makeMotionTables(scanTimesOf(sensor, false), {}, {}, true, false);
+  CHECK(tables.bounds.columnsToMiddle == 0.5f);
+}
+
 TEST_CASE("views of a sensor that stands share their tables of motion, wherever it stands") {
   ScanTimes times = {0, 1e-4, 5e-3, 1e-2, 101};
   times.used = 101;
