@@ -10,8 +10,10 @@ namespace gnosphere {
 
 namespace {
 
+// Nothing can move during a scan of a list's pattern whose beams all fire at once.
 bool instancesMove(const SensorPlan& plan, const Shot& shot) {
-  return (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion);
+  return (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion) &&
+         durationOf(plan.sensor, shot.frame) > 0;
 }
 
 bool sensorMoves(const SensorPlan& plan, const Shot& shot) {

@@ -100,8 +100,9 @@ Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
     sweeps.last = std::max(sweeps.last, time);
   }
   Movement movement;
-  if (plan.has(gpu::kObjectMotion)) {
-    movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
+  const double duration = durationOf(sensor, shot.frame);
+  if (plan.has(gpu::kObjectMotion) && duration > 0) {
+    movement = {shot.instanceMotions, {}, duration};
     for (const MeshMotion& motion : shot.meshMotions)
       movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
   }
