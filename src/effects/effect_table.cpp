@@ -95,6 +95,8 @@ bool hasNoDropOut(const Effects& effects) {
 Answer appliesDropOut(const Question& q) {
   const auto& dropOut = q.effects.dropOut;
   const size_t beams = q.sensor.beamCount();
+  if (beams == 0 && !dropOut.deadBeams.empty())
+    return {false, "the sensor has no beams", "give no drop-out.dead_beams", true};
   for (uint32_t beam : dropOut.deadBeams) {
     if (beam < beams) continue;
     return {false, "the sensor has no beam " + std::to_string(beam) + ", it has " + std::to_string(beams),

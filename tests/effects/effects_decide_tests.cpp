@@ -334,6 +334,8 @@ TEST_CASE("an effect that is on but cannot be simulated is refused with advice")
     asked.effects.dropOut.use = use;
     checkRefused(asked, "drop-out: sensor 'plain' has no beam 20, it has 20; give drop-out.dead_beams from 0 to 19");
   }
+  asked.sensor.channels.clear();
+  checkRefused(asked, "drop-out: sensor 'plain' has no beams; give no drop-out.dead_beams");
 }
 
 TEST_CASE("an effect that is off but needed is refused, or disables the effects that need it") {
