@@ -103,8 +103,7 @@ class DeviceBackend final : public Backend {
 
   void setOptics(size_t sensor, std::shared_ptr<const SensorPlan> plan) override {
     waitForAll();
-    StillImage& still = sensors_[sensor]->still;
-    still.inMaking() ? still.end(false) : still.forget();  // a surface may have become a pane
+    sensors_[sensor]->still.forget();  // a surface may have become a pane
     sensors_[sensor]->arrays.setOptics(plan->optics);
   }
 
@@ -312,6 +311,7 @@ class DeviceBackend final : public Backend {
     StillImage& still = sensors_[shots[0].sensor]->still;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
+      still.forget();  // it needs the farthest-range table, which is made anew
       sensor.makeRoomForViews(views);
     }
     motions = motionsOf(sensor.sensorPlan(), part.views, shots, scene_);
