@@ -332,9 +332,9 @@ class GNOSPHERE_API Simulator {
   /// works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling thread. The
   /// scan is overwritten after `receive` returns; its wallMs includes the wait for the scan before it, but not the time
   /// that `receive` took meanwhile. Shots of one sensor that follow each other are submitted together, unless meshes
-  /// are deformed during a scan, or the sensor stands still and can reuse its hits. Their times, and their counters of
-  /// triangles, are then equal shares of those of the whole submission. Throws as scanInto() does; all shots are
-  /// checked before the first scan. An exception of `receive` ends the run and is passed on.
+  /// are deformed during a scan, or the sensor stands still and can reuse its hits. Their times are then equal shares,
+  /// and their counters of triangles are shares by the triangles of their worlds. Throws as scanInto() does; all shots
+  /// are checked before the first scan. An exception of `receive` ends the run and is passed on.
   void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
   /// Makes the scans of many shots of one sensor, each with the same result as scanInto(), and collects them in arrays

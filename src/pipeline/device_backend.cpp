@@ -2,6 +2,7 @@
 #include "pipeline/device_backend.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -391,6 +392,13 @@ class DeviceBackend final : public Backend {
     // The device may have worked while a receiver took its time.
     const double waited = std::max(millisecondsSince(start_), workMs_) / static_cast<double>(part.shots.size());
     Clock::time_point start;  // of reading a shot's results
+    const auto usable = [&](const View& view) {
+      return scene_.instances().contentOf(part.shots[view.shot].world).usableTriangles();
+    };
+    uint64_t triangles = 0;  // of the views that are left
+    for (const View& view : part.views) triangles += usable(view);
+    gpu::Counters counters = {};  // of these views
+    if (sensor.beams() > 0) counters = sensor.counters(ofSensor);
     for (size_t view = 0; view < views; ++view) {
       const size_t number = part.views[view].shot;
       const Shot& shot = part.shots[number];
@@ -404,7 +412,9 @@ class DeviceBackend final : public Backend {
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
       if (sensor.beams() > 0) {
-        DeviceResults results = sensor.results(ofSensor, static_cast<uint32_t>(view));
+        const uint64_t own = usable(part.views[view]);
+        const gpu::Counters share = takeShare(counters, own, std::exchange(triangles, triangles - own));
+        DeviceResults results = sensor.results(ofSensor, static_cast<uint32_t>(view), share);
         if (views > 1) results.inViews = slots_[slot].placed.inViews();
         readResults(workers_, sensor.sensorPlan(), results, scene_.instances(), shot,
                     motionOf(slots_[slot].motions, view), result);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "base/threads.hpp"
@@ -16,6 +18,12 @@
 
 namespace gnosphere {
 namespace {
+
+// A triangle that was read has been culled for one of these reasons, or projected.
+constexpr uint32_t gpu::Counters::*kFates[] = {&gpu::Counters::nonFinite,      &gpu::Counters::culledByRange,
+                                               &gpu::Counters::culledByFace,   &gpu::Counters::culledBetweenBeams,
+                                               &gpu::Counters::culledHidden,   &gpu::Counters::projectedSmall,
+                                               &gpu::Counters::projectedLarge, &gpu::Counters::tried};
 
 // Resolving fewer beams than this is not worth waking a thread: 4,000 take about 0.06 ms, and waking a thread 0.01 ms.
 constexpr uint64_t kBeamsPerThread = 4'000;
@@ -213,6 +221,27 @@ void countPlaced(const InstanceTable& instances, uint32_t world, Counters& count
   counters.triangles += placed.triangles;
   counters.nonFinite += placed.nonFinite;
   counters.degenerate += placed.degenerate;
+}
+
+gpu::Counters takeShare(gpu::Counters& counters, uint64_t triangles, uint64_t all) {
+  if (triangles == all) return std::exchange(counters, {});
+  using Counts = std::array<uint32_t, sizeof counters / sizeof(uint32_t)>;
+  auto left = std::bit_cast<Counts>(counters), taken = left;
+  for (uint32_t& word : taken) word = static_cast<uint32_t>(word * triangles / all);
+  auto share = std::bit_cast<gpu::Counters>(taken);
+  uint64_t fates = 0, wanted = share.triangles;
+  for (const auto fate : kFates) fates += counters.*fate;
+  if (fates == counters.triangles)  // as for the whole; with motion, some triangles may have several
+    for (const auto fate : kFates) {
+      const uint64_t part = fates > 0 ? counters.*fate * wanted / fates : 0;
+      share.*fate = static_cast<uint32_t>(part);
+      fates -= counters.*fate;
+      wanted -= part;
+    }
+  taken = std::bit_cast<Counts>(share);
+  for (size_t i = 0; i < left.size(); ++i) left[i] -= taken[i];
+  counters = std::bit_cast<gpu::Counters>(left);
+  return share;
 }
 
 void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,

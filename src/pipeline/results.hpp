@@ -54,6 +54,10 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_
 /// Counts the triangles that a view of a world is computed from.
 void countPlaced(const InstanceTable& instances, uint32_t world, Counters& counters);
 
+/// Takes the share of a view out of the counters that several views have in common: in proportion to the triangles of
+/// its world, of which all views whose shares have not been taken yet have `all` together.
+gpu::Counters takeShare(gpu::Counters& counters, uint64_t triangles, uint64_t all);
+
 /// Fills the arrays of `scan` from the outputs of a view and adds to its counters. If the view has a part of the beams,
 /// only their entries are written. `motion` is null for a scan without motion.
 void readResults(Workers& workers, const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,

@@ -19,22 +19,6 @@ using gpu::Array;
 // One group with one cluster, for which a scan has all its steps.
 constexpr PlacedGroups kEverything = {{0, 1, 1}, {}};
 
-/// The triangles that were culled and those that were projected, which are those that were read, unless motion has
-/// made some of them several.
-uint32_t readTriangles(const gpu::Counters& counters) {
-  return counters.nonFinite + counters.culledByRange + counters.culledByFace + counters.culledBetweenBeams +
-         counters.culledHidden + counters.projectedSmall + counters.projectedLarge + counters.tried;
-}
-
-// The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
-gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
-  auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
-  for (uint32_t& word : words) word = word / views + (view == 0 ? word % views : 0);
-  auto share = std::bit_cast<gpu::Counters>(words);
-  if (readTriangles(counters) == counters.triangles) share.triangles = readTriangles(share);  // as for the whole
-  return share;
-}
-
 }  // namespace
 
 SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options,
@@ -299,8 +283,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, std::span<const Shot> shot
 }
 
 void SensorArrays::checkAlive(size_t index) {
-  Slot& slot = slots_[index];
-  if (slot.signsOfLife && counters(slot).alive != gpu::kAlive)
+  if (slots_[index].signsOfLife && counters(index).alive != gpu::kAlive)
     throw Error(ErrorCode::device,
                 "the device '" + machine_.traits().info.name +
                     "' reports a scan as done, but has run no kernel of it; its driver only pretends "
@@ -348,15 +331,15 @@ float SensorArrays::recordedHint(size_t index) {
   return std::bit_cast<float>((first + bucket) << gpu::kBucketShift);
 }
 
-const gpu::Counters& SensorArrays::counters(Slot& slot) const {
-  DeviceMemory& memory = *slot.arrays[Array::counters];
+const gpu::Counters& SensorArrays::counters(size_t index) const {
+  DeviceMemory& memory = *slots_[index].arrays[Array::counters];
   memory.invalidate();
   return *static_cast<const gpu::Counters*>(memory.host());
 }
 
 DeviceResults SensorArrays::results(size_t index) {
   Slot& slot = slots_[index];
-  return DeviceResults::from(slot.tables, counters(slot), [&](Array array) -> const void* {
+  return DeviceResults::from(slot.tables, counters(index), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *slot.arrays[array];
@@ -365,11 +348,11 @@ DeviceResults SensorArrays::results(size_t index) {
   });
 }
 
-DeviceResults SensorArrays::results(size_t index, uint32_t view) {
+DeviceResults SensorArrays::results(size_t index, uint32_t view, const gpu::Counters& counted) {
   const Slot& slot = slots_[index];
   DeviceResults results = this->results(index);
-  const auto views = static_cast<uint32_t>(slot.views.size());
-  if (views == 1) return results;
+  results.counters = counted;
+  if (slot.views.size() == 1) return results;
   results.tables = results.tables.subspan(view, 1);
   const uint64_t firstBeam = uint64_t{view} * slot.tables[0]->frame.beams;
   const uint64_t firstEntry = (slot.views[view].shot - slot.views[0].shot) * entries();
@@ -385,7 +368,6 @@ DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   move(results.surfaces, firstEntry);
   move(results.motions, firstEntry);
   move(results.barycentrics, firstEntry);
-  results.counters = shareOf(results.counters, view, views);
   if (!plan_.computesReturns()) return results;
   DeviceMemory& memory = *slot.arrays[Array::viewCauses];
   memory.invalidate();

@@ -67,13 +67,13 @@ class SensorArrays {
   /// Throws Error(device) if the device has run nothing of the last scan of this slot.
   void checkAlive(size_t slot);
   /// Returns whether a list was too small for the last scan of this slot. The scan must run again after growLists().
-  bool cutShort(size_t slot) { return TriangleLists::cutShort(counters(slots_[slot]), slots_[slot].capacities); }
+  bool cutShort(size_t slot) { return TriangleLists::cutShort(counters(slot), slots_[slot].capacities); }
   /// Grows the lists that were too small to the sizes that the scan has counted. No slot may be running.
-  void growLists(size_t slot) { lists_.grow(counters(slots_[slot])); }
+  void growLists(size_t slot) { lists_.grow(counters(slot)); }
   /// Grows the lists to those of a sensor with another plan of the same scene, whose scans they have held.
   void growListsAs(const SensorArrays& other) { lists_.growAs(other.lists_); }
   /// Learns from the counters of the last submission of this slot, which has ended.
-  void learn(size_t slot) { shells_.learn(counters(slots_[slot]), slots_[slot].views.size(), slots_[slot].shells); }
+  void learn(size_t slot) { shells_.learn(counters(slot), slots_[slot].views.size(), slots_[slot].shells); }
   /// Tells that the lists were large enough for the last submission of this slot, of so many views, in which sensor or
   /// instances moved or none did.
   void noteEnough(size_t slot, size_t views, bool moved) { lists_.noteEnough(slots_[slot].capacities, views, moved); }
@@ -81,8 +81,10 @@ class SensorArrays {
   bool hadEnough(size_t views, bool moves) const { return lists_.hadEnough(views, moves); }
   /// Returns the outputs of the last scan of the slot, of all its views, each of which is a shot.
   DeviceResults results(size_t slot);
-  /// Returns the outputs of the shot of a view.
-  DeviceResults results(size_t slot, uint32_t view);
+  /// Returns the outputs of the shot of a view, of which takeShare() has told the counters.
+  DeviceResults results(size_t slot, uint32_t view, const gpu::Counters& counted);
+  /// Returns what the last scan of the slot has counted, in all its views.
+  const gpu::Counters& counters(size_t slot) const;
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_.count() > 1; }
   /// Whether the results stay on the device, as records.
@@ -156,7 +158,6 @@ class SensorArrays {
   void allocate(gpu::Array array, uint64_t bytes) { arrays_.allocate(machine_, array, bytes, MemoryKind::device); }
   void addSlot();
   void load(Slot& slot, const std::vector<ArrayContent>& arrays);
-  const gpu::Counters& counters(Slot& slot) const;
 
   Machine& machine_;
   const SensorPlan& plan_;

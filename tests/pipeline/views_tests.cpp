@@ -126,6 +126,34 @@ TEST_CASE("views see deformed meshes, and instances that move between runs") {
   }
 }
 
+TEST_CASE("no view counts more triangles than its world has, and each triangle has one fate") {
+  needVulkan();
+  Scene scene = crowd(300, 10);
+  for (Instance& instance : scene.instances) instance.world = 1;
+  scene.meshes.push_back(soup(8, 7, 12, 3));
+  scene.instances.push_back({"", 1, {}});
+  scene.instances.back().world = 2;
+  TestOptions options = vulkanOptions();
+  Simulator culling = makeSimulator(scene, gridSensor(180, 16, -30, 30), options);
+  options.tuning.culling = {false, false, false, false, Culling::Occlusion::never};
+  Simulator reading = makeSimulator(scene, gridSensor(180, 16, -30, 30), options);
+  for (const uint32_t worlds : {1, 2}) {
+    std::vector<Shot> shots = shotsFromEverywhere(13);
+    for (size_t i = 0; i < shots.size(); ++i) shots[i].world = 1 + static_cast<uint32_t>(i) % worlds;
+    for (Simulator* simulator : {&culling, &reading}) {
+      INFO(worlds << " worlds" << (simulator == &reading ? ", all triangles are read" : ""));
+      simulator->scanAll(shots, [&](size_t i, const Scan& scan) {
+        INFO("shot " << i);
+        const Counters& c = scan.counters;
+        CHECK(c.triangles == (shots[i].world == 1 ? 3000 : 7));
+        CHECK(c.culledByCluster <= c.triangles);
+        CHECK(c.triangles == c.culledByCluster + c.culledByRange + c.culledByFace + c.culledBetweenBeams +
+                                 c.culledHidden + c.projected);
+      });
+    }
+  }
+}
+
 TEST_CASE("without memory for several views, shots are scanned one by one") {
   needVulkan();
   const Scene scene = crowd(900, 30);
