@@ -145,16 +145,19 @@ AccuracyParts accuracyPartsOf(const SimulatorOptions& options) {
   return options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
 }
 
-void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions) {
+void leaveOutUnsupported(const SimulatorOptions& options, const Effects& effects,
+                         std::vector<Plan::Decision>& decisions) {
   if (options.device.kind == DeviceChoice::Kind::reference) return;
   const AccuracyParts parts = accuracyPartsOf(options);
   const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   const bool bounded = parts.bounds == standard.bounds, watertight = bounded && parts.inside == standard.inside;
+  const bool strays = effects.angleNoise.at == Effects::AngleNoise::At::beam;
+  const uint32_t footprints = gpu::kFootprintEffects | (strays ? gpu::kAngleNoise : 0);
   for (size_t i = 0; i < decisions.size(); ++i) {
     const uint32_t bit = effectTable()[i].bit;
     if ((bit & (gpu::kSensorMotion | gpu::kObjectMotion)) != 0 && !watertight)
       leaveOut(decisions[i], "motion within a scan needs accuracy standard");
-    if ((bit & gpu::kFootprintEffects) != 0 && !bounded)
+    if ((bit & footprints) != 0 && !bounded)
       leaveOut(decisions[i], "accuracy paper knows lines only; use draft, standard or exact");
   }
 }

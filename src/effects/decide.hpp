@@ -20,7 +20,8 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
                                    bool lenient = false);
 
 /// Leaves out effects that the device or the accuracy does not support; throws Error(invalidArgument) if one is on.
-void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions);
+void leaveOutUnsupported(const SimulatorOptions& options, const Effects& effects,
+                         std::vector<Plan::Decision>& decisions);
 
 /// Throws Error(invalidArgument) if a footprint has more sub-rays than the device takes.
 void checkSubRays(const SimulatorOptions& options, const Effects& effects);

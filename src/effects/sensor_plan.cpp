@@ -146,7 +146,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.sensor = sensor;
   plan.effects = effects;
   plan.decisions = decide(request, scene, options_.materials, changed);
-  leaveOutUnsupported(options_, plan.decisions);
+  leaveOutUnsupported(options_, effects, plan.decisions);
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kDivergence)) checkSubRays(options_, effects);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;

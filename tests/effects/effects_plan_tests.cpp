@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects that are not planned appear in no pipeline, constant, buffer or dispatch.
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
 
 #include "common/effects/bits.h"
 #include "cuda/twin.hpp"
@@ -223,6 +224,12 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   const Plan exact = makeSimulator(scene, able(), options).plan();
   CHECK(exact.binning == "nearest");
   CHECK(stagesOf(exact) == "effects project bin resolve(host) ");
+  options.effects.cutOuts.use = EffectUse::off;
+  options.accuracy = Accuracy::paper;
+  CHECK_THROWS_WITH(makeSimulator(scene, able(), options),
+                    "angle-noise is on, but accuracy paper knows lines only; use draft, standard or exact");
+  options.effects.angleNoise.at = Effects::AngleNoise::At::point;
+  CHECK(makeSimulator(scene, able(), options).plan().has("angle-noise"));
 }
 
 }  // namespace gnosphere::test
