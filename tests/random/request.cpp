@@ -295,7 +295,8 @@ std::vector<Step> anySteps(Draw& draw, const Request& request, bool moving, bool
     if (samePose) shot.pose = steps[0].shot.pose;
     if (moving && draw.often(50)) shot.motion = driving(draw, shot.pose);
     if (request.sensors[shot.sensor].variableWeather && draw.often(60))
-      shot.weather = Weather{draw.often(50) ? 80.0 : 0, draw.often(30) ? 20.0 : 0, draw.often(30) ? 2.0 : 0, {}};
+      shot.weather = Weather{draw.often(50) ? 80.0 : 0, draw.often(30) ? 20.0 : 0, draw.often(30) ? 2.0 : 0,
+                             std::vector<Effects::Volume>(shot.frame % 3, {{-3, -8, -2}, {6, 5, 2}, 0.05})};
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
       if (changing && draw.often(30)) step.transforms.push_back({i, moved(i, true)});
       if (changing && draw.often(5)) step.added.push_back({"", scene.instances[i].mesh, moved(i, true)});
@@ -329,6 +330,8 @@ void shift(Request& request, const Vec3& by) {
     for (InstanceMotion& motion : step.shot.instanceMotions) motion.end = away * motion.end;
     for (SensorMotion::Stamp& stamp : step.shot.motion.stamps) stamp.pose.position = away * stamp.pose.position;
     step.shot.pose.position = away * step.shot.pose.position;
+    if (!step.shot.weather) continue;
+    for (Effects::Volume& box : step.shot.weather->volumes) box = {away * box.min, away * box.max, box.extinction};
   }
 }
 
