@@ -175,9 +175,9 @@ Answer appliesDivergence(const Question& q) {
 Answer appliesReturns(const Question& q) {
   const uint32_t asked = q.effects.returns.count, most = asked > 0 ? asked : q.sensor.maxReturns;
   if (q.effects.returns.mode != Effects::Returns().mode) return {true, "the request chooses among the echoes"};
-  if (most == 1) return {false, "the sensor reports one return per beam"};
-  return {true, (asked > 0 ? "the request takes up to " : "the sensor reports up to ") +
-                    plural(most, "return", "returns") + " per beam"};
+  const std::string who = asked > 0 ? "the request takes " : "the sensor reports ";
+  if (most == 1) return {false, who + "one return per beam"};
+  return {true, who + "up to " + plural(most, "return", "returns") + " per beam"};
 }
 
 Answer appliesTransmission(const Question& q) {

@@ -146,6 +146,8 @@ TEST_CASE("properties that the sensor states enable effects") {
 
   asked.effects.returns.count = 3;  // replaces the number that the sensor states
   checkIn(asked, "returns", "the request takes up to 3 returns per beam");
+  asked.effects.returns.count = 1;
+  checkOut(asked, "returns", "the request takes one return per beam");
   asked.effects.divergence.vertical = 2e-3;
   asked.effects.divergence.use = EffectUse::on;
   checkIn(asked, "divergence", "asked for: the request states 3 x 2 mrad" + why);
