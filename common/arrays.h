@@ -92,8 +92,8 @@
   ARRAY(, uvec4, tiles) \
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \
-  ARRAY(, uvec2, laterWords)               /* like words, of the second returns of all beams, then of the third ones; if words */ \
-                                           /* tell the returns, and light may pass surfaces or effects computes all beams */ \
+  ARRAY(, uvec2, laterWords)               /* like words, of the second returns of all beams, then of the third ones; */ \
+                                           /* if words tell the returns, and panes or stage effects may give several */ \
   ARRAY(coherent, Cover, covers)           /* per beam, by index, with footprints */ \
   ARRAY(, uvec2, ownLinks)                 /* with footprints, kOwnLinks per beam: the first links of its chain */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \

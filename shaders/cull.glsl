@@ -27,8 +27,7 @@ vec2 boundOf(uint instance) {
 }
 
 // Returns the largest distance in metres that a point of a box in the mesh frame moves with an instance that is not
-// deformed meanwhile.
-// The velocity is affine, so it is largest at a corner. 1e-6 of each term covers rounding.
+// deformed meanwhile. The velocity is affine, so it is largest at a corner. 1e-6 of each term covers rounding.
 float farthestMove(InstanceMotion moving, vec3 low, vec3 high) {
   vec3 middle = 0.5 * (low + high), extent = 0.5 * (high - low);
   vec3 size = abs(middle) * 1e-6 + abs(extent) * 1.00001;
@@ -118,7 +117,8 @@ bool behindHits(Window window, float nearest) {
   uint nearestBits = floatBitsToUint(nearest), row = window.first, column = span.x;
   bool behind = true;
   while (behind && row < window.end && column < span.y) {
-    behind = words.at[firstWord() + row * frame.columns + (column < frame.columns ? column : column - frame.columns)].y < nearestBits;
+    behind = words.at[firstWord() + row * frame.columns +
+                      (column < frame.columns ? column : column - frame.columns)].y < nearestBits;
     bool rowEnds = ++column == span.y;
     column = rowEnds ? span.x : column;
     row += rowEnds ? 1 : 0;

@@ -7,7 +7,9 @@ Words64 words64 = Words64(words);
 #endif
 
 float farthestOf(uint index) {
-  return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[beamEntry(index)].y, 0x7f800000u)), frame.rangeMax);
+  return BINNING == kBinningLists
+             ? frame.rangeMax
+             : min(uintBitsToFloat(min(words.at[beamEntry(index)].y, 0x7f800000u)), frame.rangeMax);
 }
 
 // Any invocation may call this. Ranges are positive, so their bits order like numbers.

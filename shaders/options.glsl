@@ -6,7 +6,8 @@ layout(constant_id = 0) const uint BOUNDS = kBoundsExact;
 layout(constant_id = 1) const uint CULL = kCullNearestPoint;
 layout(constant_id = 2) const uint INSIDE = kInsideWatertight;
 layout(constant_id = 3) const uint RANGE = kRangeEdgeWeights;
-layout(constant_id = 4) const bool AZIMUTH_OFFSETS = false;  // rows look between the places of the grid, each at azimuths of its own
+layout(constant_id = 4) const bool AZIMUTH_OFFSETS = false;  // rows look between the places of the grid, each at azimuths
+                                                             // of its own
 layout(constant_id = 5) const uint FACES = kFacesMaterial;
 layout(constant_id = 6) const uint BINNING = kBinningNearest;
 layout(constant_id = 7) const uint PASS = 0;      // selects a pass of a shader that has several

@@ -151,7 +151,8 @@ bool tryOnAll(LoadedCluster loaded, FewBeams few) {
   uint packed[kMostTriangleRounds];
   for (uint first = 0; first < few.count; first += gl_SubgroupSize) {
     // Each lane loads a beam.
-    uint k = min(first + gl_SubgroupInvocationID, few.count - 1), down = smallWhole(floor((float(k) + 0.5) / float(few.columnCount)));
+    uint k = min(first + gl_SubgroupInvocationID, few.count - 1),
+         down = smallWhole(floor((float(k) + 0.5) / float(few.columnCount)));
     uint row = few.rowFirst + down, column = few.columnFirst + k - down * few.columnCount;
     column = min(column, column - frame.columns);  // after the last column comes the first again
     uint index = row * frame.columns + column, known = words.at[beamEntry(index)].y;

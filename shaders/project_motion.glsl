@@ -4,7 +4,8 @@
 // other columns of its box fire. A triangle that moves fast around the sensor, because it is near, or that both the
 // start and the end of the scan may see, is bounded for intervals of the scan, and has a box for each.
 
-// As culledEarly(); `bound` is that of the triangle's instance.
+// Culls a triangle that moves relative to the sensor, as culledEarly() culls others. `bound` is InstanceMotion::bound of its
+// instance.
 uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
   float shift = motion.shift + bound.x;
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c)) - shift;
