@@ -43,18 +43,6 @@ bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
 }
 
-// Returns the largest tangent of the elevation of a beam. The tangent of a beam to a pole counts as finite, so that 0
-// times the result is 0 and not NaN.
-double steepestOf(const Sensor& sensor) {
-  double steepest = 0;
-  for (const Channel& channel : sensor.channels)
-    steepest = std::max(steepest, std::abs(std::tan(kDegree * channel.elevationDeg)));
-  for (const BeamList& list : sensor.patterns)
-    for (const Vec3& direction : list.directions)
-      steepest = std::max(steepest, std::abs(direction.z) / std::max(lengthOf(direction.x, direction.y), 1e-9));
-  return steepest;
-}
-
 // Light that deviates by the tangents u and v to the left and up, from an axis of elevation E, is in azimuth
 // atan(u / (cos E - v sin E)) away. In elevation it is atan(v) away, less at most u^2 tan(E) / 2 for small angles.
 // Where angles are not small beside the distance from a pole, both are bounded by the angle between light and axis.
@@ -72,7 +60,7 @@ AngularSpread spreadOf(const SensorPlan& plan) {
   angle += lengthOf(azimuth, elevation);
   across += azimuth;
   up += elevation;
-  const double steepest = angle > 0 ? steepestOf(plan.sensor) : 0;
+  const double steepest = angle > 0 ? steepestTangent(plan.sensor) : 0;
   if (up * steepest > 0.04 || across * lengthOf(1, steepest) > 0.25)
     across = up = angle;
   else
@@ -128,6 +116,16 @@ void checkPaper(const Sensor& sensor) {
 }
 
 }  // namespace
+
+double steepestTangent(const Sensor& sensor) {
+  double steepest = 0;
+  for (const Channel& channel : sensor.channels)
+    steepest = std::max(steepest, std::abs(std::tan(kDegree * channel.elevationDeg)));
+  for (const BeamList& list : sensor.patterns)
+    for (const Vec3& direction : list.directions)
+      steepest = std::max(steepest, std::abs(direction.z) / std::max(lengthOf(direction.x, direction.y), 1e-9));
+  return steepest;
+}
 
 bool SensorPlan::onlyLines() const {
   uint32_t lines = gpu::kCutOuts | gpu::kDivergence | gpu::kIntensity | gpu::kSensorMotion | gpu::kObjectMotion;

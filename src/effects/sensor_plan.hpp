@@ -26,6 +26,10 @@ struct AngularSpread {
   float across = 0, up = 0;  ///< in azimuth, times the cosine of the elevation; in elevation
 };
 
+/// Returns the largest tangent of the elevation of a beam, upwards or downwards. The tangent of a beam to a pole counts
+/// as finite, so that 0 times the result is 0 and not NaN.
+double steepestTangent(const Sensor& sensor);
+
 struct SensorPlan {
   Sensor sensor;
   Effects effects;  ///< as requested

@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "base/limits.hpp"
-#include "base/units.hpp"
-#include "base/vector.hpp"
 #include "pipeline/beam_cells.hpp"
 #include "pipeline/beam_places.hpp"
 #include "pipeline/resolve_words.hpp"
@@ -18,17 +16,6 @@ namespace gnosphere {
 namespace {
 
 using gpu::Array;
-
-// Returns the largest elevation key of a beam, upwards or downwards.
-float steepestOf(const Sensor& sensor) {
-  double steepest = 0;
-  for (const Channel& channel : sensor.channels)
-    steepest = std::max(steepest, std::abs(elevationKey(channel.elevationDeg * kDegree)));
-  for (const BeamList& pattern : sensor.patterns)
-    for (const Vec3& along : pattern.directions)
-      steepest = std::max(steepest, std::abs(along.z) / (std::abs(along.z) + lengthOf(along.x, along.y)));
-  return static_cast<float>(steepest);
-}
 
 std::vector<BeamTables> tablesOf(const SensorPlan& plan, std::span<const FiredGroup> groups, float steepest) {
   std::vector<BeamTables> all;
@@ -62,7 +49,8 @@ BeamSets makeBeamSets(const SensorPlan& plan) {
   };
   BeamSets result;
   result.patterns.resize(std::max<size_t>(plan.sensor.patterns.size(), 1));
-  const float steepest = steepestOf(plan.sensor);
+  const double tangent = steepestTangent(plan.sensor);
+  const auto steepest = static_cast<float>(tangent / (1 + tangent));  // the largest elevation key
   std::map<size_t, std::vector<Member>> bySize;
   for (size_t i = 0; i < result.patterns.size(); ++i)
     for (OriginGroup& group : originGroups(plan.sensor, i)) {
