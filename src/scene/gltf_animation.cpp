@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "base/finite.hpp"
+#include "base/limits.hpp"
+#include "base/quaternion.hpp"
 #include "base/transform.hpp"
 #include "gnosphere/animation.hpp"
 #include "scene/gltf_clips.hpp"
@@ -96,6 +98,7 @@ Node AnimationReader::node(size_t index) const {
   if (!from.matrix.empty()) node.matrix = gltfMatrix(from.matrix.data());
   if (!from.translation.empty()) node.translation = {from.translation[0], from.translation[1], from.translation[2]};
   if (!from.rotation.empty()) node.rotation = {from.rotation[0], from.rotation[1], from.rotation[2], from.rotation[3]};
+  if (isZero(node.rotation)) node.rotation = {};
   if (!from.scale.empty()) node.scale = {from.scale[0], from.scale[1], from.scale[2]};
   if (from.mesh < 0 || static_cast<size_t>(from.mesh) >= model_.meshes.size()) return node;
   const tinygltf::Mesh& mesh = model_.meshes[static_cast<size_t>(from.mesh)];
@@ -206,6 +209,9 @@ void AnimationReader::bind(Mesh& mesh, AnimatedInstance& animated) {
   if (joints == 0 || joints >= kNumberedJoints)
     source_.fail(who + ": its skin has " + std::to_string(joints) + " joints; it must have 1 to " +
                  std::to_string(kNumberedJoints - 1));
+  if (mesh.influences > limits::kInfluences.most)
+    source_.fail(who + ": a vertex of its mesh follows up to " + std::to_string(mesh.influences) +
+                 " joints; the limit is " + std::to_string(limits::kInfluences.most));
   bool rigid = false;
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
     const size_t first = vertex * mesh.influences, end = first + mesh.influences;
@@ -224,6 +230,7 @@ void AnimationReader::bind(Mesh& mesh, AnimatedInstance& animated) {
   }
   if (rigid) animated.skin = skinWith(animated.skin, animated.node);
   mesh.jointCount = static_cast<uint32_t>(animation_.skins[animated.skin].joints.size());
+  arrays_.charge(mesh.jointCount, sizeof(Transform), who);  // of Mesh::deformation
   // The mesh frame is that of the nodes, moved to the first joint, so that floats hold vertices far from the origin.
   const Transform& place = atRest_[animation_.skins[animated.skin].joints[0]];
   for (size_t row = 0; row < 3; ++row) animated.offset.rows[4 * row + 3] = place.rows[4 * row + 3];
@@ -264,7 +271,8 @@ void AnimationReader::rest() {
   for (const AnimatedInstance& animated : animation_.instances) {
     Node& node = animation_.nodes[animated.node];
     const Mesh& mesh = scene_.meshes[scene_.instances[animated.instance].mesh];
-    if (mesh.morphTargets.empty() || node.morphWeights.size() <= mesh.morphTargets.size()) continue;
+    if (mesh.morphTargets.empty()) node.morphWeights.clear();
+    if (node.morphWeights.size() <= mesh.morphTargets.size()) continue;
     source_.fail(gltfLabel("node", placements_[animated.instance].node, node.name) + ": " +
                  std::to_string(node.morphWeights.size()) + " weights for " + std::to_string(mesh.morphTargets.size()) +
                  " morph targets");

@@ -104,7 +104,8 @@ Material Reader::readMaterial(const tinygltf::Material& from) const {
   material.alphaMode = from.alphaMode == "MASK"    ? AlphaMode::mask
                        : from.alphaMode == "BLEND" ? AlphaMode::blend
                                                    : AlphaMode::opaque;
-  material.alphaCutoff = std::max(static_cast<float>(from.alphaCutoff), 0.0f);
+  material.alphaCutoff =
+      static_cast<float>(std::clamp(from.alphaCutoff, 0.0, double{std::numeric_limits<float>::max()}));
   material.doubleSided = from.doubleSided;
   const StatedClass stated = classIn(from.extras);
   material.classId = stated.id;
