@@ -282,7 +282,7 @@ typedef struct gno_track {
   uint32_t node;
   gno_track_property property;
   gno_interpolation interpolation; /* linear: rotations turn by slerp */
-  const float* times;              /* seconds, ascending; at least one */
+  const float* times;              /* seconds from 0 on, ascending; at least one */
   size_t key_count;
   /* Per key 3 values, 4 for a rotation (x, y, z, w), or one per morph target. Cubic: per key the slopes before it, the
    * values, and the slopes after it. */
@@ -290,7 +290,7 @@ typedef struct gno_track {
   size_t value_count;
 } gno_track;
 
-/* A named motion of nodes; "animation" in glTF. */
+/* A named motion of nodes; "animation" in glTF. At most one track moves a property of a node. */
 typedef struct gno_clip {
   size_t struct_size;
   const char* name; /* may be null */

@@ -158,13 +158,13 @@ struct Track {
   uint32_t node = 0;  ///< index into SceneAnimation::nodes
   Property property = Property::translation;
   Interpolation interpolation = Interpolation::linear;  ///< linear: rotations turn by slerp
-  std::vector<float> times;                             ///< seconds, ascending; at least one
+  std::vector<float> times;                             ///< seconds from 0 on, ascending; at least one
   /// Per key 3 values, 4 for a rotation (x, y, z, w), or one per morph target. Cubic: per key the slopes before it, the
   /// values, and the slopes after it (glTF 2.0, appendix C).
   std::vector<float> values;
 };
 
-/// A named motion of nodes; "animation" in glTF.
+/// A named motion of nodes; "animation" in glTF. At most one track moves a property of a node.
 struct Clip {
   std::string name;
   double duration = 0;  ///< seconds

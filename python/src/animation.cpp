@@ -94,7 +94,7 @@ void bindClip(nb::module_& m) {
            "interpolation"_a = Track::Interpolation::linear,
            "node: index into SceneAnimation.nodes.\n"
            "property, interpolation: their enumerators, or the names of these.\n"
-           "times: shape (keys,), float32, seconds, ascending; at least one.\n"
+           "times: shape (keys,), float32, seconds from 0 on, ascending; at least one.\n"
            "values: shape (keys, n), float32. n is 3, 4 for a rotation (x, y, z, w), or the number of morph targets. "
            "Cubic: three times as many, the slopes before the key, the values, and the slopes after it (glTF 2.0, "
            "appendix C).\n"
@@ -116,8 +116,10 @@ void bindClip(nb::module_& m) {
           },
           kOwned, "Shape (keys, n), float32: a read-only view, which keeps the track alive.");
 
-  nb::class_<Clip> clip(m, "Clip",
-                        "A named motion of nodes; 'animation' in glTF. It is never changed after it is made.");
+  nb::class_<Clip> clip(
+      m, "Clip",
+      "A named motion of nodes; 'animation' in glTF. At most one track moves a property of a node. It is "
+      "never changed after it is made.");
   clip.def(
           "__init__",
           [](Clip* self, std::string name, double duration, std::vector<Track> tracks) {

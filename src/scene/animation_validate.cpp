@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "base/finite.hpp"
 #include "base/transform.hpp"
@@ -48,14 +49,6 @@ void checkSkin(const SceneAnimation& animation, size_t index) {
     if (!allFinite(map.rows)) refuse(name + ": an inverse bind map is not finite");
 }
 
-/// Numbers per key of a track.
-size_t widthOf(const Track& track, size_t morphTargets) {
-  const size_t values = track.property == Track::Property::rotation       ? 4
-                        : track.property == Track::Property::morphWeights ? morphTargets
-                                                                          : 3;
-  return track.interpolation == Track::Interpolation::cubic ? 3 * values : values;
-}
-
 void checkTrack(const Track& track, const std::string& name, const SceneAnimation& animation,
                 const std::map<uint32_t, size_t>& morphTargets) {
   if (track.node >= animation.nodes.size()) refuse(name + ": " + missing("node", track.node, animation.nodes.size()));
@@ -66,14 +59,8 @@ void checkTrack(const Track& track, const std::string& name, const SceneAnimatio
   if (track.property == Track::Property::morphWeights && targets == morphTargets.end())
     refuse(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
            " places no mesh with morph targets");
-  const size_t width = widthOf(track, targets == morphTargets.end() ? 0 : targets->second);
-  if (track.times.empty()) refuse(name + ": it has no keys");
-  if (track.values.size() != width * track.times.size())
-    refuse(name + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) + " numbers need " +
-           std::to_string(width * track.times.size()) + ", there are " + std::to_string(track.values.size()));
-  if (!allFinite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()))
-    refuse(name + ": its times are not ascending");
-  if (!allFinite(track.values)) refuse(name + ": a value is not finite");
+  const std::string problem = problemOf(track, targets == morphTargets.end() ? 0 : targets->second);
+  if (!problem.empty()) refuse(name + ": " + problem);
 }
 
 /// Returns the number of morph targets by the node that places them.
@@ -118,6 +105,21 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
 
 }  // namespace
 
+std::string problemOf(const Track& track, size_t morphTargets) {
+  const size_t values = track.property == Track::Property::rotation       ? 4
+                        : track.property == Track::Property::morphWeights ? morphTargets
+                                                                          : 3;
+  const size_t width = track.interpolation == Track::Interpolation::cubic ? 3 * values : values;
+  const size_t keys = track.times.size();
+  if (keys == 0) return "it has no keys";
+  if (track.values.size() != width * keys)
+    return std::to_string(keys) + " keys of " + std::to_string(width) + " numbers need " +
+           std::to_string(width * keys) + ", there are " + std::to_string(track.values.size());
+  if (!allFinite(track.times) || !std::ranges::is_sorted(track.times) || track.times[0] < 0)
+    return "its times do not ascend from 0 or later";
+  return allFinite(track.values) ? "" : "a value is not finite";
+}
+
 void validateAnimation(const Scene& scene) {
   const SceneAnimation& animation = scene.animation;
   if (!allFinite(animation.root.rows)) refuse("the transform above all nodes is not finite");
@@ -128,8 +130,14 @@ void validateAnimation(const Scene& scene) {
     const Clip& clip = animation.clips[i];
     const std::string name = label("clip", i, clip.name);
     if (!(clip.duration >= 0) || !std::isfinite(clip.duration)) refuse(name + ": its duration is not 0 or more");
-    for (size_t k = 0; k < clip.tracks.size(); ++k)
-      checkTrack(clip.tracks[k], name + ", track " + std::to_string(k), animation, morphTargets);
+    std::set<std::pair<uint32_t, Track::Property>> moved;
+    for (size_t k = 0; k < clip.tracks.size(); ++k) {
+      const Track& track = clip.tracks[k];
+      const std::string trackName = name + ", track " + std::to_string(k);
+      checkTrack(track, trackName, animation, morphTargets);
+      if (!moved.emplace(track.node, track.property).second)
+        refuse(trackName + ": another track of the clip moves the same property of node " + std::to_string(track.node));
+    }
   }
 }
 

@@ -4,25 +4,12 @@
 #include <algorithm>
 #include <set>
 
-#include "base/finite.hpp"
-#include "base/lasting.hpp"
+#include "scene/validate.hpp"
 
 namespace gnosphere {
 namespace {
 
 using Json = nlohmann::json;
-
-/// Returns false for a property that no node has.
-bool parseProperty(const std::string& path, Track::Property& property) {
-  static const auto& kPaths =
-      lasting(std::map<std::string, Track::Property>{{"translation", Track::Property::translation},
-                                                     {"rotation", Track::Property::rotation},
-                                                     {"scale", Track::Property::scale},
-                                                     {"weights", Track::Property::morphWeights}});
-  const auto found = kPaths.find(path);
-  if (found != kPaths.end()) property = found->second;
-  return found != kPaths.end();
-}
 
 class ClipReader {
  public:
@@ -43,7 +30,6 @@ class ClipReader {
   Clip clip(size_t index);
   bool target(const Json& channel, const std::string& who, Track& track);
   void keys(const Json& sampler, const std::string& who, Track& track);
-  size_t widthOf(const Track& track) const;
 
   const GltfFile& file_;
   GltfArrays& arrays_;
@@ -80,11 +66,13 @@ Clip ClipReader::clip(size_t index) {
 /// Sets what the track moves. Returns false if it is nothing that a scene has.
 bool ClipReader::target(const Json& channel, const std::string& who, Track& track) {
   const Json& target = channel["target"];
-  const std::string path = target["path"].get<std::string>();
-  if (!parseProperty(path, track.property)) {
+  const std::string_view path = target["path"].get_ref<const std::string&>();
+  const auto property = std::ranges::find(kTrackPaths, path);
+  if (property == kTrackPaths.end()) {
     leftOut_.add("animation channels that move " + inQuotes(path));
     return false;
   }
+  track.property = static_cast<Track::Property>(property - kTrackPaths.begin());
   if (!target.contains("node")) {
     leftOut_.add("animation channels without a node");
     return false;
@@ -104,22 +92,12 @@ bool ClipReader::target(const Json& channel, const std::string& who, Track& trac
   return true;
 }
 
-/// Returns the count of numbers per key.
-size_t ClipReader::widthOf(const Track& track) const {
-  const size_t values = track.property == Track::Property::rotation       ? 4
-                        : track.property == Track::Property::morphWeights ? morphTargets_.at(track.node)
-                                                                          : 3;
-  return track.interpolation == Track::Interpolation::cubic ? 3 * values : values;
-}
-
 void ClipReader::keys(const Json& sampler, const std::string& who, Track& track) {
-  const std::string interpolation = sampler.value("interpolation", std::string("LINEAR"));
-  if (interpolation == "STEP")
-    track.interpolation = Track::Interpolation::step;
-  else if (interpolation == "CUBICSPLINE")
-    track.interpolation = Track::Interpolation::cubic;
-  else if (interpolation != "LINEAR")
-    source_.fail(who + ": interpolation " + inQuotes(interpolation) + " is not STEP, LINEAR or CUBICSPLINE");
+  const std::string name = sampler.value("interpolation", std::string("LINEAR"));
+  const auto interpolation = std::ranges::find(kInterpolations, std::string_view(name));
+  if (interpolation == kInterpolations.end())
+    source_.fail(who + ": interpolation " + inQuotes(name) + " is not STEP, LINEAR or CUBICSPLINE");
+  track.interpolation = static_cast<Track::Interpolation>(interpolation - kInterpolations.begin());
   const auto floats = [&](const char* accessor, int components) {
     const std::vector<double> values = arrays_.vectors(sampler[accessor].get<int>(), components, who);
     return std::vector<float>(values.begin(), values.end());
@@ -127,15 +105,8 @@ void ClipReader::keys(const Json& sampler, const std::string& who, Track& track)
   track.times = floats("input", 1);
   const bool weights = track.property == Track::Property::morphWeights;
   track.values = floats("output", weights ? 1 : track.property == Track::Property::rotation ? 4 : 3);
-  const size_t width = widthOf(track);
-  if (track.times.empty()) source_.fail(who + " has no keys");
-  if (track.values.size() != width * track.times.size())
-    source_.fail(who + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) +
-                 " numbers need " + std::to_string(width * track.times.size()) + ", there are " +
-                 std::to_string(track.values.size()));
-  if (!allFinite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()) || track.times.front() < 0)
-    source_.fail(who + ": its times do not ascend from 0 or later");
-  if (!allFinite(track.values)) source_.fail(who + ": a value is not finite");
+  const std::string problem = problemOf(track, weights ? morphTargets_.at(track.node) : 0);
+  if (!problem.empty()) source_.fail(who + ": " + problem);
 }
 
 }  // namespace

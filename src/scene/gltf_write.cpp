@@ -323,8 +323,6 @@ size_t Document::addSkin(const Skin& skin, const Vec3& origin) {
 }
 
 void Document::add(const Clip& clip) {
-  static constexpr const char* kPaths[] = {"translation", "rotation", "scale", "weights"};
-  static constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
   Json channels = Json::array(), samplers = Json::array();
   for (const Track& track : clip.tracks) {
     const bool weights = track.property == Track::Property::morphWeights;
@@ -345,7 +343,7 @@ void Document::add(const Clip& clip) {
     const std::vector<size_t> nodes = weights ? placers_[track.node] : std::vector<size_t>{track.node};
     for (size_t node : nodes)
       channels.push_back({{"sampler", samplers.size() - 1},
-                          {"target", {{"node", node}, {"path", kPaths[static_cast<size_t>(track.property)]}}}});
+                          {"target", {{"node", node}, {"path", kTrackPaths[static_cast<size_t>(track.property)]}}}});
   }
   // glTF has no animation without channels.
   if (!channels.empty())

@@ -2,6 +2,7 @@
 // Shared by the scene readers, which read bytes in memory, so that the fuzzer can call them without a file system.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -61,6 +62,10 @@ inline constexpr const char* kTextureTransmissions =
 inline constexpr const char* kCrossedFaces =
     "outlines of faces that cross themselves or take too long to cut; a fan of triangles stands for each";
 inline constexpr const char* kTextureAlphas = "materials' alpha of textures; only glTF's alpha mode MASK makes holes";
+
+/// Names that glTF has for the values of Track::Property and Track::Interpolation, in their order.
+inline constexpr std::array<std::string_view, 4> kTrackPaths = {"translation", "rotation", "scale", "weights"};
+inline constexpr std::array<std::string_view, 3> kInterpolations = {"STEP", "LINEAR", "CUBICSPLINE"};
 
 enum class SceneFormat { gltf, obj, ply, stl };
 

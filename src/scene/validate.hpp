@@ -3,6 +3,9 @@
 // `name`.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
@@ -19,6 +22,10 @@ void validate(const Mesh& mesh, const std::string& name, const std::vector<Mater
 
 /// As many joints and weights as the mesh has, or none at all; finite values.
 void validate(const Deformation& deformation, const std::string& name, const Mesh& mesh);
+
+/// Returns what is wrong with the keys of a track, as "it has no keys"; empty if they are right. `morphTargets` is the
+/// number of morph targets of the mesh that the track's node places.
+std::string problemOf(const Track& track, size_t morphTargets);
 
 /// Scene::animation: indices that exist, times that ascend, sizes that fit, finite numbers. Instances and meshes must
 /// have been checked.

@@ -436,7 +436,10 @@ TEST_CASE("an animation that does not fit its scene is refused") {
   refused([](Scene& s) { s.animation.instances[0].instance = 4; }, "instance 4 does not exist");
   refused([](Scene& s) { s.animation.instances[0].skin = kNoSkin; }, "its skin has 0 joints, its mesh has 2");
   refused([](Scene& s) { s.animation.instances[0].offset.rows[0] = 0; }, "has no inverse");
-  refused([](Scene& s) { s.animation.clips[0].tracks[0].times = {1, 0}; }, "its times are not ascending");
+  refused([](Scene& s) { s.animation.clips[0].tracks[0].times = {1, 0}; }, "do not ascend from 0 or later");
+  refused([](Scene& s) { s.animation.clips[0].tracks[0].times = {-1, 0}; }, "do not ascend from 0 or later");
+  refused([](Scene& s) { s.animation.clips[0].tracks.push_back(s.animation.clips[0].tracks[0]); },
+          "track 1: another track of the clip moves the same property of node 2");
   refused([](Scene& s) { s.animation.clips[0].tracks[0].values.pop_back(); }, "2 keys of 4 numbers need 8");
   refused([](Scene& s) { s.animation.clips[0].tracks[0].node = 5; }, "node 5 does not exist");
   refused([](Scene& s) { s.animation.clips[0].duration = -1; }, "its duration is not 0 or more");
