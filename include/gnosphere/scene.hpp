@@ -243,8 +243,8 @@ struct LoadOptions {
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 /// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. loadScene() reads back
-/// what scans of the scene see, with the same numbers of instances and materials. A deformable mesh that no animated
-/// instance places is written as it is deformed. In names U+FFFD takes the place of what is not UTF-8. Throws
+/// what scans of the scene see, with the same numbers of instances and materials. For instances that are not animated a
+/// deformable mesh is written as it is deformed. In names U+FFFD takes the place of what is not UTF-8. Throws
 /// Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 

@@ -242,9 +242,9 @@ void bindScene(nb::module_& m) {
         writeGlb(scene, file);
       },
       "scene"_a, "file"_a,
-      "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
-      "that no animated instance places is written as it is deformed. load_scene() reads back what scans of the scene "
-      "see. Raises Error(file).");
+      "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. For "
+      "instances that are not animated a deformable mesh is written as it is deformed. load_scene() reads back what "
+      "scans of the scene see. Raises Error(file).");
 }
 
 }  // namespace gnosphere::python

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -153,6 +154,7 @@ class Document {
 
   void add(const AlphaImage& image);
   void add(const Mesh& mesh, bool followed);
+  size_t stillMesh(uint32_t mesh);
   void addJoints(const Mesh& mesh, Json& attributes);
   void addNodes();
   void addFollower(const AnimatedInstance& animated, Json&& item, Json& roots);
@@ -163,6 +165,7 @@ class Document {
 
   const Scene& scene_;
   std::vector<bool> followed_;                // by mesh: whether an animated instance places it
+  std::map<uint32_t, size_t> stillMeshes_;    // the results of stillMesh() that are other meshes
   std::vector<std::vector<size_t>> placers_;  // by node of the animation: nodes of the file that place meshes for it
   Json json_;
   uint64_t byteLength_ = 0;
@@ -182,7 +185,7 @@ void Document::add(const AlphaImage& image) {
   push("textures", {{"source", source}, {"sampler", sampler}});
 }
 
-/// A deformable mesh that no animated instance places is written as it is deformed.
+/// With `followed` a deformable mesh is written with its joints and morph targets, otherwise as it is deformed.
 void Document::add(const Mesh& mesh, bool followed) {
   Json primitives = Json::array();
   if (mesh.triangleCount() > 0) {
@@ -219,6 +222,15 @@ void Document::add(const Mesh& mesh, bool followed) {
   Json item = {{"primitives", std::move(primitives)}};
   if (!mesh.name.empty()) item["name"] = mesh.name;
   push("meshes", std::move(item));
+}
+
+/// Returns the mesh of the file for an instance that no clip moves. A deformable mesh that animated instances place is
+/// written once more for it, as it is deformed.
+size_t Document::stillMesh(uint32_t mesh) {
+  if (!followed_[mesh] || !scene_.meshes[mesh].deformable()) return mesh;
+  const auto [found, isNew] = stillMeshes_.try_emplace(mesh, json_["meshes"].size());
+  if (isNew) add(scene_.meshes[mesh], false);
+  return found->second;
 }
 
 /// Adds the joints in sets of four. A joint without weight is 0, as glTF wants it.
@@ -275,6 +287,7 @@ void Document::addNodes() {
       addFollower(*followers[i], std::move(item), roots);
       continue;
     }
+    item["mesh"] = stillMesh(instance.mesh);
     setMatrix(item, toYUp * instance.transform * translation(scene_.meshes[instance.mesh].origin), instance.mesh);
     roots.push_back(push("nodes", std::move(item)));
   }

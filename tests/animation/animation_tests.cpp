@@ -453,6 +453,7 @@ TEST_CASE("an animation that does not fit its scene is refused") {
 
 TEST_CASE("an animated scene is the same after it was written and read") {
   GltfFileMaker file = skinnedFile();
+  file.json["nodes"][2]["rotation"] = {0, 0, kHalf, kHalf};
   addChannel(file, 2, "rotation", "LINEAR", {0, 1}, Floats{0, 0, 0, 1, 0, 0, kHalf, kHalf});
   addChannel(file, 1, "translation", "STEP", {0, 0.5f}, Floats{0, 0, 0, 0, 0, 4});
   const int positions = file.accessor(Floats{0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
@@ -489,6 +490,14 @@ TEST_CASE("an animated scene is the same after it was written and read") {
     for (const double time : {0.0, 0.3, 0.7})
       checkNear(vertices(again, time, ClipEnd::loop, i), vertices(scene, time, ClipEnd::loop, i), 1e-5);
   }
+  // An instance that nothing moves, of a mesh that joints move for another one, stays as it is.
+  Scene two = scene;
+  two.instances.push_back({"statue", two.instances[0].mesh, {{0, -1, 0, 50, 1, 0, 0, 0, 0, 0, 1, 7}}});
+  writeGlb(two, folder / "two.glb");
+  const Scene bothAgain = loadScene(folder / "two.glb");
+  REQUIRE(bothAgain.instances.size() == 5);
+  checkNear(vertices(bothAgain, 0.7), vertices(scene, 0.7), 1e-5);
+  checkNear(vertices(bothAgain, 0.7, ClipEnd::loop, 4), vertices(two, stateAt(two, {}, 0), 4), 1e-5);
   // Without what moves it, a deformed mesh is written as it is.
   const Points posed = vertices(scene, 0.7);
   const SceneState state = stateAt(scene, scene.animation.clips[0], 0.7);
