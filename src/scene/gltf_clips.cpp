@@ -60,6 +60,7 @@ Clip ClipReader::clip(size_t index) {
     clip.duration = std::max(clip.duration, double{track.times.back()});
     clip.tracks.push_back(std::move(track));
   }
+  clip.duration = from.value(kDurationExtra, clip.duration);
   return clip;
 }
 

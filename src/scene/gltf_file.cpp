@@ -323,8 +323,10 @@ class Tidying {
   }
 
   void animation(Json& o, const std::string& where) {
+    const Json duration = extraOf(o, kDurationExtra);
     keep(o, where, {{"name", Kind::text}, {"channels", Kind::array}, {"samplers", Kind::array}},
          {"channels", "samplers"});
+    if (duration.is_number() && duration >= 0) o[kDurationExtra] = duration;
     const auto channel = [&](Json& c, const std::string& at) {
       keep(c, at, {{"sampler", Kind::index}, {"target", Kind::object}}, {"sampler", "target"});
       keep(c["target"], at + ".target", {{"node", Kind::index}, {"path", Kind::text}}, {"path"});

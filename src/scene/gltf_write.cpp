@@ -337,9 +337,11 @@ size_t Document::addSkin(const Skin& skin, const Vec3& origin) {
 
 void Document::add(const Clip& clip) {
   Json channels = Json::array(), samplers = Json::array();
+  double lastKey = 0;
   for (const Track& track : clip.tracks) {
     const bool weights = track.property == Track::Property::morphWeights;
     const bool rotation = track.property == Track::Property::rotation;
+    lastKey = std::max(lastKey, double{track.times.back()});
     const size_t input = addAccessor(track.times, "SCALAR", 1);
     json_["accessors"][input]["min"] = {track.times.front()};
     json_["accessors"][input]["max"] = {track.times.back()};
@@ -358,9 +360,10 @@ void Document::add(const Clip& clip) {
       channels.push_back({{"sampler", samplers.size() - 1},
                           {"target", {{"node", node}, {"path", kTrackPaths[static_cast<size_t>(track.property)]}}}});
   }
-  // glTF has no animation without channels.
-  if (!channels.empty())
-    push("animations", {{"name", clip.name}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}});
+  if (channels.empty()) return;  // glTF has no animation without channels
+  Json item = {{"name", clip.name}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}};
+  if (clip.duration != lastKey) item["extras"][kDurationExtra] = clip.duration;
+  push("animations", std::move(item));
 }
 
 }  // namespace

@@ -90,6 +90,9 @@ std::vector<uint8_t> pngOf(const AlphaImage& image);
 
 /// In the extras of a node of glTF: the number of its instance in the scene that writeGlb() wrote.
 inline constexpr const char* kInstanceExtra = "gnosphere_instance";
+/// In the extras of an animation of glTF: the duration of the clip that writeGlb() wrote, in seconds, unless the clip
+/// ends with its last key.
+inline constexpr const char* kDurationExtra = "gnosphere_duration";
 
 /// Lets every triangle show its other side.
 inline void turnAround(std::vector<uint32_t>& indices) {

@@ -490,6 +490,14 @@ TEST_CASE("an animated scene is the same after it was written and read") {
     for (const double time : {0.0, 0.3, 0.7})
       checkNear(vertices(again, time, ClipEnd::loop, i), vertices(scene, time, ClipEnd::loop, i), 1e-5);
   }
+  for (const double duration : {0.6, 1.5}) {  // the last key is at 1
+    Scene other = scene;
+    other.animation.clips[0].duration = duration;
+    writeGlb(other, folder / "other.glb");
+    const Scene read = loadScene(folder / "other.glb");
+    CHECK(read.animation.clips.at(0).duration == duration);
+    checkNear(vertices(read, 1.7), vertices(other, 1.7), 1e-5);
+  }
   // An instance that nothing moves, of a mesh that joints move for another one, stays as it is.
   Scene two = scene;
   two.instances.push_back({"statue", two.instances[0].mesh, {{0, -1, 0, 50, 1, 0, 0, 0, 0, 0, 1, 7}}});
