@@ -513,8 +513,10 @@ double InstanceTable::findMotions(const Pose& pose, std::span<const InstanceMoti
         row(2),
         {static_cast<float>(most * 1.00001),
          placement.flat ? kAnyChange : std::min(kAnyChange, static_cast<float>(bend * period * 1.00001)), 0, 0}};
-    // Instances that may be anywhere are placed in any case.
-    if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
+    // An instance that may be anywhere is placed in any case, and one without usable triangles, whose box has a
+    // negative width, never is.
+    const double width = mesh.high.x - mesh.low.x;
+    if (width >= 0 && width < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
   }
   for (uint32_t i = 0; i < (changes.empty() ? 0 : count()); ++i) {
     const auto change = placements_[i].mesh == kNoMesh ? changes.end() : changes.find(placements_[i].mesh);

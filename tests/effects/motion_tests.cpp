@@ -4,9 +4,12 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "base/transform.hpp"
 #include "effects/trajectory.hpp"
+#include "geometry/instance_table.hpp"
 #include "geometry/transform_rows.hpp"
 #include "reference/hit.hpp"
 #include "sensor/beams.hpp"
@@ -135,6 +138,26 @@ TEST_CASE("points of an instance move to their end positions at a constant veloc
   CHECK(velocity.x == Approx(-10));
   CHECK(velocity.y == Approx(-10));
   CHECK(velocity.z == Approx(10));
+}
+
+TEST_CASE("an instance without triangles moves nothing, however it turns") {
+  MeshSummary box, none;
+  box.triangles = 12;
+  box.low = {-1, -1, -1};
+  box.high = {1, 1, 1};
+  none.low = glm::dvec3(gpu::kCoordinateLimit);  // as PackedGeometry has it
+  none.high = -none.low;
+  InstanceTable table;
+  table.addMesh(box);
+  table.addMesh(none);
+  table.set(0, 0, {}, 0);
+  table.set(1, 1, {}, 0);
+  const Transform quarter = {{0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}};
+  const std::vector<InstanceMotion> motions = {{1, quarter}, {0, quarter}};
+  MovingInstances moving;
+  CHECK(table.findMotions({}, std::span(motions).first(1), {}, 0.1, moving) == 0);
+  // The corners of the box are the root of 2 from the axis, about which they turn a quarter.
+  CHECK(table.findMotions({}, motions, {}, 0.1, moving) == Approx(2));
 }
 
 }  // namespace gnosphere
