@@ -311,14 +311,6 @@ void GltfArrays::forEachValue(int index, const Layout& layout, const std::string
   }
 }
 
-std::vector<float> GltfArrays::positions(int accessor, const std::string& user) {
-  return floats(accessor, 3, "positions", user);
-}
-
-std::vector<float> GltfArrays::uvs(int accessor, const std::string& user) {
-  return floats(accessor, 2, "texture coordinates", user);
-}
-
 std::vector<float> GltfArrays::floats(int index, size_t components, const char* what, const std::string& user) {
   const Layout layout = this->layout(index, user);
   if (layout.components != components)
@@ -338,6 +330,13 @@ std::vector<float> GltfArrays::floats(int index, size_t components, const char* 
     for (size_t i = 0; i < layout.count; ++i)
       std::memcpy(&values[components * i], layout.first + i * layout.stride, size);
   return values;
+}
+
+const std::vector<float>& GltfArrays::keptFloats(int index, size_t components, const char* what,
+                                                 const std::string& user) {
+  const auto [found, isNew] = kept_.try_emplace({index, components});
+  if (isNew) found->second = floats(index, components, what, user);
+  return found->second;
 }
 
 void GltfArrays::appendIndices(int index, const std::string& user, std::vector<uint32_t>& indices) {

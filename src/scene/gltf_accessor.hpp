@@ -16,12 +16,10 @@ class GltfArrays {
 
   /// Number of elements of an accessor. Throws unless all of them lie inside its bufferView.
   size_t count(int accessor, const std::string& user);
-  /// Reads VEC3 of any component type; normalised integers become -1..1 or 0..1.
-  std::vector<float> positions(int accessor, const std::string& user);
-  /// Reads VEC2 in the same way.
-  std::vector<float> uvs(int accessor, const std::string& user);
-  /// Reads vectors of `components` in the same way; `what` names them in messages.
+  /// Reads vectors of any component type; normalised integers become -1..1 or 0..1. `what` names them in messages.
   std::vector<float> floats(int accessor, size_t components, const char* what, const std::string& user);
+  /// Returns the same numbers, which are read once and kept by this object.
+  const std::vector<float>& keptFloats(int accessor, size_t components, const char* what, const std::string& user);
   /// Reads SCALAR of unsigned integers and appends them to `indices`.
   void appendIndices(int accessor, const std::string& user, std::vector<uint32_t>& indices);
   /// Reads attributes of instances, keys and matrices: `components` doubles per element.
@@ -60,9 +58,10 @@ class GltfArrays {
 
   GltfFile& file_;
   const Source& source_;
-  std::map<int, FileBytes> decompressed_;      ///< key: index of the bufferView
-  std::map<std::string, FileBytes> siblings_;  ///< key: path without dots, as RFC 3986 removes them
-  uint64_t inputBytes_;                        ///< of the file and its siblings
+  std::map<int, FileBytes> decompressed_;                      ///< key: index of the bufferView
+  std::map<std::pair<int, size_t>, std::vector<float>> kept_;  ///< key: accessor and components
+  std::map<std::string, FileBytes> siblings_;                  ///< key: path without dots, as RFC 3986 removes them
+  uint64_t inputBytes_;                                        ///< of the file and its siblings
   uint64_t charged_ = 0;
 };
 

@@ -50,11 +50,7 @@ void GltfFollowReader::addDracoIds(const tinygltf::Value& attributes, const Gltf
 
 const std::vector<float>& GltfFollowReader::values(int accessor, size_t components, const char* what, size_t count,
                                                    const std::string& who) {
-  const auto cached = values_.find(accessor);
-  const std::vector<float>& values =
-      cached != values_.end()
-          ? cached->second
-          : values_.emplace(accessor, arrays_.floats(accessor, components, what, who)).first->second;
+  const std::vector<float>& values = arrays_.keptFloats(accessor, components, what, who);
   if (values.size() != components * count)
     source_.fail(who + ": accessor " + std::to_string(accessor) + " has " + what + " for " +
                  std::to_string(values.size() / components) + " vertices, there are " + std::to_string(count));

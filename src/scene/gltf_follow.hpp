@@ -2,13 +2,11 @@
 // The joints and morph targets that the vertices of a glTF primitive follow.
 #pragma once
 
-#include <unordered_map>
-
 #include "scene/gltf_accessor.hpp"
 
 namespace gnosphere {
 
-/// Accessors of what the vertices of a primitive follow.
+/// The accessors of the joints, weights and morph targets of a primitive.
 struct GltfFollow {
   std::vector<int> joints, weights;  ///< by set
   std::vector<int> targets;          ///< by morph target; -1: it moves no vertex
@@ -22,7 +20,7 @@ class GltfFollowReader {
 
   /// Without `skinned`, joints are not read.
   GltfFollow follow(const tinygltf::Primitive& primitive, bool skinned, const std::string& who);
-  /// Ids of the joints and weights of Draco data; none if it has none.
+  /// Adds the ids of the attributes of joints and weights in Draco data; none if the data has no joints.
   void addDracoIds(const tinygltf::Value& attributes, const GltfFollow& follow, const std::string& who,
                    DracoIds& ids) const;
   /// Appends joints, weights and offsets for the last vertices of the mesh, whose influences and morph targets have
@@ -40,7 +38,6 @@ class GltfFollowReader {
   GltfArrays& arrays_;
   const Source& source_;
   LeftOut& leftOut_;
-  std::unordered_map<int, std::vector<float>> values_;  ///< key: accessor
 };
 
 }  // namespace gnosphere

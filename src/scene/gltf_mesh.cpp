@@ -64,9 +64,7 @@ class MeshReader {
   GltfFollowReader follow_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
   std::unordered_map<int, int> meshesOfAccessor_;  ///< key: accessor of POSITION; value: how many meshes use it
-  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those of several users
-  std::unordered_map<int, std::vector<float>> uvs_;              ///< key: accessor
-  std::vector<Run> runs_;                                        ///< runs of the mesh being read
+  std::vector<Run> runs_;                          ///< runs of the mesh being read
   std::vector<DracoMesh> draco_;  ///< of the mesh being read; Vertices::positions is -2 - i for entry i
 };
 
@@ -241,7 +239,8 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
     const auto [found, isNew] = firstVertex.emplace(run.vertices, static_cast<uint32_t>(mesh.vertexCount()));
     if (isNew) {
       DracoMesh* draco = accessor < 0 ? &draco_[static_cast<size_t>(-2 - accessor)] : nullptr;
-      std::vector<float> positions = draco ? std::move(draco->positions) : arrays_.positions(accessor, who);
+      std::vector<float> positions =
+          draco ? std::move(draco->positions) : arrays_.floats(accessor, 3, "positions", who);
       const size_t count = positions.size() / 3;
       if (mesh.vertexCount() + count > std::numeric_limits<uint32_t>::max())
         source_.fail(who + " has more than 4294967295 vertices");
@@ -263,9 +262,7 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
 const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who) {
   static const auto& kNoUvs = lasting(std::vector<float>());
   if (vertices.uvs < 0) return kNoUvs;
-  const auto cached = uvs_.find(vertices.uvs);
-  const std::vector<float>& uvs =
-      cached != uvs_.end() ? cached->second : uvs_.emplace(vertices.uvs, arrays_.uvs(vertices.uvs, who)).first->second;
+  const std::vector<float>& uvs = arrays_.keptFloats(vertices.uvs, 2, "texture coordinates", who);
   if (uvs.size() != 2 * vertexCount)
     source_.fail(who + ": accessor " + std::to_string(vertices.uvs) + " has texture coordinates for " +
                  std::to_string(uvs.size() / 2) + " vertices, there are " + std::to_string(vertexCount));
@@ -288,12 +285,7 @@ void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const
 /// Copies only the vertices that the mesh uses. Some exporters put the vertices of all meshes into one accessor, and a
 /// thousand meshes must not hold a thousand copies of it.
 void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who) {
-  const int accessor = vertices.positions;
-  const auto cached = sharedPositions_.find(accessor);
-  const std::vector<float>& all =
-      cached != sharedPositions_.end()
-          ? cached->second
-          : sharedPositions_.emplace(accessor, arrays_.positions(accessor, who)).first->second;
+  const std::vector<float>& all = arrays_.keptFloats(vertices.positions, 3, "positions", who);
   std::vector<uint32_t> used;
   for (const Run& run : runs_)
     if (run.vertices == vertices)
