@@ -15,7 +15,7 @@ DroppedTriangles droppedTriangles(const Scene& scene) {
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       const Fate fate = fateOf(corner(i), corner(i + 1), corner(i + 2));
       counts.nonFinite += fate == Fate::nonFinite;
-      counts.degenerate += fate == Fate::degenerate;
+      counts.degenerate += fate == Fate::degenerate && !mesh.deformable();
     }
   }
   DroppedTriangles sum;

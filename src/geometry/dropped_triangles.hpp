@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles of a scene that no beam can meet, because they are nowhere.
+// Counts the triangles of a scene that no beam can hit because of where their corners are.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace gnosphere {
 
-/// Triangles that a scene places.
+/// Numbers of triangles that a scene places.
 struct DroppedTriangles {
-  uint64_t nonFinite = 0;   ///< those with a corner that is NaN, infinite or beyond 1e9 m in its mesh
-  uint64_t degenerate = 0;  ///< others of which two corners are equal
+  uint64_t nonFinite = 0;   ///< with a corner that is NaN, infinite or beyond 1e9 m in its mesh
+  uint64_t degenerate = 0;  ///< others with two equal corners, in meshes that are not deformable
 };
 
 DroppedTriangles droppedTriangles(const Scene& scene);

@@ -8,6 +8,7 @@
 
 #include "animation/made_model.hpp"
 #include "base/vector.hpp"
+#include "geometry/dropped_triangles.hpp"
 #include "gnosphere/animation.hpp"
 #include "problem.hpp"
 #include "support.hpp"
@@ -155,6 +156,12 @@ TEST_CASE("morph targets: weights of nodes and clips, sparse offsets, one mesh p
   checkNear(vertices(scene, 1, ClipEnd::loop, 1), {{0, 0, 10}, {1, 0, 10}, {8, 1, 10}});
   const Bounds bounds = worldBounds(scene);
   CHECK(bounds.max.x == 8);
+  // Morph targets may open a triangle with equal corners, so it is not dropped.
+  Scene closed = scene;
+  std::copy_n(scene.meshes[0].positions.begin(), 3, closed.meshes[0].positions.begin() + 3);
+  CHECK(droppedTriangles(closed).degenerate == 0);
+  closed.meshes[0].morphTargets.clear();
+  CHECK(droppedTriangles(closed).degenerate == 1);
 
   GltfFileMaker cubic = animatedFile();
   cubic.json["meshes"][0]["primitives"][0]["targets"] = {
