@@ -28,12 +28,13 @@ class Deformables {
   /// all meshes. If it throws Error(outOfMemory), the mesh is not added.
   void add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint64_t vertex, uint64_t cluster);
   void remove(size_t index) noexcept;
-  /// Tells how many meshes the scene has; a removed instance places the one after the last.
+  /// Sets the number of meshes of the scene. A removed instance has the index after the last mesh.
   void setMeshCount(size_t count);
   /// Deforms a mesh, and sets the boxes of its groups.
   void deform(size_t index, const Deformation& deformation, FlatMesh& flat);
 
-  /// Data of a deformation at the end of a motion, as kernels read it: in the places of jointRows() and morphWeights().
+  /// Where joints and morph weights are at the end of a motion; entries have the places of jointRows() and
+  /// morphWeights().
   struct End {
     std::vector<gpu::vec4> jointRows;
     std::vector<float> morphWeights;

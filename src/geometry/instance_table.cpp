@@ -290,7 +290,7 @@ bool InstanceTable::isSeen(uint32_t instance, const glm::dvec3& sensor, double r
   return !(glm::dot(away, away) > limit * limit) && usableTriangles(instance) > 0;
 }
 
-// Notes the instances that a shot ignores, while this lives.
+// Marks the instances that a shot ignores. The marks go with the object.
 class InstanceTable::Ignoring {
  public:
   Ignoring(InstanceTable& table, std::span<const uint32_t> instances) : marks_(table.ignored_), instances_(instances) {

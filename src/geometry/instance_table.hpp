@@ -83,7 +83,7 @@ class InstanceTable {
   /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it. If it throws std::bad_alloc,
   /// nothing changes.
   void set(size_t index, uint32_t mesh, const Transform& transform, uint32_t world);
-  /// Gives existing instances new transforms; of equal instances the last one counts.
+  /// Gives existing instances new transforms. Of an instance that is listed twice the last transform counts.
   void move(std::span<const uint32_t> instances, std::span<const Transform> transforms);
 
   /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set or moved.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides what has a box into runs of neighbours by the surface area heuristic, as the builders of ray tracing's trees
-// do: a beam meets a box with a probability in proportion to its surface.
+// Divides boxes into runs of neighbours by the surface area heuristic, as builders of bounding volume hierarchies do:
+// the probability that a beam meets a box is in proportion to the surface of the box.
 #pragma once
 
 #include <cstddef>
@@ -24,10 +24,10 @@ struct BoundingBox {
   void enclose(const float* least, const float* most);
 };
 
-/// An item that is divided, with its box.
+/// An item with its box.
 struct Boxed {
   BoundingBox box;
-  uint32_t index = 0;  ///< says what it is; of no meaning here
+  uint32_t index = 0;  ///< the caller's number of the item
 };
 
 /// Items in an order in which those of a run are neighbours.
@@ -36,8 +36,8 @@ struct Partition {
   std::vector<size_t> ends;  ///< where each run ends in `items`
 };
 
-/// Divides items into runs of at most `most`. `runCost` says how much work a run is for a beam that meets its box,
-/// besides that for the items in it, each of which is 1.
+/// Divides items into runs of at most `most` items. A beam that meets the box of a run takes the work `runCost`, and 1
+/// for each item of the run.
 Partition partition(std::vector<Boxed> items, size_t most, float runCost);
 
 }  // namespace gnosphere

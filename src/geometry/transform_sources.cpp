@@ -2,6 +2,7 @@
 #include "geometry/transform_sources.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "base/room.hpp"
 #include "base/vector.hpp"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "common/shared.h"
@@ -20,7 +19,7 @@ struct CallerTransforms {
   size_t firstInstance = 0, instances = 0;
 };
 
-/// Throws Error(invalidArgument) if the buffer cannot have these transforms.
+/// Throws Error(invalidArgument) if the buffer is too small for the transforms, or the layout is wrong.
 void validate(const CallerTransforms& buffer);
 
 class TransformSources {

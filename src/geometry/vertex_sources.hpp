@@ -36,7 +36,7 @@ class VertexSources {
   /// meshes.
   void add(size_t mesh, const FlatMesh& flat, uint64_t group, uint64_t vertex);
   void remove(size_t mesh);
-  /// Tells where the vertices are; they have changed.
+  /// Sets the buffer of a mesh's vertices, which counts as a change of the vertices.
   void set(size_t mesh, const CallerVertices& buffer);
   /// All vertices must be taken again, because the arrays have moved.
   void takeAgain();
@@ -55,11 +55,11 @@ class VertexSources {
   /// Marks the work of changed() as done; must be called when a device takes that work.
   void taken();
 
-  /// Triangles that a device has left out.
+  /// Numbers of triangles that a device has left out.
   struct Dropped {
     uint32_t nonFinite = 0, degenerate = 0;
   };
-  /// Tells how many of a mesh it has left out.
+  /// Sets the numbers of a mesh.
   void setDropped(size_t mesh, const Dropped& dropped);
   /// The sum over all meshes.
   Dropped dropped() const;

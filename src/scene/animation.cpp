@@ -44,7 +44,7 @@ Values slerp(Values a, Values b, double share) {
   return a;
 }
 
-/// A track at a time. Before its first and after its last key it is constant.
+/// The values of a track at a time, which are constant before the first key and after the last one.
 Values valuesAt(const Track& track, double time) {
   const bool cubic = track.interpolation == Track::Interpolation::cubic;
   const size_t keys = track.times.size(), width = track.values.size() / keys, count = cubic ? width / 3 : width;
@@ -74,7 +74,7 @@ Values valuesAt(const Track& track, double time) {
   return result;
 }
 
-/// Values of a node that a clip can move.
+/// What a clip can change of a node.
 struct Local {
   Vec3 translation;
   Quaternion rotation;

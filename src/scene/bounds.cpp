@@ -46,8 +46,8 @@ class Surface {
   std::vector<float> deformed_;
 };
 
-/// The least and the greatest value of a row of a transform times a point of the box. The sum of infinite terms may be
-/// NaN, and then it may be anything.
+/// Sets the least and the greatest product of a row of a transform and a point of the box. Infinite terms may add up to
+/// NaN; then the range is that of all numbers.
 void setRange(const double* row, const Bounds& bounds, double& least, double& greatest) {
   least = greatest = 0;
   for (int k = 0; k < 3; ++k) {

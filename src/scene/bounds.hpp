@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes around meshes, which tell without a look at the vertices where an instance cannot be.
+// Bounding boxes of meshes and instances.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace gnosphere {
 Bounds meshBounds(const Mesh& mesh);
 
 /// Returns the box of each instance around the finite vertices that its triangles use, in world coordinates. The time
-/// is that of all vertices of all instances.
+/// grows with the number of vertices of all instances.
 std::vector<Bounds> instanceBounds(const Scene& scene);
 
 /// Returns a box that contains `transform * p` for every point `p` of a box that is not empty. Additions and

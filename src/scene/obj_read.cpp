@@ -67,7 +67,7 @@ std::vector<double> readVertices(std::string_view text, const Source& source, bo
   return coordinates;
 }
 
-/// The lines of an OBJ file that are neither vertices nor faces.
+/// What the lines `mtllib`, `l` and `p` of an OBJ file state.
 struct OtherLines {
   std::vector<std::string> libraries;  ///< what the `mtllib` lines name, in order, each once
   uint64_t linesAndPoints = 0;         ///< lines `l` and `p`
@@ -279,7 +279,7 @@ void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, std::vector<ui
 
 /// Joins each line that ends with a backslash with the next one, unless it is a comment.
 void joinLines(std::string& text) {
-  size_t from = 0, first = 0;  // how far lines have been looked for, and the first letter of the line that is no blank
+  size_t from = 0, first = 0;  // the end of the text that was searched for lines; the first letter of the last line
   for (size_t at = text.find('\\'); at != text.npos; at = text.find('\\', at + 1)) {
     const size_t end = at + 1 + (text.compare(at + 1, 1, "\r") == 0 ? 1 : 0);
     const size_t newline = std::string_view(text).substr(from, at - from).rfind('\n');

@@ -41,7 +41,7 @@ struct Source {
   [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::format, name + ": " + toUtf8(what)); }
 };
 
-/// Content of a file that the scene leaves out, with how often.
+/// Counts, by kind, the content of a file that the scene leaves out.
 class LeftOut {
  public:
   void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
