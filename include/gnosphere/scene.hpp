@@ -115,8 +115,8 @@ struct Mesh {
 };
 
 /// The positions of the deformed mesh, 3 per vertex, in metres relative to Mesh::origin; every device rounds alike.
-/// Throws Error(invalidArgument) for a deformation that is not empty and has other numbers of joints or weights, or one
-/// that is not finite.
+/// The mesh must be valid, see validate(). Throws Error(invalidArgument) for a deformation that is not empty and has
+/// other numbers of joints or weights, or one that is not finite.
 GNOSPHERE_API std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation);
 
 /// One placement of a mesh in the world. Instances share the mesh; it is never copied.
@@ -238,14 +238,15 @@ struct LoadOptions {
 /// Reads .gltf, .glb, .obj, .ply or .stl. The only textures read are PNG images of cut-out (AlphaMode::mask) materials
 /// in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Skins, morph targets and animations of glTF are
 /// in Scene::animation; the instances and the deformations of the meshes are at rest, as the nodes of the file are.
-/// Throws Error(file) if the file cannot be read,
-/// Error(format) if its content is invalid.
+/// Throws Error(file) if the file cannot be read, Error(format) if its content is invalid, and Error(invalidArgument)
+/// for another ending, or a scale that is not positive.
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 /// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. loadScene() reads back
 /// what scans of the scene see, with the same numbers of instances and materials. For instances that are not animated a
 /// deformable mesh is written as it is deformed. In names U+FFFD takes the place of what is not UTF-8. Throws
-/// Error(file) if it cannot be written.
+/// Error(file) if the file cannot be written, and Error(invalidArgument) for a scene that is wrong, see validate(), or
+/// larger than GLB allows, and for another ending than .glb.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

@@ -71,8 +71,8 @@ std::string coarsePositions(const std::filesystem::path& file, const Scene& scen
     stretches[instance.mesh] = std::max(stretches[instance.mesh], stretchOf(instance.transform));
   const bool isSingle = isInSingle(file);
   double far = 0, step = 0;
-  bool isWide =
-      false;  // whether steps around an origin in the middle of the mesh would be less than four times as fine
+  // Whether steps around an origin in the middle of the mesh would be less than four times as fine.
+  bool isWide = false;
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
     // The reader of doubles leaves the origin at 0 if floats hold every coordinate exactly.
