@@ -117,7 +117,7 @@ std::string withPlainWords(std::string_view text) {
     const std::string_view line = takeLine(text);
     std::string_view rest = line;
     const std::string_view key = nextWord(rest), value = nextWord(rest), second = nextWord(rest);
-    if ((key == "Kd" || key == "Tf") && !value.empty() && second.empty())
+    if ((key == "Kd" || key == "Tf") && !value.empty() && (second.empty() || second[0] == '#'))
       result.append(key).append(" ").append(value).append(" ").append(value).append(" ").append(value);
     else if (key == "d" && value == "-halo")
       result.append("d ").append(second);
@@ -291,6 +291,18 @@ void joinLines(std::string& text) {
   }
 }
 
+/// Finds the next comment that follows the words of a vertex or a face. tinyobjloader takes the comment's words for
+/// corners.
+size_t findComment(std::string_view text, size_t from) {
+  for (size_t at = text.find('#', from); at != text.npos; at = text.find('#', text.find_first_of("\r\n", at))) {
+    const size_t line = text.find_last_of("\r\n", at) + 1;  // 0 in the first line
+    std::string_view before = text.substr(line, at - line);
+    const std::string_view key = nextWord(before);
+    if (key == "v" || key == "f") return at;
+  }
+  return text.npos;
+}
+
 /// The triangles of an object, and their materials.
 struct Object {
   std::string name;
@@ -315,11 +327,13 @@ Mesh meshOf(const Object& object, std::span<const double> coordinates, const Vec
 Scene readObj(Bytes bytes, const Source& source) {
   std::string_view text = textOf(bytes, source);
   checkText(text, source);
-  std::string joined;
-  if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos) {
-    joined = text;
-    joinLines(joined);
-    text = joined;
+  std::string changed;
+  if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos || findComment(text, 0) != text.npos) {
+    changed = text;
+    joinLines(changed);
+    for (size_t at = findComment(changed, 0); at != changed.npos; at = findComment(changed, at))
+      while (at < changed.size() && changed[at] != '\n' && changed[at] != '\r') changed[at++] = ' ';
+    text = changed;
   }
   bool areColoured = false;
   const std::vector<double> coordinates = readVertices(text, source, areColoured);

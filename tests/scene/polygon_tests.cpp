@@ -336,9 +336,24 @@ TEST_CASE("OBJ lines may go on after a backslash") {
   CHECK(scene.instances.size() == 2);
 }
 
+TEST_CASE("OBJ comments may follow vertices and faces") {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const Scene scene =
+        loadText("a.obj", "v 0 0 0 # three words more" + end + "v 1 0 0" + end + "v 1 1 0#" + end + "v 0 1 0" + end +
+                              "# f 1 2 3" + end + "o part #7" + end + "f 1 2 3 # 4" + end + " f 1 3 4 #4");
+    REQUIRE(scene.meshes.size() == 1);
+    CHECK(scene.meshes[0].indices == Indices{0, 1, 2, 0, 2, 3});
+    CHECK(scene.instances[0].name == "part #7");
+    CHECK(scene.leftOut.empty());
+  }
+  CHECK(loadText("a.obj", std::string(kSquareObj) + "f 1 2 \\\n3 # f\n").uniqueTriangleCount() == 1);
+  CHECK(materialOf("Kd 0.5 # 0 0\n").baseColor == std::array<float, 4>{0.5f, 0.5f, 0.5f, 1});
+}
+
 TEST_CASE("OBJ files with many backslashes, libraries, or objects and materials take no time that grows by squares") {
   std::string slashes = std::string(kSquareObj) + "f 1 2 3\n# ", libraries = kSquareObj, objects = kSquareObj;
   for (int i = 0; i < 200000; ++i) slashes += "\\ ";
+  slashes += std::string(200000, '#');
   for (int i = 0; i < 70000; ++i) libraries += "mtllib m" + std::to_string(i) + '\n';
   for (int i = 0; i < 60000; ++i) objects += "o " + std::to_string(i) + "\nusemtl " + std::to_string(i) + "\nf 1 2 3\n";
   CHECK(cpuSeconds([&] { loadText("a.obj", slashes + "\\\nf 1 3 4\n"); }) < 2);
