@@ -251,8 +251,26 @@ struct Faces {
   }
 };
 
-void checkText(std::string_view text, const Source& source) {
-  if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
+Faces readFaces(std::string_view text, const Source& source) {
+  Faces read{source};
+  tinyobj::callback_t callbacks;
+  callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
+  callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
+    static_cast<Faces*>(faces)->addFace(indices, count);
+  };
+  callbacks.usemtl_cb = [](void* user, const char* name, int) {
+    Faces& faces = *static_cast<Faces*>(user);
+    faces.name = faces.names.add(name);
+  };
+  callbacks.object_cb = [](void* user, const char* name) {
+    static_cast<Faces*>(user)->objects.push_back(toUtf8(trimmed(name)));
+  };
+  MemoryBuffer buffer(text);
+  std::istream stream(&buffer);
+  std::string warnings, problems;
+  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &read, nullptr, &warnings, &problems))
+    source.fail(problems.empty() ? "tinyobjloader refuses it" : toUtf8(trimmed(problems)));
+  return read;
 }
 
 /// Sorts triangles by material, keeping the order of the file within each, so that every part is one run. `next` has a
@@ -326,7 +344,7 @@ Mesh meshOf(const Object& object, std::span<const double> coordinates, const Vec
 
 Scene readObj(Bytes bytes, const Source& source) {
   std::string_view text = textOf(bytes, source);
-  checkText(text, source);
+  if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
   std::string changed;
   if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos || findComment(text, 0) != text.npos) {
     changed = text;
@@ -338,30 +356,12 @@ Scene readObj(Bytes bytes, const Source& source) {
   bool areColoured = false;
   const std::vector<double> coordinates = readVertices(text, source, areColoured);
 
-  Faces gathered{source};
   LeftOut leftOut;
   Libraries libraries(source, leftOut);
   const OtherLines others = readOtherLines(text);
   for (const std::string& names : others.libraries) libraries.add(names);
-  tinyobj::callback_t callbacks;
-  callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
-  callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
-    static_cast<Faces*>(faces)->addFace(indices, count);
-  };
-  callbacks.usemtl_cb = [](void* user, const char* name, int) {
-    Faces& faces = *static_cast<Faces*>(user);
-    faces.name = faces.names.add(name);
-  };
-  callbacks.object_cb = [](void* user, const char* name) {
-    static_cast<Faces*>(user)->objects.push_back(toUtf8(trimmed(name)));
-  };
-  MemoryBuffer buffer(text);
-  std::istream stream(&buffer);
-  std::string warnings, problems;
-  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, nullptr, &warnings, &problems))
-    source.fail(problems.empty() ? "tinyobjloader refuses it" : toUtf8(trimmed(problems)));
+  const Faces gathered = readFaces(text, source);
   if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
-
   std::vector<uint32_t> materialOfName;
   for (const std::string& name : gathered.names.all) materialOfName.push_back(libraries.find(name));
   Scene scene;
