@@ -371,7 +371,7 @@ typedef struct gno_sensor_settings {
   double range_min, range_max;
   double divergence_horizontal, divergence_vertical; /* rad, full angles of a beam's footprint */
   uint32_t max_returns;                              /* echoes that the sensor reports per beam, 1..15 */
-  double rotation_period;                            /* seconds of a sweep; 0: all beams fire at once */
+  double rotation_period;                            /* seconds of a sweep; 0: all columns fire at once */
   gno_near_hits near_hits;
   const uint32_t* masked_beams; /* indices of beams that never fire */
   size_t masked_beam_count;

@@ -45,7 +45,7 @@ void validate(const SensorMotion& motion, const std::string& which) {
 
 void checkTimes(const SensorMotion& motion, const Sensor& sensor, uint64_t frame, const std::string& which) {
   if (motion.stamps.size() < 2 || !firesInTurn(sensor)) return;
-  const ScanTimes times = scanTimesOf(sensor, !sensor.isGrid(), frame);
+  const ScanTimes times = scanTimesOf(sensor, true, frame);
   const double first = motion.stamps.front().time, last = motion.stamps.back().time;
   if (first <= times.last && last >= times.earliest) return;
   throw Error(ErrorCode::invalidArgument, which + "the motion is from " + numberText(first) + " to " +

@@ -137,7 +137,7 @@ struct Effects {
   } cutOuts;
 
   /// The sensor moves during the scan as the motion of the shot says. Automatic: on if the sensor states a rotation
-  /// period, or if the beams of a list have times.
+  /// period, or if its channels or the beams of a list have times.
   struct SensorMotion {
     EffectUse use = EffectUse::automatic;
     bool deskew =

@@ -128,7 +128,7 @@ void bindSensorItself(nb::module_& m) {
       .def_rw(
           "rotation_period", &Sensor::rotationPeriod,
           "Seconds in which a grid sweeps azimuth_span_deg, in a sector less than those of a turn; column i fires at "
-          "i / columns of it. If 0, all beams fire at once.")
+          "i / columns of it. If 0, all columns fire at once.")
       .def_rw(
           "scan_period", &Sensor::scanPeriod,
           "Seconds from the start of a scan to that of the next, at least those in which its beams fire; if 0, this "

@@ -210,6 +210,7 @@ Answer appliesMotion(const Question& q) {
             q.sensor.isGrid() ? "give the sensor a rotation period" : "give its beams times"};
   if (!q.sensor.isGrid()) return {true, "the beams fire at times of their own"};
   const double period = q.sensor.rotationPeriod;
+  if (period == 0) return {true, "the channels fire at times of their own"};
   return {true, "the sensor sweeps its columns in " +
                     (period < 0.9995 ? format("%.3g ms", 1e3 * period) : format("%.6g s", period))};
 }
@@ -423,7 +424,7 @@ std::vector<EffectInfo> makeTable() {
       effect<&E::sensorMotion>(
           "sensor-motion", gpu::kSensorMotion, appliesMotion, never,
           "The sensor moves during the scan as the motion of the shot says. Automatic: on if the sensor states a "
-          "rotation period, or if the beams of a list have times.",
+          "rotation period, or if its channels or the beams of a list have times.",
           {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
               "deskew",
               "If true, points are reported in the frame of the shot's pose, otherwise in that of their column.")}),

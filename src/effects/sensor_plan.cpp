@@ -71,11 +71,12 @@ AngularSpread spreadOf(const SensorPlan& plan) {
 
 // Lasers that fire between two columns are moved along a straight line between the poses of these. Over this time a
 // head that turns by 2 rad/s misses the true path of a point 100 m away by less than 5e-6 m, which is less than the
-// spacing of ranges there (7.6e-6 m), but the error grows with the square. For a list of beams the poses are tabulated
-// at shorter intervals.
-bool firesTooSlowly(const SensorPlan& plan) {
+// spacing of ranges there (7.6e-6 m), but the error grows with the square. If all columns fire at once, there are no
+// two poses. For a list of beams the poses are tabulated at shorter intervals.
+bool needsPosesOfList(const SensorPlan& plan) {
   constexpr double kMostStep = 300e-6;
-  return plan.moves() && hasTimeOffsets(plan.sensor) && plan.sensor.rotationPeriod > kMostStep * plan.sensor.columns;
+  const double period = plan.sensor.rotationPeriod;
+  return plan.moves() && hasTimeOffsets(plan.sensor) && (period == 0 || period > kMostStep * plan.sensor.columns);
 }
 
 std::vector<gpu::Optics4> opticsArray(const Scene& scene, const MaterialTable& table, double wavelength) {
@@ -158,7 +159,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.origins = hasOrigins(sensor);
   plan.listed = needsBeamList(sensor) || (plan.motion() && hasTimeOffsets(sensor));
   if (accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper) checkPaper(sensor);
-  if ((plan.listed || hasAzimuthOffsets(sensor)) && !firesTooSlowly(plan)) plan.rows = rowGridOf(sensor);
+  if ((plan.listed || hasAzimuthOffsets(sensor)) && !needsPosesOfList(plan)) plan.rows = rowGridOf(sensor);
   plan.listed = !plan.rows && (plan.listed || hasAzimuthOffsets(sensor));
   plan.looksAtMaterials = plan.has(gpu::kIntensity) && effects.intensity.model == Effects::Intensity::Model::physical;
   plan.parameters = effectParameters(effects, sensor, plan.bits);

@@ -161,7 +161,8 @@ bool firesInTurn(const Sensor& sensor) {
   const auto hasTimes = [](const BeamList& pattern) {
     return std::any_of(pattern.times.begin(), pattern.times.end(), [](double time) { return time != 0; });
   };
-  return sensor.rotationPeriod > 0 || std::any_of(sensor.patterns.begin(), sensor.patterns.end(), hasTimes);
+  return sensor.rotationPeriod > 0 || hasTimeOffsets(sensor) ||
+         std::any_of(sensor.patterns.begin(), sensor.patterns.end(), hasTimes);
 }
 
 bool hasRings(const Sensor& sensor) {
@@ -302,7 +303,7 @@ BeamList beamsOf(const Sensor& sensor, uint64_t frame) {
   BeamList list;
   const size_t count = sensor.beamCount();
   const auto any = [&](auto has) { return std::any_of(sensor.channels.begin(), sensor.channels.end(), has); };
-  const bool origins = hasOrigins(sensor), times = sensor.rotationPeriod > 0 || hasTimeOffsets(sensor);
+  const bool origins = hasOrigins(sensor), times = firesInTurn(sensor);
   const bool least = any([](const Channel& c) { return c.rangeMin > 0; });
   const bool most = any([](const Channel& c) { return c.rangeMax > 0; });
   for (size_t beam = 0; beam < count; ++beam) {

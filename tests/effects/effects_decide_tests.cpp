@@ -142,6 +142,10 @@ TEST_CASE("properties that the sensor states enable effects") {
   checkIn(asked, "sensor-motion", "the sensor sweeps its columns in 50.1 ms");
   asked.sensor.rotationPeriod = 2400;
   checkIn(asked, "sensor-motion", "the sensor sweeps its columns in 2400 s");
+  asked.sensor.rotationPeriod = 0;
+  asked.sensor.channels[1].timeOffset = 1e-3;
+  checkIn(asked, "object-motion", "the channels fire at times of their own");
+  asked.sensor.rotationPeriod = 2400;
   checkIn(asked, "intensity", "needed by divergence, returns");
 
   asked.effects.returns.count = 3;  // replaces the number that the sensor states
