@@ -258,8 +258,8 @@ struct SensorMotion {
 };
 
 /// How an instance moves during a scan: from its own transform at the start to `end`, Sensor::rotationPeriod later, or
-/// for a list without a rotation period at the time of its last beam. Vertices move along straight lines at constant
-/// speed. A shot has at most one for each instance.
+/// for a sensor without a rotation period at the time of the last beam. Vertices move along straight lines at constant
+/// speed; if no beam fires after the start, they stand still. A shot has at most one for each instance.
 struct InstanceMotion {
   size_t instance = 0;
   Transform end;

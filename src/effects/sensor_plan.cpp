@@ -198,6 +198,11 @@ Effects effectsOf(const SensorPlan& plan, const Shot& shot) {
   return effects;
 }
 
+bool instancesMove(const SensorPlan& plan, const Shot& shot) {
+  return (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion) &&
+         durationOf(plan.sensor, shot.frame) > 0;
+}
+
 void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which) {
   const auto need = [&](bool brings, uint32_t bit, const char* effect) {
     if (brings && !plan.has(bit))

@@ -10,12 +10,6 @@ namespace gnosphere {
 
 namespace {
 
-// Nothing can move during a scan of a list's pattern whose beams all fire at once.
-bool instancesMove(const SensorPlan& plan, const Shot& shot) {
-  return (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion) &&
-         durationOf(plan.sensor, shot.frame) > 0;
-}
-
 bool sensorMoves(const SensorPlan& plan, const Shot& shot) {
   return !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
 }

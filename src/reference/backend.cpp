@@ -100,9 +100,8 @@ Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
     sweeps.last = std::max(sweeps.last, time);
   }
   Movement movement;
-  const double duration = durationOf(sensor, shot.frame);
-  if (plan.has(gpu::kObjectMotion) && duration > 0) {
-    movement = {shot.instanceMotions, {}, duration};
+  if (instancesMove(plan, shot)) {
+    movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
     for (const MeshMotion& motion : shot.meshMotions)
       movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
   }
@@ -201,8 +200,8 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   columns.fill(Field::tolerance, std::numeric_limits<float>::quiet_NaN());
   scan.counters = counters_;
   scan.timings = {};
-  const bool moves = plan.has(gpu::kObjectMotion) && (!shot.instanceMotions.empty() || !shot.meshMotions.empty());
-  const bool ownTree = moves || shot.world != 0 || !plan.ignored.empty() || !shot.ignoredInstances.empty();
+  const bool ownTree =
+      instancesMove(plan, shot) || shot.world != 0 || !plan.ignored.empty() || !shot.ignoredInstances.empty();
   const Bvh own = ownTree ? treeOf(shot, scan.counters) : Bvh({});
   View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);

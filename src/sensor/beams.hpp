@@ -76,8 +76,8 @@ struct OriginBounds {
 OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams);
 /// Returns the point of a grid's axis that is halfway between the lowest and the highest laser.
 Vec3 middleOfLasers(const Sensor& sensor);
-/// Seconds from the start of a scan until its last beam has fired; 0 if all beams fire at once. The motion of an
-/// instance during a scan takes as long.
+/// Seconds that the motion of an instance during a scan takes: the rotation period, or without one those from the start
+/// of the scan to its last beam; 0 if no beam fires after the start.
 double durationOf(const Sensor& sensor, uint64_t frame);
 
 /// A part of the time of a scan, in seconds after its start.

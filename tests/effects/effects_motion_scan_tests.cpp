@@ -218,7 +218,40 @@ TEST_CASE("channels that fire later see the world later, from the origin of thei
   CHECK(scan.points[3 * late + 2] == Approx(0.05).epsilon(1e-4));
 }
 
-// The distance from the laser to the point that the beam meets is differentiated by differences.
+TEST_CASE("channels that fire in turn see the world at their own times, although all columns fire at once") {
+  const std::string device = ON_EVERY_DEVICE;
+  Sensor sensor = gridSensor(360, 5, -20, 20, 100);
+  for (size_t i = 0; i < 5; ++i) sensor.channels[i].timeOffset = 0.02 * static_cast<double>(i);
+  const Scan scan = scanned(device, room(), sensor, driving());
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const double time = 0.02 * static_cast<double>(i / 360);
+    const Vec3 d = turned(kTurn * time, sensor.direction(i));
+    REQUIRE(scan.ranges[i] == Approx(toWalls({kSpeed * time, 0, 0}, d)).epsilon(1e-5));
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(-kSpeed * d.x).margin(1e-3));
+  }
+  Shot later = driving();  // a motion that begins after the first channels have fired
+  for (SensorMotion::Stamp& stamp : later.motion.stamps) stamp.time += 0.05;
+  CHECK_NOTHROW(scanned(device, room(), sensor, later));
+}
+
+TEST_CASE("things stand still in a scan of a list whose beams all fire at its start") {
+  const std::string device = ON_EVERY_DEVICE;
+  BeamList ahead;
+  ahead.directions = {{1, 0, 0}};
+  Sensor sensor = listSensor("two", ahead);
+  sensor.patterns.push_back(sensor.patterns[0]);
+  sensor.patterns[1].times = {0.1};
+  Shot shot;
+  shot.instanceMotions = {{0, translation(4, 0, 0)}};
+  for (const double range : {12, 16}) {
+    const Scan scan = scanned(device, sceneOf(plate(12, 1)), sensor, shot);
+    REQUIRE(scan.hit(0));
+    CHECK(scan.ranges[0] == Approx(range).epsilon(1e-5));
+    CHECK(scan.column<float>(Field::velocity)[0] == Approx(shot.frame == 0 ? 0 : 40).epsilon(1e-4));
+    ++shot.frame;
+  }
+}
+
 TEST_CASE("a drive through a town with traffic equals the reference") {
   needVulkan();
   const bool deskew = GENERATE(false, true);
