@@ -172,6 +172,13 @@ TEST_CASE("Ouster metadata: every mode, and windows of columns are masked beams"
   CHECK_FALSE(std::binary_search(wrapped.begin(), wrapped.end(), 511u));
   CHECK(std::binary_search(wrapped.begin(), wrapped.end(), 10u));
   CHECK(windowed("[128, 255]", {.mode = "1024x10"}).size() == 2 * 768);
+  // Of 512 columns only number 25 looks where a column of the window does, which are 100 and 101 of 2048.
+  std::string wide = replaced(kOusterNested, "512x20", "2048x10");
+  wide =
+      replaced(replaced(wide, "[0, 511]", "[100, 101]"), "\"columns_per_frame\": 512", "\"columns_per_frame\": 2048");
+  const std::vector<uint32_t> narrow = readSensorFile(wide, "os.json", {.mode = "512x10"}).sensor.maskedBeams;
+  CHECK(narrow.size() == 2 * 511);
+  CHECK_FALSE(std::binary_search(narrow.begin(), narrow.end(), 25u));
   CHECK_THAT(problemOf(replaced(kOusterNested, "[0, 511]", "[0, 512]"), "os.json"),
              ContainsSubstring("'column_window' must be two columns from 0 to 511"));
 }

@@ -117,7 +117,7 @@ Vec3 beamOrigin(SensorSource& source, const Metadata& metadata, const std::strin
                     : product.starts_with("OS-1-") ? 15.806
                     : product.starts_with("OS-2-") ? 13.762
                                                    : 12.163;
-  source.assume("beams that start " + std::to_string(mm).substr(0, 6) + " mm off the axis, as ouster-sdk does");
+  source.assume("beams that start " + numberText(mm) + " mm off the axis, as ouster-sdk does");
   return {kMillimetre * mm, 0, 0};
 }
 
@@ -129,12 +129,11 @@ void maskColumns(const SensorSource& source, const Metadata& metadata, double st
   if (window.size() != 2 ||
       !(window[0] >= 0 && window[0] < statedColumns && window[1] >= 0 && window[1] < statedColumns))
     source.refuse("'column_window' must be two columns from 0 to " + shownNumber(statedColumns - 1));
-  const double scale = sensor.columns / statedColumns;  // if another mode than that of the file is asked for
-  const auto first = static_cast<uint32_t>(window[0] * scale),
-             last = static_cast<uint32_t>((window[1] + 1) * scale - 1);
+  const double scale = statedColumns / sensor.columns;  // if another mode than that of the file is asked for
   for (uint32_t column = 0; column < sensor.columns; ++column) {
-    const bool inside = first <= last ? first <= column && column <= last : column >= first || column <= last;
-    if (inside) continue;
+    const double stated = std::floor(column * scale);
+    const bool begun = stated >= window[0], open = stated <= window[1];
+    if (window[0] <= window[1] ? begun && open : begun || open) continue;
     for (size_t ring = 0; ring < sensor.channels.size(); ++ring) masked[ring * sensor.columns + column] = true;
   }
 }
