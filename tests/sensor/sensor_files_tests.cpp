@@ -70,6 +70,11 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   const Sensor livox = readSensorFile(npy("<f4", false, {20000, 2}, angles), "mid40.npy", {.head = "Mid-40"}).sensor;
   CHECK(livox.patterns.size() == 2);
   CHECK(livox.rangeMax == 260);
+  // The head states how long a scan takes, also for a table of one scan.
+  angles.resize(2 * 10000);
+  const SensorFile single = readSensorFile(npy("<f4", false, {10000, 2}, angles), "mid40.npy", {.head = "Mid-40"});
+  CHECK(timeOf(single.sensor, 5000) == 0.05);
+  CHECK_FALSE(lists(single.assumed, "scans per second"));
   CHECK_THAT(problemOf(yaml, "puck.yaml", {.head = "HDL-32E"}), ContainsSubstring("has 16 channels"));
   CHECK_THROWS_WITH(readSensorFile(yaml, "puck.yaml", {.head = "Pucks"}), ContainsSubstring("no built-in sensor"));
   // The same number of columns in the same time turns by 360 degrees in a little more.

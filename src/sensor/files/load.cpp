@@ -359,8 +359,9 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
     settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
   // The columns of a head need not fill a whole turn, but its scan takes all the time of a list of beams.
   const bool turns = (family.options & beamsPerScan) == 0;
-  if (completes && settings.scanRate == 0 && from.rotationPeriod > 0)
-    settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / from.rotationPeriod;
+  const double period = from.rotationPeriod > 0 ? from.rotationPeriod : from.scanPeriod;
+  if (completes && settings.scanRate == 0 && period > 0)
+    settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / period;
   source.rateAsked = options.scanRate > 0;
   family.read(source, root);
   if (family.options != 0 || family.isJson)
