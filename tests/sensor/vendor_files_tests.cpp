@@ -348,6 +348,7 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     CHECK(ringOf(sensor, 363) == 1);
     CHECK_THAT(read(states, "2").sensor.channels[0].timeOffset, WithinAbs(30e-6, 1e-18));
     CHECK_THROWS_WITH(read(states, "1"), ContainsSubstring("no operational state '1'"));
+    CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,2\n2,3\n", "2"), ContainsSubstring("has no operational states"));
   }
   SECTION("loops of pairs") {
     const Sensor sensor = read("EEFF,1,1\nChannel num,2,Loop num,2\nID,us,ID,us\n1,4,2,8\n2,6,1,10\n").sensor;

@@ -67,7 +67,8 @@ Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vec
   if (lines.empty()) source.refuse("is empty");
   const std::vector<std::string_view> header = cellsOf(lines[0]);
   layout.cells = header.size();
-  if (containsWord(lines[0], "operational")) {
+  const bool hasStates = containsWord(lines[0], "operational");
+  if (hasStates) {
     layout.kinds = columnsOfState(source, header, source.options.mode);
     layout.firstLine = 2;
   } else if (containsWord(lines[0], "eeff")) {
@@ -103,6 +104,8 @@ Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vec
   } else {
     source.refuse("is no file of Hesai's firing times");
   }
+  if (!hasStates && !layout.farNear && !source.options.mode.empty())
+    source.refuse("has no operational states, of which --mode names one");
   return layout;
 }
 
