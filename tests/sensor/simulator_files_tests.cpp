@@ -93,6 +93,8 @@ TEST_CASE("Isaac Sim: mistakes are named with their keys") {
   CHECK_THAT(edited("[-11.75, 3.5]", "[-11.75]"), ContainsSubstring("'elevationDeg' has 1 entries, 'azimuthDeg' 2"));
   CHECK_THAT(edited("\"numberOfEmitters\": 2", "\"numberOfEmitters\": 3"),
              ContainsSubstring("'numberOfEmitters' is 3"));
+  CHECK_THAT(edited("\"numberOfEmitters\": 2", "\"numberOfEmitters\": 2.5"),
+             ContainsSubstring("'numberOfEmitters' is 2.5"));
   CHECK_THAT(edited("\"emitterStateCount\": 1", "\"emitterStateCount\": 9"), ContainsSubstring("has 1 entries"));
   CHECK_THAT(edited("\"rangeId\": [0, 1]", "\"rangeId\": [0, 2]"), ContainsSubstring("'ranges' has 2 entries"));
   CHECK_THAT(edited("\"bank\"", "\"channelId\": [0, 65536], \"bank\""), ContainsSubstring("no ring from 0 to 65535"));

@@ -64,13 +64,13 @@ void readCarla(SensorSource& source, const json& root) {
   const double upper = attribute(source, lidar, "upper_fov", 10), lower = attribute(source, lidar, "lower_fov", -30);
   const double horizontal = lidar.contains("horizontal_fov") ? attribute(source, lidar, "horizontal_fov", 360) : 360;
   if (!(channels >= 1 && channels <= 65535) || channels != std::floor(channels))
-    source.refuse("'channels' is " + std::to_string(channels) + ", expected is 1 to 65535");
-  if (!(frequency > 0)) source.refuse("'rotation_frequency' is " + std::to_string(frequency) + ", expected is above 0");
+    source.refuse("'channels' is " + shownNumber(channels) + ", expected is 1 to 65535");
+  if (!(frequency > 0)) source.refuse("'rotation_frequency' is " + shownNumber(frequency) + ", expected is above 0");
   const double columns = std::round(points / frequency / channels);
   if (!(columns >= 1 && columns < 1e9))
-    source.refuse("'points_per_second' gives " + std::to_string(columns) + " columns in a turn");
+    source.refuse("'points_per_second' gives " + shownNumber(columns) + " columns in a turn");
   if (!(horizontal > 0 && horizontal <= 360))
-    source.refuse("'horizontal_fov' is " + std::to_string(horizontal) + ", expected is above 0, up to 360");
+    source.refuse("'horizontal_fov' is " + shownNumber(horizontal) + ", expected is above 0, up to 360");
 
   Sensor& sensor = source.file.sensor;
   sensor.name = textIn(lidar, "id");

@@ -50,10 +50,10 @@ Emitters readState(SensorSource& source, const json& profile, const json& state,
   if (const double stated = numberIn(source, profile, "numberOfEmitters", static_cast<double>(count));
       stated != static_cast<double>(count))
     source.refuse(where + "'azimuthDeg' has " + std::to_string(count) + " entries, 'numberOfEmitters' is " +
-                  std::to_string(static_cast<long long>(std::clamp(stated, -1e15, 1e15))));
+                  shownNumber(stated));
   for (const double ring : emitters.rings)
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring))
-      source.refuse(where + "'channelId' " + std::to_string(ring) + " is no ring from 0 to 65535");
+      source.refuse(where + "'channelId' " + shownNumber(ring) + " is no ring from 0 to 65535");
   static const auto& known = lasting(std::set<std::string>{"azimuthDeg", "elevationDeg", "fireTimeNs", "channelId",
                                                            "rangeId", "vertOffsetM", "horOffsetM"});
   for (const auto& [key, value] : state.items())
@@ -80,7 +80,7 @@ std::vector<Window> readRanges(const SensorSource& source, const json& profile) 
 
 const Window& windowOf(const SensorSource& source, const std::vector<Window>& windows, double id) {
   if (!(id >= 0 && id < static_cast<double>(windows.size())) || id != std::floor(id))
-    source.refuse("'rangeId' is " + std::to_string(id) + ", but 'ranges' has " + std::to_string(windows.size()) +
+    source.refuse("'rangeId' is " + shownNumber(id) + ", but 'ranges' has " + std::to_string(windows.size()) +
                   " entries");
   return windows[static_cast<size_t>(id)];
 }
@@ -296,8 +296,8 @@ void readIsaac(SensorSource& source, const json& root) {
   if (list == profile.end() || !list->is_array() || list->empty()) source.refuse("'emitterStates' has no entry");
   const double stated = numberIn(source, profile, "emitterStateCount", static_cast<double>(list->size()));
   if (stated != static_cast<double>(list->size()))
-    source.refuse("'emitterStateCount' is " + std::to_string(static_cast<long long>(std::clamp(stated, -1e15, 1e15))) +
-                  ", but 'emitterStates' has " + std::to_string(list->size()) + " entries");
+    source.refuse("'emitterStateCount' is " + shownNumber(stated) + ", but 'emitterStates' has " +
+                  std::to_string(list->size()) + " entries");
   std::vector<Emitters> states;
   for (size_t i = 0; i < list->size(); ++i) {
     states.push_back(readState(source, profile, (*list)[i], i));

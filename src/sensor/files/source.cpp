@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/decimal_point.hpp"
 #include "base/json_text.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
@@ -70,8 +69,7 @@ void dropTimes(SensorSource& source, BeamList& list, size_t size) {
   for (size_t first = 0; first + size <= list.times.size(); first += size) right = right && isOfOneScan(first);
   if (right) return;
   const auto [least, most] = std::minmax_element(list.times.begin(), list.times.end());
-  const DecimalPoint point;
-  source.ignore("times from " + std::to_string(*least) + " to " + std::to_string(*most) +
+  source.ignore("times from " + shownNumber(*least) + " to " + shownNumber(*most) +
                 " s, which are not those of one scan");
   list.times.clear();
 }
@@ -158,8 +156,7 @@ std::vector<std::string_view> cellsOf(std::string_view line) {
 
 std::string shownNumber(double value) {
   if (value == std::floor(value) && std::abs(value) < 1e15) return std::to_string(static_cast<long long>(value));
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof(text), value).ptr);
+  return numberText(value);
 }
 
 void refuseSurplus(const SensorSource& source, const std::vector<std::string_view>& cells, size_t expected,
