@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "base/clock.hpp"
-#include "base/quaternion.hpp"
 #include "base/threads.hpp"
 #include "effects/trajectory.hpp"
-#include "gnosphere/error.hpp"
 #include "reference/results.hpp"
 #include "scan/columns.hpp"
 #include "sensor/beams.hpp"
@@ -35,8 +34,8 @@ class ReferenceBackend : public Backend {
   }
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
-  Plan plan(size_t sensor) const override;
-  Plan planOf(std::shared_ptr<const SensorPlan> of, size_t views) const override;
+  Plan plan(size_t sensor) const override { return planOf(sensors_[sensor]->plan); }
+  Plan planOf(std::shared_ptr<const SensorPlan> of, size_t /*views*/) const override { return planOf(*of); }
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
@@ -50,6 +49,7 @@ class ReferenceBackend : public Backend {
   void setDeformation(size_t mesh, const Deformation& deformation) override;
 
  private:
+  static Plan planOf(const SensorPlan& of);
   void build();
   void scan(const Shot& shot, Scan& result) const;
   Bvh treeOf(const Shot& shot, Counters& counters) const;
@@ -65,17 +65,10 @@ class ReferenceBackend : public Backend {
   DeviceInfo device_;
 };
 
-Plan ReferenceBackend::plan(size_t sensor) const {
+Plan ReferenceBackend::planOf(const SensorPlan& of) {
   Plan plan;
-  plan.effects = sensors_[sensor]->plan.decisions;
-  plan.returns = sensors_[sensor]->plan.returns;
-  return plan;
-}
-
-Plan ReferenceBackend::planOf(std::shared_ptr<const SensorPlan> of, size_t /*views*/) const {
-  Plan plan;
-  plan.effects = of->decisions;
-  plan.returns = of->returns;
+  plan.effects = of.decisions;
+  plan.returns = of.returns;
   return plan;
 }
 
@@ -93,12 +86,8 @@ void ReferenceBackend::build() {
 Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
   const SensorPlan& plan = sensors_[shot.sensor]->plan;
   const Sensor& sensor = plan.sensor;
-  Sweeps sweeps;
-  for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
-    const double time = timeOf(sensor, beam, shot.frame);
-    sweeps.first = std::min(sweeps.first, time);
-    sweeps.last = std::max(sweeps.last, time);
-  }
+  const ScanTimes times = scanTimesOf(sensor, true, shot.frame);
+  Sweeps sweeps = {{}, times.first, times.last};
   Movement movement;
   if (instancesMove(plan, shot)) {
     movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
@@ -186,9 +175,6 @@ void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const 
 
 void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const Clock::time_point start = Clock::now();
-  const Pose& pose = shot.pose;
-  if (isZero(pose.orientation))
-    throw Error(ErrorCode::invalidArgument, "the pose's orientation has no length; use 0 0 0 1 for no rotation");
   BeamEffects effects = *sensors_[shot.sensor];
   effects.plan.effects = effectsOf(effects.plan, shot);
   const SensorPlan& plan = effects.plan;
@@ -203,7 +189,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const bool ownTree =
       instancesMove(plan, shot) || shot.world != 0 || !plan.ignored.empty() || !shot.ignoredInstances.empty();
   const Bvh own = ownTree ? treeOf(shot, scan.counters) : Bvh({});
-  View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, pose, scan.counters);
+  View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, shot.pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);
   if (plan.has(gpu::kTransmission))
     for (const Optics& optics : effects.optics) view.panes.push_back(optics.transmission > 0);

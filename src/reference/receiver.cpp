@@ -27,10 +27,9 @@ std::array<Bounded, 2> Receiver::angleError(size_t beam) const {
 /// millionth of the threshold counts as equal to it.
 /// `softness` is 0 for a drop or flake, since the table of particles has no weaker ones.
 bool Receiver::detected(const Bounded& power, double softness, double chance, bool& doubt) const {
-  const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
   if (!(power.value > 1e-37)) return false;
-  if (!(softness > 0)) return !less(power, threshold * Bounded(0.999999), doubt);
-  const Bounded steps = (log(power) - log(threshold)) / given(softness);
+  if (!(softness > 0)) return !less(power, threshold_ * Bounded(0.999999), doubt);
+  const Bounded steps = (log(power) - log(threshold_)) / given(softness);
   return less(chance, Bounded(1) / (Bounded(1) + exp(-max(steps, -80))), doubt);
 }
 
@@ -110,9 +109,8 @@ Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) co
     Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range +
                     given(noise.sigmaPerSquareMetre) * echo.range * echo.range;
     if (noise.sigmaAtThreshold > 0) {
-      const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
       const Bounded power = received(echo.energy, echo.range, depth);
-      const Bounded weak = given(noise.sigmaAtThreshold) * threshold / max(power, threshold);
+      const Bounded weak = given(noise.sigmaAtThreshold) * threshold_ / max(power, threshold_);
       sigma = sqrt(sigma * sigma + weak * weak);
     }
     Bounded range = echo.range + given(noise.bias) + sigma * draws_.normals(beam, number, gpu::kRangeNoise)[0];

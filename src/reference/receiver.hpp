@@ -21,7 +21,11 @@ struct Judgement {
 
 class Receiver {
  public:
-  Receiver(const SensorPlan& plan, const Shot& shot) : plan_(plan), draws_(plan, shot), medium_(plan, shot) {}
+  Receiver(const SensorPlan& plan, const Shot& shot)
+      : plan_(plan),
+        threshold_(given(thresholdOf(plan.effects, plan.sensor))),
+        draws_(plan, shot),
+        medium_(plan, shot) {}
 
   /// `surfaces` are the beam's echoes from surfaces, in order of range.
   /// `least` is the least range of a return.
@@ -39,6 +43,7 @@ class Receiver {
   Return measured(size_t beam, const Numbered& echo, bool& doubt) const;
 
   const SensorPlan& plan_;
+  const Bounded threshold_;  ///< least detectable power
   Draws draws_;
   Medium medium_;
 };

@@ -12,7 +12,6 @@
 
 #include "bits.hpp"
 #include "effects/sensor_plan.hpp"
-#include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "reference/doubt.hpp"
 #include "reference/hit.hpp"
