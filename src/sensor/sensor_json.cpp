@@ -94,54 +94,60 @@ void eachChannel(const Source& source, const json& root, const std::string& key,
   for (size_t j = 0; j < channels.size(); ++j) read(channels[j], (*found)[j], key + "[" + std::to_string(j) + "]");
 }
 
+/// The key of an optional number, and the member that it sets.
+template <typename Object>
+struct NumberKey {
+  const char* key;
+  double Object::*member;
+};
+constexpr NumberKey<Channel> kChannelNumbers[] = {{"azimuth_offset_deg", &Channel::azimuthOffsetDeg},
+                                                  {"time_offset", &Channel::timeOffset},
+                                                  {"range_min", &Channel::rangeMin},
+                                                  {"range_max", &Channel::rangeMax}};
+constexpr NumberKey<Sensor> kSensorNumbers[] = {{"rotation_period", &Sensor::rotationPeriod},
+                                                {"scan_period", &Sensor::scanPeriod},
+                                                {"range_at_10_percent", &Sensor::rangeAt10Percent},
+                                                {"azimuth_start_deg", &Sensor::azimuthStartDeg},
+                                                {"azimuth_span_deg", &Sensor::azimuthSpanDeg}};
+
+template <typename Object, size_t kCount>
+void readNumbers(const Source& source, const json& from, const std::string& prefix,
+                 const NumberKey<Object> (&keys)[kCount], Object& to) {
+  for (const auto& [key, member] : keys)
+    if (const auto found = from.find(key); found != from.end()) to.*member = number(source, *found, prefix + key);
+}
+
 std::vector<Channel> channelsFromLists(const Source& source, const json& root) {
   std::vector<Channel> channels;
   for (double elevation : numbers(source, member(source, root, "the sensor", "elevation_deg"), "elevation_deg")) {
     channels.push_back({elevation});
   }
-  eachChannel(source, root, "azimuth_offset_deg", channels, [&](Channel& c, const json& v, const std::string& what) {
-    c.azimuthOffsetDeg = number(source, v, what);
-  });
+  for (const NumberKey<Channel>& of : kChannelNumbers)
+    eachChannel(source, root, of.key, channels,
+                [&](Channel& c, const json& v, const std::string& what) { c.*of.member = number(source, v, what); });
   eachChannel(source, root, "origin", channels,
               [&](Channel& c, const json& v, const std::string& what) { c.origin = vector(source, v, what); });
-  eachChannel(source, root, "time_offset", channels,
-              [&](Channel& c, const json& v, const std::string& what) { c.timeOffset = number(source, v, what); });
-  eachChannel(source, root, "range_min", channels,
-              [&](Channel& c, const json& v, const std::string& what) { c.rangeMin = number(source, v, what); });
-  eachChannel(source, root, "range_max", channels,
-              [&](Channel& c, const json& v, const std::string& what) { c.rangeMax = number(source, v, what); });
   return channels;
 }
 
 std::vector<Channel> channelsFromObjects(const Source& source, const json& root) {
-  for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max"}) {
-    if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' are alternatives; keep one");
-  }
+  const std::initializer_list<std::string_view> keys = {"elevation_deg", "azimuth_offset_deg", "origin",
+                                                        "time_offset",   "range_min",          "range_max"};
+  for (const std::string_view key : keys)
+    if (root.contains(std::string(key)))
+      source.refuse("'channels' and '" + std::string(key) + "' are alternatives; keep one");
   const json& list = root["channels"];
   if (!list.is_array()) source.refuse("'channels' must be a list");
   std::vector<Channel> channels;
   for (size_t j = 0; j < list.size(); ++j) {
     const std::string where = "channels[" + std::to_string(j) + "]";
     if (!list[j].is_object()) source.refuse("'" + where + "' must be an object");
-    checkKeys(source, list[j], where,
-              {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max"});
+    checkKeys(source, list[j], where, keys);
     Channel channel;
     channel.elevationDeg = number(source, member(source, list[j], where, "elevation_deg"), where + ".elevation_deg");
-    if (const auto offset = list[j].find("azimuth_offset_deg"); offset != list[j].end()) {
-      channel.azimuthOffsetDeg = number(source, *offset, where + ".azimuth_offset_deg");
-    }
-    if (const auto origin = list[j].find("origin"); origin != list[j].end()) {
+    readNumbers(source, list[j], where + ".", kChannelNumbers, channel);
+    if (const auto origin = list[j].find("origin"); origin != list[j].end())
       channel.origin = vector(source, *origin, where + ".origin");
-    }
-    if (const auto offset = list[j].find("time_offset"); offset != list[j].end()) {
-      channel.timeOffset = number(source, *offset, where + ".time_offset");
-    }
-    if (const auto range = list[j].find("range_min"); range != list[j].end()) {
-      channel.rangeMin = number(source, *range, where + ".range_min");
-    }
-    if (const auto range = list[j].find("range_max"); range != list[j].end()) {
-      channel.rangeMax = number(source, *range, where + ".range_max");
-    }
     channels.push_back(channel);
   }
   return channels;
@@ -156,8 +162,8 @@ uint32_t whole(const Source& source, const json& value, const std::string& what,
   return static_cast<uint32_t>(number);
 }
 
-/// Reads the optional properties beyond geometry.
-void readPulses(const Source& source, const json& root, Sensor& sensor) {
+/// Reads the optional properties that are numbers.
+void readFigures(const Source& source, const json& root, Sensor& sensor) {
   if (const auto divergence = root.find("divergence_mrad"); divergence != root.end()) {
     const std::vector<double> angles = numbers(source, *divergence, "divergence_mrad", 2);
     sensor.divergenceHorizontal = angles[0] / kMilliPerUnit;
@@ -165,13 +171,7 @@ void readPulses(const Source& source, const json& root, Sensor& sensor) {
   }
   if (const auto returns = root.find("max_returns"); returns != root.end())
     sensor.maxReturns = whole(source, *returns, "max_returns", limits::kReturns.most, 1);
-  if (const auto period = root.find("rotation_period"); period != root.end()) {
-    sensor.rotationPeriod = number(source, *period, "rotation_period");
-  }
-  if (const auto period = root.find("scan_period"); period != root.end())
-    sensor.scanPeriod = number(source, *period, "scan_period");
-  if (const auto range = root.find("range_at_10_percent"); range != root.end())
-    sensor.rangeAt10Percent = number(source, *range, "range_at_10_percent");
+  readNumbers(source, root, "", kSensorNumbers, sensor);
 }
 
 template <typename T>
@@ -262,12 +262,8 @@ std::vector<BeamList> patternsOf(const Source& source, const json& list) {
   return patterns;
 }
 
-/// Reads which beams a turn has and which never fire, and what near surfaces do.
-void readSector(const Source& source, const json& root, Sensor& sensor) {
-  if (const auto start = root.find("azimuth_start_deg"); start != root.end())
-    sensor.azimuthStartDeg = number(source, *start, "azimuth_start_deg");
-  if (const auto span = root.find("azimuth_span_deg"); span != root.end())
-    sensor.azimuthSpanDeg = number(source, *span, "azimuth_span_deg");
+/// Reads which beams never fire, and what near surfaces do.
+void readSilence(const Source& source, const json& root, Sensor& sensor) {
   if (const auto masked = root.find("masked_beams"); masked != root.end())
     sensor.maskedBeams = wholes<uint32_t>(source, *masked, "masked_beams");
   const auto near = root.find("near_hits");
@@ -321,8 +317,8 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
   if (range.contains("min")) sensor.rangeMin = number(source, range["min"], "range.min");
   sensor.rangeMax = number(source, member(source, range, "range", "max"), "range.max");
 
-  readPulses(source, root, sensor);
-  readSector(source, root, sensor);
+  readFigures(source, root, sensor);
+  readSilence(source, root, sensor);
   const auto patterns = root.find("patterns");
   if (patterns == root.end()) {
     readGrid(source, root, sensor);
