@@ -32,17 +32,13 @@ SinCos sinCosDegrees(double degrees) {
   }
 }
 
-bool turnsFully(const Sensor& sensor) {
-  return sensor.azimuthStartDeg == -180 && sensor.azimuthSpanDeg == 360;
-}
-
 // Why the device must treat the sensor as a list of beams, as a predicate; null if it need not.
 const char* causeOfBeamList(const Sensor& sensor) {
   const auto hasWindow = [](const Channel& channel) { return channel.rangeMin > 0 || channel.rangeMax > 0; };
   if (!sensor.isGrid()) return "is a list of beams";
   if (sensor.azimuthSpanDeg < 0) return "turns clockwise";
   if (sensor.azimuthSpanDeg < 360) return "covers a sector";
-  if (!turnsFully(sensor)) return "does not start at -180 degrees";
+  if (sensor.azimuthStartDeg != -180) return "does not start at -180 degrees";
   if (!sensor.maskedBeams.empty()) return "has masked beams";
   if (sensor.nearHits == NearHits::hide && sensor.rangeMin > 0) return "hides near hits";
   if (std::any_of(sensor.channels.begin(), sensor.channels.end(), hasWindow))

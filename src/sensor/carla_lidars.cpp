@@ -3,25 +3,21 @@
 
 #include <algorithm>
 
+#include "sensor/files/source.hpp"
+
 namespace gnosphere {
 namespace {
 
 using nlohmann::json;
 
-/// Returns the text of a member; an empty one if there is none.
-std::string textOf(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 bool hasCarlaType(const json& node, int depth) {
-  if (node.is_object() && textOf(node, "type").starts_with("sensor.")) return true;
+  if (node.is_object() && textIn(node, "type").starts_with("sensor.")) return true;
   if (!node.is_structured() || depth > 8) return false;
   return std::any_of(node.begin(), node.end(), [&](const json& child) { return hasCarlaType(child, depth + 1); });
 }
 
 void collect(const json& node, std::vector<const json*>& lidars, int depth) {
-  if (node.is_object() && textOf(node, "type").starts_with("sensor.lidar.")) lidars.push_back(&node);
+  if (node.is_object() && textIn(node, "type").starts_with("sensor.lidar.")) lidars.push_back(&node);
   if (node.is_structured() && depth < 50)
     for (const json& child : node) collect(child, lidars, depth + 1);
 }
@@ -47,12 +43,12 @@ std::vector<const json*> carlaLidars(const json& root) {
 
 std::string idsOf(const std::vector<const json*>& lidars) {
   std::string ids;
-  for (const json* lidar : lidars) ids += (ids.empty() ? "" : ", ") + textOf(*lidar, "id");
+  for (const json* lidar : lidars) ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
   return ids;
 }
 
 bool hasCarlaEffects(const json& lidar) {
-  return !textOf(lidar, "type").starts_with("sensor.lidar.ray_cast_semantic");
+  return !textIn(lidar, "type").starts_with("sensor.lidar.ray_cast_semantic");
 }
 
 }  // namespace gnosphere

@@ -11,7 +11,6 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/utf8.hpp"
-#include "base/vector.hpp"
 #include "sensor/beams.hpp"
 #include "sensor/carla_lidars.hpp"
 #include "sensor/files/source.hpp"
@@ -242,8 +241,7 @@ void checkOptions(const SensorSource& source, const Family& family) {
 
 /// Masks the lasers of a grid that rest in every second column of a built-in head.
 void maskRestingLasers(Sensor& sensor, const Sensor& from) {
-  std::vector<bool> rests(from.beamCount());
-  for (const uint32_t beam : from.maskedBeams) rests[beam] = true;
+  const std::vector<bool> rests = silentBeams(from);
   for (size_t row = 0; row < sensor.channels.size(); ++row)
     for (uint32_t column = 0; column < sensor.columns; ++column)
       if (rests[row * from.columns + column % 2])
@@ -260,8 +258,7 @@ double correctionDeg(const Sensor& sensor, size_t row) {
 /// Starts the beams of a file that states no origins where those of a head start. A lens is fixed to the head, so it
 /// does not turn with the azimuth correction of its laser.
 void takeOrigins(Sensor& sensor, const Sensor& from) {
-  const auto isPlaced = [](const Channel& channel) { return lengthOf(channel.origin) > 0; };
-  if (std::any_of(sensor.channels.begin(), sensor.channels.end(), isPlaced)) return;
+  if (hasOrigins(sensor)) return;
   for (size_t row = 0; row < sensor.channels.size(); ++row) {
     const double turn = kDegree * (correctionDeg(from, row) - correctionDeg(sensor, row));
     const double c = std::cos(turn), s = std::sin(turn);
@@ -306,9 +303,7 @@ void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
       sensor.rotationPeriod = from.rotationPeriod;
       sensor.scanPeriod = from.scanPeriod;
     }
-    const auto delayed = [](const Channel& channel) { return channel.timeOffset != 0; };
-    const bool statesTimes =
-        !source.options.fireTimes.empty() || std::any_of(sensor.channels.begin(), sensor.channels.end(), delayed);
+    const bool statesTimes = !source.options.fireTimes.empty() || hasTimeOffsets(sensor);
     if (!statesTimes && sensor.rotationPeriod > 0) {
       for (size_t row = 0; row < sensor.channels.size(); ++row)
         delay(sensor.channels[row], from.channels[row].timeOffset, sensor.azimuthSpanDeg / sensor.rotationPeriod);
@@ -364,10 +359,9 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
     settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / period;
   source.rateAsked = options.scanRate > 0;
   family.read(source, root);
-  if (family.options != 0 || family.isJson)
-    if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())
-      source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
-                    " columns; at most 100 million are read");
+  if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())
+    source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
+                  " columns; at most 100 million are read");
   if (completes)
     applyHead(source, from, options.columns == 0 && options.scanRate == 0);
   else if (!options.head.empty())

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // VeloView's db.xml, an archive of boost: degrees, and centimetres.
-#include <pugixml.hpp>
 #include <set>
 
 #include "base/units.hpp"
-#include "sensor/files/source.hpp"
+#include "sensor/files/xml.hpp"
 
 namespace gnosphere {
 namespace {
 
-std::string lineOf(const SensorSource& source, std::ptrdiff_t offset) {
-  return "line " + std::to_string(lineNumber(source.bytes, offset)) + ": ";
-}
-
 std::string lineOf(const SensorSource& source, const pugi::xml_node& node) {
-  return lineOf(source, node.offset_debug());
+  return "line " + std::to_string(lineNumber(source.bytes, node.offset_debug())) + ": ";
 }
 
 double numberAt(const SensorSource& source, const pugi::xml_node& parent, const char* key, bool required = false) {
@@ -33,9 +28,7 @@ bool hasNonZero(const SensorSource& source, const pugi::xml_node& list) {
 }  // namespace
 
 void readVelodyneXml(SensorSource& source) {
-  pugi::xml_document document;
-  const auto result = document.load_buffer(source.bytes.data(), source.bytes.size());
-  if (!result) source.refuse(lineOf(source, result.offset) + "is not XML: " + result.description());
+  const pugi::xml_document document = parseXml(source);
   const pugi::xml_node database = document.child("boost_serialization").child("DB");
   const pugi::xml_node points = database.child("points_");
   if (!points) source.refuse("has no 'boost_serialization/DB/points_', as VeloView's calibrations have");
