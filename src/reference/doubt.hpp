@@ -9,7 +9,8 @@
 // 16 u is the worst case of: x - pivot, a rounded 3x3 matrix, three products and three sums (6 u of the sum of absolute
 // products, which is at most sqrt(3) |v| for a rotation: 10 u), and the turn of the corner into the beam's frame by two
 // plane rotations (6 u on top of the 2 u that belong to the beam). c >= 1 is the condition of the instance's matrix and
-// f the part of the error that does not shrink with the distance; both are the caller's (backend.cpp).
+// f the part of the error that does not shrink with the distance: PlacedMesh::condition and absoluteError() of
+// world.hpp.
 //
 // All else follows, without another constant, from asking what the triangle could be with its corners moved that far.
 // Moving corners by r_i and asking for the origin is the same as asking for the points Q of the unmoved triangle with

@@ -19,8 +19,7 @@ struct RowGrid {
     uint32_t channel = 0;
     int32_t first = 0;  ///< place of beam 0 in order of azimuth, -columns / 2..columns / 2; places wrap
     double behind = 0;  ///< columns by which beam 0 lies behind its place
-    /// How much later its beams fire than the column of theirs, in columns of rising azimuth.
-    double lag = 0;
+    double lag = 0;     ///< columns of rising azimuth between a beam's own column and the one that fires with the beam
   };
 
   uint32_t columns = 0;    ///< places of a turn
@@ -34,9 +33,9 @@ struct RowGrid {
 
   /// The sensor's column of beam `place` of a row in order of azimuth.
   uint32_t columnAt(uint32_t place) const { return clockwise ? taken - 1 - place : place; }
-  /// Entries of the table of moments before that of beam 0 of a row without a lag.
+  /// Entries of the table of moments before those of the columns, for rows with a lag below 0.
   uint32_t before() const;
-  /// And behind those of all columns.
+  /// Entries behind those of the columns, for rows with a lag above 0.
   uint32_t after() const;
   /// Whether the rows look in different directions at one place.
   bool between() const { return beside > 0; }
@@ -44,8 +43,8 @@ struct RowGrid {
   bool staggered() const;
 };
 
-/// Returns the grid of a sensor that is one. Empty if it covers so small a sector that most places would be without a
-/// beam, or if there are more places than kernels can number.
+/// Returns the places of a sensor's grid. Empty for a list, for a sector so small that most places would be without a
+/// beam, and for more places than kernels can number.
 std::optional<RowGrid> rowGridOf(const Sensor& sensor);
 
 /// Returns the moments of a grid, in the order of azimuth: beam i of a row fires at entry i + before() + lag.

@@ -99,8 +99,8 @@ void arrange(BeamList& list, const std::vector<uint32_t>& indexes, const Cloud& 
   list.height = cloud.height;
 }
 
-/// Organises the beams of a table that `gnosphere sensors --beams` has written, and masks those that have no row there.
-/// Says what does not come back.
+/// Organises the beams of a table that `gnosphere sensors --beams` has written, and masks the places without a row.
+/// Notes the properties that such a table does not state.
 void organise(SensorSource& source, std::vector<BeamList>& patterns,
               const std::vector<std::vector<uint32_t>>& indexes) {
   source.assume("1 return a beam");

@@ -140,10 +140,10 @@ void readReach(SensorSource& source, const json& profile) {
   source.file.sensor.rangeAt10Percent = range * std::sqrt(0.1 / reflectance);
 }
 
-/// The azimuths in degrees between which a profile lets its beams be.
+/// The azimuths in degrees between which a turning head fires.
 struct Sector {
   double start, end;
-  std::string keys;  ///< those that state it, for messages; empty if none does
+  std::string keys;  ///< of the profile that state the sector, for messages; empty if the profile states none
 };
 
 /// Reads the sector of a profile. Old profiles may have two pairs of keys for it, of which the first counts.
@@ -170,7 +170,8 @@ void setScanPeriod(SensorSource& source, double scanRate) {
                   numberText(last) + " s after its start");
 }
 
-/// Says so if beams of a solid-state lidar are outside the sector that its profile states, which is for turning heads.
+/// Notes the sector of a solid-state lidar's profile as ignored if beams are outside of it: sectors are for turning
+/// heads.
 void noteBeamsOutside(SensorSource& source, const Sector& sector, const std::vector<Emitters>& states) {
   const double middle = (sector.start + sector.end) / 2, half = (sector.end - sector.start) / 2;
   const auto isOutside = [&](double azimuth) { return std::abs(std::remainder(azimuth - middle, 360)) > half + 1e-6; };

@@ -186,8 +186,8 @@ bool mayEndWith(const Family& family, const std::string& ending) {
   return !ending.empty() && std::string(family.endings).find(ending + " ") != std::string::npos;
 }
 
-/// Decides which family a file belongs to. Refuses one whose name says otherwise. `jsonProblem` is what is wrong with
-/// what should be JSON.
+/// Decides which family a file belongs to. Refuses one whose name says otherwise. `jsonProblem` tells why
+/// text that begins or is named as JSON is none.
 const Family& familyOf(const SensorSource& source, const json& root, const std::string& jsonProblem) {
   const std::string ending = endingOf(source.name);
   const Family* named = nullptr;
