@@ -33,6 +33,7 @@ TEST_CASE("Isaac Sim: a rotary profile is a grid at exact firing times") {
   CHECK(rangeWindowOf(sensor, 0).most == 200);
   CHECK(rangeWindowOf(sensor, 333).least == 2);
   CHECK(rangeWindowOf(sensor, 333).most == 50);
+  CHECK(rangeWindowOf(readSensorFile(replaced(kIsaacRotary, "0.5", "0"), "i.json").sensor, 0).least == 0);
   CHECK(sensor.maxReturns == 2);
   CHECK(lists(file.ignored, "wavelengthNm"));
   CHECK(lists(file.ignored, "bank of the emitters"));

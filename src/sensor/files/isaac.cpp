@@ -265,6 +265,7 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
         const Window& window = windowOf(source, windows, emitters.ranges[i]);
         channel.rangeMin = window.least;
         channel.rangeMax = window.most;
+        sensor.rangeMin = std::min(sensor.rangeMin, window.least);  // counts for channels that have 0
       }
       sensor.channels.push_back(channel);
     }
