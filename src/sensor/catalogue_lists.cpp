@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
+#include "sensor/beams.hpp"
 #include "sensor/catalogue_mid360.hpp"
 
 namespace gnosphere {
@@ -164,11 +165,9 @@ Sensor zonesSensor() {
   for (int line = 0; line < kLines; ++line)
     for (int zone = 0; zone < kLasers; ++zone)
       for (int column = 0; column < kColumns; ++column) {
-        const double elevation = kDegree * kStep * (0.5 * (kLines - 1) - line);
+        const double elevation = kStep * (0.5 * (kLines - 1) - line);
         const double left = kWidth / 2 - zone * (kWidth - kStep * (kColumns - 1)) / (kLasers - 1);
-        const double azimuth = kDegree * (left - kStep * column);
-        list.directions.push_back(
-            {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+        list.directions.push_back(unitVectorAt(left - kStep * column, elevation));
         list.times.push_back(kFrame * (line * kColumns + column) / (kLines * kColumns));
         list.rings.push_back(static_cast<uint16_t>(zone));
       }

@@ -24,6 +24,11 @@ TEST_CASE("beam tables: azimuth and zenith, times of one scan or a count of beam
   CHECK_THAT(elevationDeg(file.sensor, 1), WithinAbs(30, 1e-12));
   CHECK_THAT(timeOf(file.sensor, 1), WithinAbs(1e-5, 1e-18));
 
+  const Sensor square = readSensorFile("Azimuth/deg,Elevation/deg\n90,0\n180,0\n30,-90\n", "l.csv").sensor;
+  CHECK(square.direction(0).x == 0);
+  CHECK(square.direction(1).y == 0);
+  CHECK(square.direction(2).x == 0);
+
   const std::string counted = "Time/s,Azimuth/deg,Zenith/deg\n1,0,90\n2,1,90\n3,2,90\n800000,3,90\n5,4,90\n";
   const SensorFile scans = readSensorFile(counted, "l.csv", {.scanRate = 20, .beamsPerScan = 2});
   REQUIRE(scans.sensor.patterns.size() == 2);

@@ -8,8 +8,8 @@
 #include "base/json_text.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "base/vector.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 
@@ -51,8 +51,7 @@ Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double ele
   if (std::abs(elevationDeg) > 90 + 1e-9 || std::abs(azimuthDeg) > 720)
     source.refuse("beam " + std::to_string(beam) + " has the azimuth " + numberText(azimuthDeg) +
                   " and the elevation " + numberText(elevationDeg) + " degrees, which are no angles of a beam");
-  const double a = kDegree * std::remainder(azimuthDeg, 360), e = kDegree * std::clamp(elevationDeg, -90.0, 90.0);
-  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+  return unitVectorAt(azimuthDeg, std::clamp(elevationDeg, -90.0, 90.0));
 }
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "sensor/beams.hpp"
 #include "sensor/files/xml.hpp"
 
 namespace gnosphere {
@@ -55,9 +56,7 @@ BeamList listOf(const Angles& across, const Angles& up) {
   list.height = static_cast<uint32_t>(up.count);
   for (size_t row = 0; row < up.count; ++row)
     for (size_t column = 0; column < across.count; ++column) {
-      const double elevation = angleAt(up, row) * kDegree, azimuth = angleAt(across, column) * kDegree;
-      list.directions.push_back(
-          {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+      list.directions.push_back(unitVectorAt(angleAt(across, column), angleAt(up, row)));
       list.rings.push_back(static_cast<uint16_t>(row));
     }
   return list;
