@@ -173,8 +173,7 @@ void readHesaiCsv(SensorSource& source) {
                                                   "missing");
     return;
   }
-  if (static_cast<double>(source.file.sensor.columns) * static_cast<double>(channels.size()) > 1e8)
-    source.refuse("there are more than 100 million beams");
+  checkBeamCount(source, source.file.sensor.columns, channels.size());
   applyFireTimes(source, readFireTimes(source, channels.size()));
 }
 

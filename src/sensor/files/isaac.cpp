@@ -251,8 +251,7 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
   sensor.azimuthStartDeg = std::remainder(clockwise ? sector.end : sector.start, 360);
   sensor.azimuthSpanDeg = (clockwise ? -360 : 360) * columns * scanRate / fireRate;
   if (states[0].azimuths.size() > 65535) source.refuse("there are more than 65535 channels");
-  if (columns * static_cast<double>(states[0].azimuths.size()) > 1e8)
-    source.refuse("there are more than 100 million beams");
+  checkBeamCount(source, columns, states[0].azimuths.size());
 
   if (states.size() == 1 && ringsAreRows(states[0])) {
     const Emitters& emitters = states[0];

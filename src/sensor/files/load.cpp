@@ -23,9 +23,6 @@ using nlohmann::json;
 /// Size limit: lists of millions of beams, as JSON.
 constexpr size_t kMaxFileBytes = size_t{1} << 30;
 
-/// Limit on what vendors' and simulators' files make, far more than any head has. A scan of more would take minutes to
-/// prepare.
-constexpr size_t kMostBeams = 100'000'000;
 constexpr uint32_t kMostColumns = 1'000'000;
 
 /// Options that a reader takes. Of a head that completes a file, families without `head` take the figures that a file
@@ -359,9 +356,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
     settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / period;
   source.rateAsked = options.scanRate > 0;
   family.read(source, root);
-  if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())
-    source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
-                  " columns; at most 100 million are read");
+  checkBeamCount(source, file.sensor.columns, file.sensor.channels.size());
   if (completes)
     applyHead(source, from, options.columns == 0 && options.scanRate == 0);
   else if (!options.head.empty())

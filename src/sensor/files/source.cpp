@@ -27,6 +27,12 @@ void setTurn(SensorSource& source, double startDeg) {
   sensor.azimuthSpanDeg = -360;
 }
 
+void checkBeamCount(const SensorSource& source, double columns, size_t channels) {
+  if (const double beams = columns * static_cast<double>(channels); beams > 1e8)
+    source.refuse("makes " + shownNumber(beams) + " beams, of " + shownNumber(columns) +
+                  " columns; at most 100 million are read");
+}
+
 void assumeRange(SensorSource& source, double metres, const std::string& why) {
   source.file.sensor.rangeMax = metres;
   source.assume("a largest range of " + numberText(metres) + " m" + why);

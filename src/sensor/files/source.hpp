@@ -67,6 +67,9 @@ double startOfScan(SensorSource& source, const FireTimes& times);
 /// Sets a turn from `startDeg` on, clockwise seen from above, of the columns and the scan rate that the options give,
 /// or else the defaults, which are noted as assumed.
 void setTurn(SensorSource& source, double startDeg);
+/// Refuses a grid of more than 100 million beams, far more than any head has. A scan of more would take minutes to
+/// prepare.
+void checkBeamCount(const SensorSource& source, double columns, size_t channels);
 /// Notes that the largest range is not stated, and takes `metres`.
 void assumeRange(SensorSource& source, double metres, const std::string& why = "");
 /// Adds the firing time of a channel, and the angle by which the head turns until then.
