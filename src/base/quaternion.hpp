@@ -59,4 +59,10 @@ inline bool isUnit(const Quaternion& q) {
   return std::abs(normOf(q) - 1) < kUnitTolerance;
 }
 
+/// Returns a unit quaternion of the same direction, which is the quaternion itself if isUnit(); one of length 0 becomes
+/// the identity.
+inline Quaternion unitOf(const Quaternion& q) {
+  return isZero(q) ? Quaternion{} : isUnit(q) ? q : normalized(withUsableLength(q));
+}
+
 }  // namespace gnosphere

@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/npy.hpp"
+#include "base/quaternion.hpp"
 #include "output/cloud_bytes.hpp"
 #include "output/cloud_format.hpp"
 #include "output/cloud_rows.hpp"
@@ -142,9 +143,10 @@ void writeRows(const CloudRows& rows, const CloudFormat& format, bool ascii, con
     writeBinary(write, rows);
 }
 
-/// Returns the pose of the sensor as PCD writes it: x y z, then the quaternion, real part first.
+/// Returns the pose of the sensor as PCD writes it: x y z, then the unit quaternion, real part first.
 std::string viewpointOf(const Pose& pose) {
-  const auto& [p, q] = pose;
+  const Vec3& p = pose.position;
+  const Quaternion q = unitOf(pose.orientation);
   std::string text;
   for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) text.append(" ").append(numberText(value));
   return text;

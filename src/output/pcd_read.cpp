@@ -63,11 +63,7 @@ void readViewpoint(CloudTable& table, const Words& words) {
     sound = result.ec == std::errc() && result.ptr == end && std::isfinite(v[i]);
   }
   if (!sound) table.refuse("PCD header: VIEWPOINT must be x y z qw qx qy qz, seven finite numbers");
-  const Quaternion turn = {v[4], v[5], v[6], v[3]};
-  table.pose = Pose{{v[0], v[1], v[2]},
-                    isZero(turn)   ? Quaternion{}
-                    : isUnit(turn) ? turn
-                                   : normalized(withUsableLength(turn))};
+  table.pose = Pose{{v[0], v[1], v[2]}, unitOf({v[4], v[5], v[6], v[3]})};
 }
 
 void checkHeader(CloudTable& table, bool pointsGiven) {

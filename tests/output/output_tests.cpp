@@ -79,6 +79,9 @@ TEST_CASE("a PCD file states the pose of its scan, which is read back to the bit
   const Pose read = readCloud(folder / "a.pcd").pose;
   CHECK((read.position.x == 500000.125 && read.position.y == 5999999.1 && read.position.z == -2.5));
   CHECK((read.orientation.x == 0 && read.orientation.y == 0 && read.orientation.z == 0.6 && read.orientation.w == 0.8));
+  scan.pose.orientation = {0, 0, 3, 4};  // readers take the numbers for those of a unit quaternion
+  writeCloud(scan, folder / "long.pcd");
+  CHECK_THAT(bytesOf(folder / "long.pcd"), ContainsSubstring("-2.5 0.8 0 0 0.6\n"));
   writeCloud(inWorld(scan), folder / "world.pcd");
   CHECK_THAT(bytesOf(folder / "world.pcd"), ContainsSubstring("\nVIEWPOINT 0 0 0 1 0 0 0\n"));
 }
