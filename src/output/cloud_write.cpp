@@ -118,11 +118,11 @@ void checkFixed(const CloudFormat& format, const std::vector<Field>& fields) {
 /// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
 CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions& options) {
   const bool several = scan.returns > 1;
+  checkOnce(options.fields);
   if (format.layout) {
     checkFixed(format, options.fields);
     return {Rows(scan, true), format.layout(scan), {}};
   }
-  checkOnce(options.fields);
   std::vector<Field> fields = options.fields;
   if (fields.empty()) {
     fields = defaultFields();

@@ -119,7 +119,7 @@ TEST_CASE("a cloud of a file whose pose is not known, or whose columns have fram
 TEST_CASE("a file that no reader would take is refused before it is written") {
   const Folder folder;
   const Scan scan = tiny();
-  for (const char* name : {"a.pcd", "a.ply", "a.npy", "a.csv"}) {
+  for (const char* name : {"a.pcd", "a.ply", "a.npy", "a.csv", "a.bin"}) {
     CloudOptions options;
     options.fields = {Field::range, Field::beam, Field::range};
     CHECK_THROWS_WITH(writeCloud(scan, folder / name, options), ContainsSubstring("field 'range' is asked for twice"));
