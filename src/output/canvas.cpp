@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "output/picture_file.hpp"
 
@@ -81,7 +82,7 @@ void Canvas::text(int x, int y, const std::string& text, const Colour& colour) {
     float x, y, z;
     uint8_t colour[4];
   };
-  std::string copy = text;  // the library takes a char*
+  std::string copy = plainAscii(text);
   std::vector<Vertex> corners(copy.size() * 68 + 4);
   const int quads = stb_easy_font_print(0, 0, copy.data(), nullptr, corners.data(),
                                         static_cast<int>(corners.size() * sizeof(Vertex)));
@@ -94,7 +95,7 @@ void Canvas::text(int x, int y, const std::string& text, const Colour& colour) {
 }
 
 int Canvas::textWidth(const std::string& text) {
-  std::string copy = text;
+  std::string copy = plainAscii(text);
   return stb_easy_font_width(copy.data()) * kScale;
 }
 

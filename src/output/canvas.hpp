@@ -34,7 +34,8 @@ class Canvas {
   void blend(int x, int y, const Colour& colour, float alpha = 1);
   void fill(int x, int y, int w, int h, const Colour& colour);
   void circle(float x, float y, float radius, const Colour& colour, float alpha);
-  /// `y` is the top of the letters; they are 14 pixels high.
+  /// `y` is the top of the letters; they are 14 pixels high. The font has printable ASCII alone; a question mark stands
+  /// for every other byte.
   void text(int x, int y, const std::string& text, const Colour& colour);
   static int textWidth(const std::string& text);
   /// Throws Error(invalidArgument) unless the name ends in .png, and Error(file) if the picture cannot be written.

@@ -6,10 +6,8 @@
 #include <string>
 
 #include "base/decimal_point.hpp"
-#include "base/text.hpp"
-#include "gnosphere/error.hpp"
-#include "gnosphere/output.hpp"
 #include "output/canvas.hpp"
+#include "output/rows.hpp"
 
 namespace gnosphere {
 namespace {
@@ -63,7 +61,7 @@ std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image) {
                              std::numeric_limits<float>::infinity());
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
     const float range = scan.ranges[beam];
-    if (!std::isfinite(range)) continue;
+    if (!std::isfinite(range) || range <= 0) continue;
     const size_t place = beam % scan.columns, row = beam / scan.columns;
     const size_t column = (scan.firstColumnOnLeft ? scan.columns - 1 - place : place) / image.columnsPerPixel;
     const size_t channel = (scan.firstRowOnTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
@@ -135,7 +133,7 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
   for (int j = 0; j < image.channels; ++j) {
     for (int i = 0; i < image.columns; ++i) {
       const float range = ranges.at(i, j);
-      if (!std::isfinite(range) || range <= 0) continue;
+      if (!std::isfinite(range)) continue;
       // The scale is logarithmic: it shows the shape of near objects and still orders far ones.
       const float t = std::log(std::max(range, near) / near) / std::log(far / near);
       const int first = image.leftOf(image.columns - 1 - i), end = image.leftOf(image.columns - i);
@@ -274,10 +272,8 @@ Scan firstReturns(const Scan& scan) {
 }  // namespace
 
 void writePicture(const Scan& scan, const std::filesystem::path& file) {
-  if (scan.returns > 1 && scan.points.size() == 3 * scan.ranges.size()) return writePicture(firstReturns(scan), file);
-  if (scan.points.size() != 3 * scan.beamCount() || size_t{scan.columns} * scan.channels != scan.beamCount()) {
-    throw Error(ErrorCode::invalidArgument, file.string() + ": the scan has no point and range for each of its beams");
-  }
+  checkFields(scan, {Field::x});
+  if (scan.returns > 1) return writePicture(firstReturns(scan), file);
   const RangeImage image(scan);
   const int side = image.width;
   const int birdsEyeTop = kTitle + image.height + kTitle;
@@ -289,7 +285,7 @@ void writePicture(const Scan& scan, const std::filesystem::path& file) {
   char share[96];
   std::snprintf(share, sizeof(share), "%u channels x %u columns, %.1f %% hits", scan.channels, scan.columns,
                 scan.ranges.empty() ? 0.0 : 100.0 * static_cast<double>(hits) / static_cast<double>(scan.beamCount()));
-  const std::string name = plainAscii(scan.sensor.empty() ? "Scan" : scan.sensor).substr(0, 40);  // as the font has it
+  const std::string name = scan.sensor.empty() ? "Scan" : scan.sensor.substr(0, 40);
   canvas.text(kMargin, kTitle - 26, name, kText);
   canvas.text(kMargin + Canvas::textWidth(name) + 24, kTitle - 26, share, kFaint);
   drawRangeImage(canvas, scan, image, kMargin, kTitle);

@@ -66,11 +66,11 @@ void checkFields(const Scan& scan, const std::vector<Field>& fields) {
     throw Error(ErrorCode::invalidArgument,
                 "the scan has " + std::to_string(scan.returns) + " returns per beam; there must be 1 to 255");
   }
-  const size_t beamCount = scan.beamCount();
-  if (size_t{scan.columns} * scan.channels != beamCount) {
-    throw Error(ErrorCode::invalidArgument, "the scan has " + std::to_string(beamCount) + " ranges for " +
+  if (scan.ranges.size() % scan.returns != 0 || size_t{scan.columns} * scan.channels != scan.beamCount()) {
+    throw Error(ErrorCode::invalidArgument, "the scan has " + std::to_string(scan.ranges.size()) + " ranges for " +
                                                 std::to_string(scan.columns) + " columns x " +
-                                                std::to_string(scan.channels) + " channels");
+                                                std::to_string(scan.channels) + " channels x " +
+                                                std::to_string(scan.returns) + " returns");
   }
   for (Field field : fields) {
     if (field == Field::ring && !scan.has(field)) checkRings(scan.channels);

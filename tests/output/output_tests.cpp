@@ -16,6 +16,7 @@
 
 #include "base/file.hpp"
 #include "cloud_support.hpp"
+#include "output/pattern_picture.hpp"
 #include "scan/image_order.hpp"
 #include "synthetic_scan.hpp"
 
@@ -129,6 +130,18 @@ TEST_CASE("a file that no reader would take is refused before it is written") {
   CHECK_THROWS_WITH(writeCloud(scan, folder / "a.bin", options), ContainsSubstring("cannot have 'range'"));
   CHECK_THROWS_WITH(writePicture(scan, folder / "a.jpg"), ContainsSubstring("a.jpg must end in .png"));
   CHECK(folder.fileCount() == 0);
+}
+
+TEST_CASE("a scan whose ranges do not fill its grid is refused") {
+  const Folder folder;
+  Scan scan = tiny();
+  scan.columns = scan.channels = 1;
+  scan.returns = 4;
+  CHECK_THROWS_WITH(writeCloud(scan, folder / "a.pcd"),
+                    ContainsSubstring("6 ranges for 1 columns x 1 channels x 4 returns"));
+  scan.returns = 0;
+  CHECK_THROWS_WITH(writeCloud(scan, folder / "a.pcd"), ContainsSubstring("0 returns per beam"));
+  CHECK_THROWS_WITH(writePicture(scan, folder / "a.png"), ContainsSubstring("0 returns per beam"));
 }
 
 TEST_CASE("ASCII PCD and CSV are readable text with one line per beam") {
@@ -411,6 +424,33 @@ TEST_CASE("the range image of a grid of any number of columns fills the width of
     empty += !any;
   }
   CHECK(empty == 0);
+}
+
+TEST_CASE("a beam of range 0 does not hide the other beams of its pixel") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  sensor.columns = 5001;  // a pixel has three columns
+  Scan scan = syntheticScan(sensor);
+  const auto pixelsOf = [&](float range) {
+    for (size_t beam = 0; beam < scan.beamCount(); beam += 3) scan.ranges[beam] = range;
+    writePicture(scan, folder / "a.png");
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
+        stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
+    REQUIRE(pixels);
+    return std::vector(pixels.get() + 3 * 56 * width, pixels.get() + 3 * 300 * width);  // of the range image
+  };
+  CHECK(pixelsOf(0) == pixelsOf(std::nanf("")));
+}
+
+TEST_CASE("a letter that the font of pictures lacks is a question mark") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  sensor.name = "K\xc3\xbc\x01";
+  writePatternPicture(sensor, folder / "a.png");
+  sensor.name = "K???";
+  writePatternPicture(sensor, folder / "b.png");
+  CHECK(bytesOf(folder / "a.png") == bytesOf(folder / "b.png"));
 }
 
 TEST_CASE("a picture is a PNG of a reasonable size for every grid") {
