@@ -39,9 +39,8 @@ struct Grid {
 
 uint32_t whole(const CloudTable& table, const CloudColumn& column, size_t row) {
   const double value = table.value(column, row);
-  if (!(value >= 0 && value <= 4294967295.0)) {
+  if (!(value >= 0 && value <= 4294967295.0 && value == std::floor(value)))
     table.refuse("point " + std::to_string(row) + ": '" + column.name + "' is not a whole number of 32 bits");
-  }
   return static_cast<uint32_t>(value);
 }
 
@@ -93,10 +92,14 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
     if (beam || beams * returns == table.rows)
       return {table.gridColumns, table.gridChannels, true, table.gridChannels > 1};
   }
-  if (table.height > 1) return {table.width, table.height, true, true};
-  if (!beam) return {static_cast<uint32_t>(table.rows), 1};
   uint64_t beams = fewest;
-  for (size_t row = 0; row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
+  for (size_t row = 0; beam && row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
+  if (table.height > 1) {
+    // The returns of a beam stand side by side, as writeCloud() writes them, if all beams have a place then.
+    const uint32_t columns = table.width % returns == 0 ? table.width / returns : table.width;
+    return {beams > uint64_t{columns} * table.height ? table.width : columns, table.height, true, true};
+  }
+  if (!beam) return {static_cast<uint32_t>(table.rows), 1};
   if (beams > fewest && beams * returns > maxSparseBeams(table)) {
     table.refuse("has " + std::to_string(table.rows) + " points of at least " + std::to_string(beams) + " beams");
   }

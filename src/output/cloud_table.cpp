@@ -144,42 +144,44 @@ void CloudTable::layRows(size_t offset) {
 }
 
 void CloudTable::parseTextRows(size_t offset) {
-  struct Word {
-    const CloudColumn* target;  ///< null: a field that we do not read, skipped
-    size_t offset;
+  /// The words of a column in each row, and the place of the value in the packed row.
+  struct Words {
+    size_t count;
+    const CloudColumn* target = nullptr;  ///< null: the words are skipped, because the column is no field
+    size_t place = 0;
   };
   std::vector<CloudColumn> ours;
   ours.reserve(columns.size());
-  std::vector<Word> words;
-  size_t stride = 0;
+  std::vector<Words> words;
+  size_t stride = 0, wordCount = 0;
   for (const CloudColumn& column : columns) {
     const ColumnInfo* info = column.count == 1 ? findColumn(column.name) : nullptr;
-    words.resize(words.size() + column.count, {nullptr, 0});
+    words.push_back({column.count});
+    wordCount += column.count;
     if (!info) continue;
     const bool isCoordinate = info->field == Field::x || info->field == Field::y || info->field == Field::z;
     ours.push_back({column.name, letterOf(info->type), isCoordinate ? sizeof(double) : sizeOf(info->type)});
-    words.back() = {&ours.back(), stride};
+    words.back() = {1, &ours.back(), stride};
     stride += ours.back().size;
   }
   // Every word takes at least two characters, so an absurd count is refused before memory is allocated.
-  if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {
-    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(words.size()) +
-           " values are stated");
-  }
+  if (wordCount == 0 || rows > (bytes.size() - offset + 1) / (2 * wordCount))
+    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(wordCount) + " values are stated");
   std::string packed(rows * stride, '\0');
   const char* at = bytes.data() + offset;
   const char* end = bytes.data() + bytes.size();
   for (size_t row = 0; row < rows; ++row) {
-    for (const Word& word : words) {
-      at = std::find_if_not(at, end, isSeparator);
-      const char* stop = std::find_if(at, end, isSeparator);
-      const std::string_view text(at, static_cast<size_t>(stop - at));
-      if (text.empty()) refuse("is cut short in point " + std::to_string(row) + " of " + std::to_string(rows));
-      if (word.target && !storeText(text, *word.target, packed.data() + row * stride + word.offset)) {
-        refuse("point " + std::to_string(row) + ": '" + std::string(text.substr(0, 40)) + "' does not fit the field '" +
-               word.target->name + "'");
+    for (const auto& [count, target, place] : words) {
+      for (size_t k = 0; k < count; ++k) {
+        at = std::find_if_not(at, end, isSeparator);
+        const char* stop = std::find_if(at, end, isSeparator);
+        const std::string_view text(at, static_cast<size_t>(stop - at));
+        if (text.empty()) refuse("is cut short in point " + std::to_string(row) + " of " + std::to_string(rows));
+        if (target && !storeText(text, *target, packed.data() + row * stride + place))
+          refuse("point " + std::to_string(row) + ": '" + std::string(text.substr(0, 40)) +
+                 "' does not fit the field '" + target->name + "'");
+        at = stop;
       }
-      at = stop;
     }
   }
   bytes = std::move(packed);

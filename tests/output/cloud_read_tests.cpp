@@ -196,6 +196,16 @@ TEST_CASE("a number in a text that its field cannot hold is refused") {
   CHECK_THAT(problemOf(folder / "b.csv"), ContainsSubstring("point 0: '65536' does not fit the field 'class'"));
 }
 
+TEST_CASE("a number that is not whole is refused in a whole field, in text and in binary") {
+  const Folder folder;
+  put(folder / "a.csv", "x,y,z,class\n1,2,3,1.5\n");
+  CHECK_THAT(problemOf(folder / "a.csv"), ContainsSubstring("point 0: '1.5' does not fit the field 'class'"));
+  const float row[] = {1, 2, 3, 1.5f};
+  put(folder / "a.npy", npyHeaderOf("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('class', '<f4')]", "(1,)") +
+                            std::string(reinterpret_cast<const char*>(row), sizeof(row)));
+  CHECK_THAT(problemOf(folder / "a.npy"), ContainsSubstring("point 0: 'class' is not a whole number"));
+}
+
 TEST_CASE("a cloud cut short at any byte is refused") {
   const Folder folder;
   const std::string ending = GENERATE("pcd", "ply", "npy");
@@ -252,6 +262,11 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
   put(folder / "b.pcd",
       "# gnosphere columns 65535 channels 65535\nFIELDS x y z beam\nWIDTH 1\nHEIGHT 1\nDATA ascii\n0 0 0 1\n");
   CHECK_THAT(problemOf(folder / "b.pcd"), ContainsSubstring("65535 columns"));
+  std::string fields, sizes, types, counts;
+  for (int i = 0; i < 100000; ++i) fields += " a", sizes += " 4", types += " F", counts += " 65536";
+  put(folder / "g.pcd", "FIELDS" + fields + "\nSIZE" + sizes + "\nTYPE" + types + "\nCOUNT" + counts +
+                            "\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1\n");
+  CHECK_THAT(problemOf(folder / "g.pcd"), ContainsSubstring("1 points of 6553600000 values are stated"));
   put(folder / "c.csv", "a,b\n1,2\n");
   CHECK_THAT(problemOf(folder / "c.csv"), ContainsSubstring("as x,y,z,range, and has 'a,b'"));
   put(folder / "e.csv", "x,y,beam\n1,2,3\n");

@@ -242,6 +242,14 @@ TEST_CASE("PCD states the entries of several returns as columns, and NPY as a th
   CHECK_THAT(bytesOf(folder / "a.pcd"), ContainsSubstring("WIDTH 8\nHEIGHT 2\n") && ContainsSubstring("POINTS 16\n"));
   writeCloud(full(2), folder / "a.npy", options);
   CHECK_THAT(bytesOf(folder / "a.npy"), ContainsSubstring("'shape': (2, 4, 2), }"));
+  options.fields = parseFields("beam,range,cause");
+  writeCloud(full(2), folder / "b.pcd", options);
+  std::string bytes = bytesOf(folder / "b.pcd");
+  const size_t comment = bytes.find("# gnosphere");  // programs that write the file again leave the comment out
+  bytes.erase(comment, bytes.find('\n', comment) + 1 - comment);
+  put(folder / "b.pcd", bytes);
+  const Scan back = readCloud(folder / "b.pcd");
+  CHECK((back.columns == 4 && back.channels == 2 && back.returns == 2));
   options.fields = parseFields("beam,cause,tie");  // ties need no rows of their own
   writeCloud(full(2), folder / "a.csv", options);
   CHECK_THAT(bytesOf(folder / "a.csv"), ContainsSubstring("cause,tie\n0,0,0\n0,0,0\n1,2,0\n1,2,0\n2,0,0\n2,0,0\n"));
