@@ -103,7 +103,7 @@ int level() {
 }
 
 Version version() {
-  Version result{0, level(), 0};
+  Version result{0, level(), level() == 16 ? 3 : 0};  // tapes are played from 0.16.3 on
   if (const char* text = std::getenv("GNOSPHERE_RGL_VERSION"))
     if (!isVersion(text, 3) || std::sscanf(text, "%d.%d.%d", &result.major, &result.minor, &result.patch) != 3)
       log(RGL_LOG_LEVEL_WARN,

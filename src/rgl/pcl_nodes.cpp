@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
 
+#include "base/file.hpp"
 #include "base/path.hpp"
 #include "rgl/node.hpp"
 
@@ -110,13 +110,14 @@ void writePcd(const PointsNode& node, const char* path) {
   const Cloud& cloud = node.cloud();
   if (!cloud.has(RGL_FIELD_XYZ_VEC3_F32))
     throw Failure(RGL_INVALID_PIPELINE, std::string(node.name()) + " requires XYZ_VEC3_F32 to be present");
-  std::ofstream file(pathOf(path), std::ios::binary);
+  AtomicFile file(pathOf(path));
   const std::string count = std::to_string(cloud.count);
-  file << "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-       << "WIDTH " << count << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << count << "\nDATA binary\n";
-  file.write(reinterpret_cast<const char*>(cloud.columns.at(RGL_FIELD_XYZ_VEC3_F32).bytes->data()),
-             static_cast<std::streamsize>(12 * cloud.count));
-  if (!file.flush()) throw Failure(RGL_INVALID_FILE_PATH, std::string("the file ") + path + " cannot be written");
+  file.write(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+      "WIDTH " +
+      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n");
+  file.write(cloud.values<Vec>(RGL_FIELD_XYZ_VEC3_F32), sizeof(Vec) * cloud.count);
+  file.commit();
 }
 
 }  // namespace

@@ -306,5 +306,11 @@ TEST_CASE("RGL: levels have their numbers of fields and their version", "[.level
   OK(compact(&node));
   lidar.append(node);
   lidar.run();
+  // A tape of this level is played at this level.
+  const Folder folder;
+  const std::string tape = (folder / "tape").string();
+  OK(rgl_tape_record_begin(tape.c_str()));
   OK(rgl_cleanup());
+  OK(rgl_tape_record_end());
+  OK(rgl_tape_play(tape.c_str()));
 }

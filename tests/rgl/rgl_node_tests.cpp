@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes of points and of radar of libgnosphere_rgl, against closed forms.
 #include <rgl/api/extensions/pcl.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
+#include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <string>
@@ -241,6 +243,17 @@ TEST_CASE("RGL: merges, ground and voxels") {
   const std::string file = bytesOf(folder / "two.pcd");
   CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
   CHECK(file.find("POINTS 2\n") != std::string::npos);
+  // A file that cannot be written to its end leaves the former one as it is.
+  rlimit whole;
+  REQUIRE(getrlimit(RLIMIT_FSIZE, &whole) == 0);
+  const rlimit tooSmall = {64, whole.rlim_max};
+  const auto signalled = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &tooSmall);
+  const rgl_status_t written = rgl_graph_write_pcd_file(voxels, (folder / "two.pcd").string().c_str());
+  setrlimit(RLIMIT_FSIZE, &whole);
+  std::signal(SIGXFSZ, signalled);
+  CHECK(failed(written, RGL_INVALID_FILE_PATH, "two.pcd: cannot be written: File too large"));
+  CHECK(bytesOf(folder / "two.pcd") == file);
 
   // The voxels may have another size along each axis.
   const std::vector<rgl_vec3f> row = {{{1, 1, 1}}, {{7, 3, 1}}, {{7, 1, 4}}};
