@@ -182,7 +182,6 @@ void outdate(GraphNode& node) {
 Cloud Cloud::select(const std::vector<uint32_t>& indices) const {
   Cloud result;
   result.count = indices.size();
-  result.dense = dense;
   result.sensor = sensor;
   for (const auto& [field, column] : columns) {
     auto bytes = std::make_shared<std::vector<std::byte>>(indices.size() * column.size);

@@ -73,16 +73,6 @@ RGL_API rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* 
   });
 }
 
-/// RGL 0.15 and 0.16 had this function.
-RGL_API rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene,
-                                                       const rgl_vec3f* linear_velocity,
-                                                       const rgl_vec3f* angular_velocity) {
-  rgl_status_t status = rgl_node_raytrace(node, scene);
-  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_velocity(*node, linear_velocity, angular_velocity);
-  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_distortion(*node, true);
-  return status;
-}
-
 /// The development version that some bindings are made for.
 RGL_API rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
                                                  const rgl_vec3f* angular_velocity, bool apply_distortion) {
@@ -90,4 +80,11 @@ RGL_API rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t s
   if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_velocity(*node, linear_velocity, angular_velocity);
   if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_distortion(*node, apply_distortion);
   return status;
+}
+
+/// RGL 0.15 and 0.16 had this function.
+RGL_API rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene,
+                                                       const rgl_vec3f* linear_velocity,
+                                                       const rgl_vec3f* angular_velocity) {
+  return rgl_node_raytrace_in_motion(node, scene, linear_velocity, angular_velocity, true);
 }

@@ -37,8 +37,7 @@ struct Cloud {
     std::shared_ptr<const std::vector<std::byte>> bytes;
   };
   size_t count = 0;
-  bool dense = false;  ///< true if every point is a hit
-  Mat sensor;          ///< from the frame of the sensor to that of the points
+  Mat sensor;  ///< from the frame of the sensor to that of the points
   std::map<rgl_field_t, Column> columns;
 
   bool has(rgl_field_t field) const { return columns.contains(field); }

@@ -97,7 +97,6 @@ class CompactNode : public PointsFilter {
     for (size_t i = 0; i < input_->cloud().count; ++i)
       if (values[i] != 0) kept.push_back(static_cast<uint32_t>(i));
     cloud_ = input_->cloud().select(kept);
-    cloud_.dense = isDense();
   }
 
  private:
@@ -111,7 +110,6 @@ class FromArrayNode : public PointsNode {
   void set(const void* points, int32_t count, const Fields& fields) {
     Cloud cloud;
     cloud.count = count;
-    cloud.dense = true;
     std::map<rgl_field_t, std::byte*> columns;
     for (const rgl_field_t field : fields) {
       if (isPadding(field)) continue;
@@ -142,10 +140,9 @@ class Collector {
     count_ += cloud.count;
   }
   /// The collected points; the collector is empty afterwards.
-  Cloud take(bool dense) {
+  Cloud take() {
     Cloud result;
     result.count = count_;
-    result.dense = dense;
     for (auto& [field, bytes] : columns_)
       result.columns[field] = {sizeOf(field), std::make_shared<std::vector<std::byte>>(std::move(bytes))};
     *this = {};
@@ -182,7 +179,7 @@ class SpatialMergeNode : public PointsNode {
   void run() override {
     Collector all;
     for (const PointsNode* source : sources_) all.add(source->cloud(), fields_);
-    cloud_ = all.take(isDense());
+    cloud_ = all.take();
     cloud_.sensor = sources_[0]->cloud().sensor;
   }
 
@@ -207,7 +204,7 @@ class TemporalMergeNode : public PointsFilter {
     Collector all;
     if (cloud_.count > 0) all.add(cloud_, fields_);
     all.add(input_->cloud(), fields_);
-    cloud_ = all.take(isDense());
+    cloud_ = all.take();
     cloud_.sensor = input_->cloud().sensor;
   }
 

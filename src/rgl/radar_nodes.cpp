@@ -172,7 +172,6 @@ class RadarTrackNode : public PointsFilter {
     match(objects, now, tracks, nextId);
     Cloud cloud;
     cloud.count = tracks.size();
-    cloud.dense = true;
     auto* points = cloud.write<Vec>(RGL_FIELD_XYZ_VEC3_F32);
     auto* ids = cloud.write<int32_t>(RGL_FIELD_ENTITY_ID_I32);
     for (size_t i = 0; i < tracks.size(); ++i) {
