@@ -118,10 +118,10 @@ struct Qos {
 /// Options of a publisher, beside its topic.
 struct PublisherOptions {
   Qos qos;
-  std::optional<uint32_t> domain;  ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
-  /// True: subscribers on this machine alone. False: those on its networks, and the peers of ROS_STATIC_PEERS. Unless
-  /// given what ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE say. All topics of
-  /// a domain must have the same value.
+  std::optional<uint32_t> domain;  ///< 0 to 232; by default the value of ROS_DOMAIN_ID, or 0
+  /// Whether only subscribers on this machine are found, or also those on its networks and the peers of
+  /// ROS_STATIC_PEERS. By default ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE decide. All topics of a domain
+  /// must have the same value.
   std::optional<bool> localhostOnly;
 };
 

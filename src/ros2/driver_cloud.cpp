@@ -228,8 +228,8 @@ template <typename T>
 T as(double value) {
   if constexpr (std::is_floating_point_v<T>)
     return static_cast<T>(value);
-  else  // a time before the stamp is 0
-    return static_cast<T>(std::clamp(std::round(value), 0.0, double{std::numeric_limits<T>::max()}));
+  else  // a time before the stamp is 0, and so is NaN
+    return static_cast<T>(std::min(std::max(0.0, std::round(value)), double{std::numeric_limits<T>::max()}));
 }
 
 template <typename T>

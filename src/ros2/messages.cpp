@@ -154,11 +154,10 @@ PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const st
   cloud.frame = frame;
   RecordLayout layout = layoutOf(fields);
   layout.compact = true;
-  for (const RecordLayout::Value& value : layout.values)
-    for (const ColumnInfo& column : allColumns())
-      if (column.field == value.field && column.component == value.component)
-        cloud.fields.push_back({column.name, static_cast<uint32_t>(value.offset), typeOf(value.type), 1});
-  cloud.pointStep = static_cast<uint32_t>(layout.stride);
+  for (const ColumnInfo& column : columnsOf(fields)) {
+    cloud.fields.push_back({column.name, cloud.pointStep, typeOf(column.type), 1});
+    cloud.pointStep += static_cast<uint32_t>(sizeOf(column.type));
+  }
   const auto missed = std::count_if(scan.ranges.begin(), scan.ranges.end(), [](float range) { return range != range; });
   cloud.data.resize((scan.ranges.size() - static_cast<size_t>(missed)) * layout.stride);
   cloud.width = static_cast<uint32_t>(pack(scan, layout, std::as_writable_bytes(std::span(cloud.data))));

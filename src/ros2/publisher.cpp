@@ -130,7 +130,7 @@ class Publisher::Queue {
 
   bool flush(double seconds) {
     checkMaker(maker_);
-    const std::chrono::duration<double> limit(std::clamp(seconds, 0.0, 1e6));
+    const std::chrono::duration<double> limit(std::min(std::max(0.0, seconds), 1e6));  // 0 if it is NaN
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return waiting_.empty() && !sending_; });
   }
