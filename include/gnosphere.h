@@ -243,8 +243,8 @@ GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table tabl
  * gno_mesh::origin. All devices see these. */
 GNO_API gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const gno_deformation* deformation,
                                                     float* positions, size_t vertex_count);
-/* What the scene leaves out of its file, a line per kind of content, such as lines or vertex colours, with how often,
- * and per material library that cannot be read. */
+/* What the scene leaves out of its file: a line per kind of content, such as vertex colours, with the number of times
+ * that it occurs, and a line per material library that cannot be read. */
 GNO_API gno_status gno_scene_get_left_out(gno_scene scene, const char** lines);
 
 /* --------------------------------------------------------------------------------------------- animation */
@@ -337,8 +337,8 @@ GNO_API gno_status gno_scene_get_skin(gno_scene scene, size_t index, gno_skin* s
 GNO_API gno_status gno_scene_get_clip(gno_scene scene, size_t index, gno_clip* clip);
 GNO_API gno_status gno_scene_get_animated_instance(gno_scene scene, size_t index, gno_animated_instance* animated);
 GNO_API gno_status gno_scene_get_animation_root(gno_scene scene, gno_transform* root);
-/* The index of the clip of this name, or, where none has it, of this number, counted from 0. The error for another name
-   tells the nearest names, that for a name which several clips have their numbers. */
+/* The index of the clip of this name, or, where none has it, of this number, counted from 0. The error for an unknown
+ * name tells the nearest names, and the error for a name that several clips have tells their numbers. */
 GNO_API gno_status gno_scene_find_clip(gno_scene scene, const char* name, uint32_t* index);
 /* The state of the scene `seconds` after the start of a clip; for GNO_NONE as a clip, the state at rest. What the clip
  * does not move is at rest: instances that follow no node keep their transform, and meshes that none of them places

@@ -34,9 +34,10 @@ GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::spa
 struct CloudOptions {
   std::vector<Field>
       fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns
-  /// If true, only returns are written, one row each; with Field::tie and several returns per beam also one for a beam
-  /// without a return that is a tie. If false, every entry is written, with NaN (0xffffffff in indices) for one without
-  /// a return, as a grid of channels x columns (x returns). By default a file is compact if beams have several returns.
+  /// If true, only returns are written, one row each; with Field::tie and several returns per beam also one row for
+  /// each beam without a return that is a tie. If false, every entry is written, as a grid of channels x columns (x
+  /// returns); an entry without a return has NaN, and 0xffffffff as indices. By default a file is compact if beams have
+  /// several returns.
   std::optional<bool> compact;
   bool ascii = false;  ///< writes PCD and PLY as text; CSV always is text
 };

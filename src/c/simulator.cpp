@@ -65,7 +65,7 @@ SimulatorOptions optionsOf(const gno_options* options) {
   return result;
 }
 
-/// Returns lines of assignments without those of the option that `assignment` sets.
+/// Returns the lines of `assignments` that set other options than `assignment` does.
 std::string withoutOptionOf(const std::string& assignment, const std::string& assignments) {
   const std::string name = assignment.substr(0, assignment.find('=') + 1);
   std::istringstream lines(assignments);

@@ -32,7 +32,7 @@ GNO_HELD(gno_vulkan_recorder, RecorderObject, "recorder")
 
 namespace {
 
-// Returns the features; the names of extensions and what is missing are not needed.
+// Returns the features alone: neither the names of extensions nor the sentences about missing features are needed.
 vulkan::Requirements featuresOf(const gno_vulkan_requirements* requirements) {
   const gno_vulkan_requirements& from = sized(requirements, GNO_TYPE(gno_vulkan_requirements));
   vulkan::Requirements result;

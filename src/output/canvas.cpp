@@ -102,16 +102,14 @@ int Canvas::textWidth(const std::string& text) {
 void Canvas::writePng(const std::filesystem::path& file) const {
   checkPictureFile(file);
   AtomicFile out(file);
-  struct Sink {
-    std::string bytes;
-  } sink;
-  const auto append = [](void* context, void* data, int size) {
-    static_cast<Sink*>(context)->bytes.append(static_cast<const char*>(data), static_cast<size_t>(size));
+  std::string bytes;
+  const auto append = [](void* to, void* data, int size) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(size));
   };
-  if (!stbi_write_png_to_func(append, &sink, width_, height_, 3, pixels_.data(), width_ * 3)) {
+  if (!stbi_write_png_to_func(append, &bytes, width_, height_, 3, pixels_.data(), width_ * 3)) {
     throw Error(ErrorCode::outOfMemory, file.string() + ": no memory to compress the picture");
   }
-  out.write(sink.bytes);
+  out.write(bytes);
   out.commit();
 }
 

@@ -37,8 +37,8 @@ std::pair<CloudFile, CloudFile> readCloudFiles(const std::filesystem::path& refe
 /// both files, or that of the frame if one of them has rounded its coordinates to floats.
 Origin roundingCentre(const CloudFile& reference, const CloudFile& other);
 
-/// A comparison of files, and how many returns its errors of ranges are of: those of both with the same owner, without
-/// ties.
+/// A comparison of files, and the number of returns that its range errors cover: those that both files have with the
+/// same owner, without ties.
 struct FileComparison : Comparison {
   uint64_t sameOwner = 0;
 };

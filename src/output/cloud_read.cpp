@@ -137,7 +137,7 @@ class Placer {
   Placer(const CloudTable& table, size_t entryCount, std::vector<size_t> entries)
       : table_(table), entryCount_(entryCount), entries_(std::move(entries)) {}
 
-  /// The column of that name, if the table has it.
+  /// Copies the column of that name, if the table has it.
   template <class T>
   void place(const char* name, std::vector<T>& out, T none) const {
     const CloudColumn* column = table_.find(name);
@@ -146,7 +146,7 @@ class Placer {
     put(*column, out.data(), 1);
   }
 
-  /// The points, from an origin.
+  /// Copies the points, relative to an origin.
   void placePoints(const Origin& origin, std::vector<float>& out) const {
     out.resize(3 * entryCount_, kNaN);
     const auto axes = table_.axes();
@@ -155,7 +155,7 @@ class Placer {
         out[3 * entryOf(row) + axis] = static_cast<float>(table_.value(*axes[axis], row) - origin[axis]);
   }
 
-  /// The columns of a field, if the table has any of them, as that of the scan.
+  /// Copies the columns of a field, as far as the table has them.
   void placeField(Field field, ScanColumns& columns) const {
     switch (fieldInfo(field).type) {
       case ValueType::f32: return placeField(field, kNaN, columns);
@@ -226,7 +226,7 @@ struct CsvLine {
 
 CsvLine readCsvLine(std::string_view line) {
   CsvLine read;
-  bool inValue = false, filled = false;  // whether the character before is of a value, and one is there since the comma
+  bool inValue = false, filled = false;  // whether the last character was of a value, and any since the last comma was
   for (const char c : line) {
     const bool isValue = c != ' ' && c != '\t' && c != ',' && c != '\r';
     read.values += isValue && !inValue;
@@ -237,8 +237,9 @@ CsvLine readCsvLine(std::string_view line) {
   return read;
 }
 
-/// Reads the names of the columns; afterwards `position` is that of the line below them, and `number` that of theirs,
-/// from 1 on. Lines that begin with # are comments, but the last of them has the names if a number follows.
+/// Reads the line with the names of the columns; afterwards `position` is the start of the next line, and `number` the
+/// number of the line with the names, counted from 1. Lines that begin with # are comments, but the last of them has
+/// the names if a line of numbers follows.
 void readCsvHead(CloudTable& table, size_t& position, size_t& number) {
   std::string_view head, line;
   size_t below = position;

@@ -56,7 +56,7 @@ struct CloudTable {
   /// Parses text rows from `offset` on, separated by spaces, tabs or commas. Replaces bytes and columns by those of our
   /// fields, coordinates as doubles.
   void parseTextRows(size_t offset);
-  /// Takes the grid and what follows it from a comment line if writeCloud() wrote it.
+  /// Reads the grid, whether the points are skewed, and the sensor's name from a comment that writeCloud() wrote.
   void readGridComment(std::string_view line);
 
  private:
@@ -75,9 +75,9 @@ CloudTable readCloudTable(const CloudFormat& format, std::string bytes, const st
 /// bad.
 CloudFile readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
 
-/// The number of each row's return, from 1 on: what the column `return` says. Where it says 0, the row is an entry
-/// without a return, which comes after those of its beam that have one. Without that column the rows of a beam are its
-/// returns in their order, unless the file states that beams have one. Empty if no row needs one.
+/// Returns the return number of each row, counted from 1, as the column `return` states it. A row with the number 0 is
+/// an entry without a return, and is numbered after the returns of its beam. Without that column the rows of a beam are
+/// its returns in their order. The list is empty if every row is a beam of its own.
 std::vector<uint32_t> numberReturns(const CloudTable& table);
 
 /// Reads the next line from `position` on without its end, which is \n or \r\n. Returns false at the end of the text.

@@ -115,7 +115,7 @@ void checkFixed(const CloudFormat& format, const std::vector<Field>& fields) {
                                                   fieldInfo(field).name + "'");
 }
 
-/// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
+/// Returns the rows and columns of a file of this format. Throws Error(invalidArgument) if the scan lacks a field.
 CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions& options) {
   const bool several = scan.returns > 1;
   checkOnce(options.fields);

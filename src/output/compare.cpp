@@ -38,8 +38,8 @@ std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
   refuseBeams(std::to_string(reference.beamCount()), std::to_string(other.beamCount()));
 }
 
-/// Refuses clouds whose grids are known and differ, whose beams of one number are different beams. A scan that a
-/// program has put together may have no grid.
+/// Refuses clouds with two different known grids, in which a beam number means different beams. A scan that a program
+/// has put together may have no grid.
 void checkGrids(const Scan& reference, const Scan& other) {
   const auto isKnown = [](const Scan& scan) {
     return scan.gridKnown && size_t{scan.columns} * scan.channels == scan.beamCount();
@@ -52,9 +52,8 @@ void checkGrids(const Scan& reference, const Scan& other) {
   refuseBeams(textOf(reference), textOf(other));
 }
 
-/// An error of a return that both clouds have; one that is no number is infinite, such as that of a hit without a
-/// range.
-double madeNumber(double error) {
+/// Returns the error of a return that both clouds have: infinity in place of NaN, the error of a hit without a range.
+double infiniteIfNaN(double error) {
   return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
@@ -130,7 +129,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   const bool sameOwner = both && reference.triangles[*expected] == other.triangles[*found] &&
                          reference.instances[*expected] == other.instances[*found];
   const double error =
-      both ? madeNumber(std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]})) : 0;
+      both ? infiniteIfNaN(std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]})) : 0;
   sum_.hits += expected.has_value();
   if (inTie(beam, reference.returns)) {
     sum_.ties += k == 0 || expected || found;
@@ -155,7 +154,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
 
 void ComparisonSum::addPoints(const Scan& reference, const Scan& other, size_t expected, size_t found, double allowed) {
   const float* const point = &reference.points[3 * expected];
-  const double error = madeNumber(distance(point, &other.points[3 * found]));
+  const double error = infiniteIfNaN(distance(point, &other.points[3 * found]));
   const double rounding =
       std::max(kPointRounding * double{reference.ranges[expected]},
                kCoordinateRounding * lengthOf({point[0] - centre_[0], point[1] - centre_[1], point[2] - centre_[2]}));

@@ -20,7 +20,7 @@ class ComparisonSum {
   /// Compares the clouds of two files; throws as compareFiles() does.
   void add(const CloudFile& reference, const CloudFile& other);
   Comparison result() const;
-  /// How many returns the errors of ranges are of.
+  /// The number of returns that the range errors cover.
   uint64_t sameOwner() const { return errors_; }
 
  private:

@@ -81,7 +81,8 @@ void removeChild(GraphNode& parent, GraphNode& child) {
   child.inputs.erase(std::find(child.inputs.begin(), child.inputs.end(), &parent));
 }
 
-/// The nodes in the order in which they run: inputs first, and of those that could, the one of the highest priority.
+/// Returns the nodes in the order in which they run: a node after its inputs, and among the nodes whose inputs have
+/// run, the one of the highest priority first.
 std::vector<GraphNode*> inOrder(std::vector<GraphNode*> waiting) {
   std::stable_sort(waiting.begin(), waiting.end(),
                    [](const GraphNode* a, const GraphNode* b) { return a->priority > b->priority; });

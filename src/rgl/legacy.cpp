@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names that earlier levels of the interface had for what is there today.
+// Functions under the names that they had at earlier levels of the interface.
 #include "rgl/legacy.hpp"
 
 #include "rgl/fields.hpp"

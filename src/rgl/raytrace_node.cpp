@@ -118,8 +118,8 @@ std::vector<Ray> RaytraceNode::tracedRays(const Run& run) const {
   return result;
 }
 
-// The scale of the rays that are traced in the sensor's frame: the last one as long as the pose has another only by
-// rounding, which differs with each rotation. 0 if the pose is no rotation with a scale.
+// The scale of the rays that are traced in the sensor's frame; 0 if the pose is no rotation with a scale. The last
+// scale is kept while that of the pose differs only by rounding, which changes with each rotation.
 float RaytraceNode::keptScale(const Mat& transform) {
   constexpr double kRounding = 1e-6;
   const double scale = scaleOf(transform);

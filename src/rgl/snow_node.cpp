@@ -119,7 +119,7 @@ class SnowNode : public PointsFilter {
     const double share = static_cast<double>(step) / kSteps;
     return snow_.least + (end_ - snow_.least) * share * share * share;
   }
-  /// Up to where a beam meets so many flakes on average; infinity if it never does.
+  /// Returns the range up to which a beam meets `number` flakes on average; infinity if it never meets so many.
   double rangeOfExpected(double number) const {
     const double* next = std::upper_bound(expected_, expected_ + kSteps + 1, number);
     if (next == expected_ + kSteps + 1) return std::numeric_limits<double>::infinity();

@@ -27,7 +27,7 @@ dds_entity_t entityOf(dds_entity_t made, const char* what) {
   return made;
 }
 
-/// Returns the configuration of a topic's domain with that of the environment, of which the later one counts.
+/// Returns the configuration of a topic's domain, followed by CYCLONEDDS_URI, whose settings replace those before it.
 std::string configuration(const std::string& discovery) {
   const char* const own = std::getenv("CYCLONEDDS_URI");
   const std::string chosen = own ? own : "";

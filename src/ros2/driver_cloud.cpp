@@ -113,7 +113,7 @@ double powerOf(double intensity, double range, const Effects& effects) {
   const double unit = byte && intensity > 100 ? 100 * std::pow(1000, (intensity - 100) / 155) : intensity;
   return effects.intensity.scale == Effects::Intensity::Scale::raw ? intensity : unit / (range * range);
 }
-/// Whether the return of a beam with two is the stronger one. One of equal strength is if it is the nearer one.
+/// Whether a return is the stronger one of the two of its beam. Of two equally strong returns the nearer one counts.
 bool isStronger(const Point& point) {
   const Return& value = *point.value;
   const double own = powerOf(value.intensity, value.range, point.effects);
