@@ -2,10 +2,12 @@
 #include "rgl/fields.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <cstdlib>
 #include <string_view>
+#include <system_error>
 
+#include "base/text.hpp"
 #include "rgl/call.hpp"
 
 namespace gnosphere::rgl {
@@ -61,6 +63,21 @@ int numberAt(const Row& row) {
   return level() == 16 ? row.at16 : level() == 17 ? row.at17 : row.field;
 }
 
+/// Returns the whole numbers of a text such as 0.20.0, perhaps with blanks around it; none if it is no such text.
+std::vector<int> numbersOf(std::string_view text) {
+  text = trimmed(text);
+  std::vector<int> numbers;
+  for (;;) {
+    int& number = numbers.emplace_back();
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (failed != std::errc() || number < 0) return {};
+    text.remove_prefix(static_cast<size_t>(end - text.data()));
+    if (text.empty()) return numbers;
+    if (!text.starts_with('.')) return {};
+    text.remove_prefix(1);
+  }
+}
+
 }  // namespace
 
 const char* nameOf(rgl_field_t field) {
@@ -79,22 +96,13 @@ bool isPadding(rgl_field_t field) {
   return field >= RGL_FIELD_PADDING_8 && field <= RGL_FIELD_PADDING_32;
 }
 
-// Returns whether a text consists of so many whole numbers with points between them, and perhaps blanks at its end.
-bool isVersion(std::string_view text, size_t numbers) {
-  text = text.substr(0, text.find_last_not_of(" \t") + 1);
-  const auto allowed = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
-  return !text.empty() && std::ranges::all_of(text, allowed) &&
-         static_cast<size_t>(std::ranges::count(text, '.')) + 1 == numbers;
-}
-
 int level() {
   static const int chosen = [] {
-    int major = 0, minor = 0;
     const char* text = std::getenv("GNOSPHERE_RGL_ABI");
     if (!text) text = GNOSPHERE_RGL_LEVEL;
-    const bool known = isVersion(text, 2) || isVersion(text, 3);
-    if (known && std::sscanf(text, "%d.%d", &major, &minor) == 2 && major == 0 && minor >= 14 && minor <= 21)
-      return minor < 16 ? 16 : minor;
+    const std::vector<int> numbers = numbersOf(text);
+    const bool known = numbers.size() == 2 || numbers.size() == 3;
+    if (known && numbers[0] == 0 && numbers[1] >= 14 && numbers[1] <= 21) return std::max(numbers[1], 16);
     log(RGL_LOG_LEVEL_WARN,
         std::string("GNOSPHERE_RGL_ABI is '") + text + "', which is none of 0.16 to 0.21; 0.20 is used");
     return 20;
@@ -103,12 +111,12 @@ int level() {
 }
 
 Version version() {
-  Version result{0, level(), level() == 16 ? 3 : 0};  // tapes are played from 0.16.3 on
-  if (const char* text = std::getenv("GNOSPHERE_RGL_VERSION"))
-    if (!isVersion(text, 3) || std::sscanf(text, "%d.%d.%d", &result.major, &result.minor, &result.patch) != 3)
-      log(RGL_LOG_LEVEL_WARN,
-          std::string("GNOSPHERE_RGL_VERSION is '") + text + "', which is no version such as 0.20.0");
-  return result;
+  if (const char* text = std::getenv("GNOSPHERE_RGL_VERSION")) {
+    const std::vector<int> numbers = numbersOf(text);
+    if (numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
+    log(RGL_LOG_LEVEL_WARN, std::string("GNOSPHERE_RGL_VERSION is '") + text + "', which is no version such as 0.20.0");
+  }
+  return {0, level(), level() == 16 ? 3 : 0};  // tapes are played from 0.16.3 on
 }
 
 rgl_field_t fieldOf(rgl_field_t number) {

@@ -276,6 +276,19 @@ TEST_CASE("RGL: several threads run graphs of their own") {
   OK(rgl_cleanup());
 }
 
+TEST_CASE("RGL: the version that is told is the one that the caller wants, or that of the level") {
+  const auto told = [](const char* wanted) {
+    setenv("GNOSPHERE_RGL_VERSION", wanted, 1);
+    std::vector<int32_t> numbers(3);
+    OK(rgl_get_version_info(&numbers[0], &numbers[1], &numbers[2]));
+    unsetenv("GNOSPHERE_RGL_VERSION");
+    return numbers;
+  };
+  CHECK(told("1.2.3 ") == std::vector<int32_t>{1, 2, 3});
+  for (const char* wrong : {"", "1.2", "1.2.3.4", "1..2", "1.2.x", "-1.2.3", "1.2.99999999999"})
+    CHECK(told(wrong) == std::vector<int32_t>{0, 20, 0});
+}
+
 TEST_CASE("RGL: levels have their numbers of fields and their version", "[.level]") {
   const std::string level = std::getenv("GNOSPHERE_RGL_ABI");
   int32_t major = -1, minor = -1, patch = -1;
