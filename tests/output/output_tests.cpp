@@ -24,6 +24,25 @@ using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
 
+namespace {
+
+/// The pixels of a PNG.
+struct Pixels {
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgb;
+
+  explicit Pixels(const fs::path& file) {
+    int channels = 0;
+    const std::unique_ptr<uint8_t, void (*)(void*)> read(stbi_load(file.c_str(), &width, &height, &channels, 3),
+                                                         stbi_image_free);
+    REQUIRE(read);
+    rgb.assign(read.get(), read.get() + 3 * width * height);
+  }
+  const uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<size_t>(y) * width + x)]; }
+};
+
+}  // namespace
+
 TEST_CASE("field names are parsed in order, and an unknown one is refused with the nearest names") {
   CHECK(parseFields("z, ring,TRIANGLE") == std::vector<Field>{Field::z, Field::ring, Field::triangle});
   CHECK_THROWS_WITH(parseFields("x,colour"), ContainsSubstring("'colour'; the nearest are class, cause, return;"));
@@ -385,17 +404,14 @@ TEST_CASE("what is to the left of the sensor is in the left half of both picture
       std::fill_n(&scan.points[3 * beam], 3, std::numeric_limits<float>::quiet_NaN());
     }
   writePicture(scan, folder / "a.png");
-  int width = 0, height = 0, channels = 0;
-  const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
-      stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
-  REQUIRE(pixels);
+  const Pixels pixels(folder / "a.png");
   // The range image begins at row 56, and the view from above is a square at the end.
-  const int side = width - 48;
+  const int width = pixels.width, height = pixels.height, side = width - 48;
   for (const auto& [top, bottom] : {std::pair(56, height - 24 - side - 56), std::pair(height - 24 - side, height)}) {
     int coloured[2] = {};
     for (int y = top; y < bottom; ++y)
       for (int x = 24; x < width - 24; ++x) {
-        const uint8_t* p = pixels.get() + 3 * (static_cast<ptrdiff_t>(y) * width + x);
+        const uint8_t* p = pixels.at(x, y);
         coloured[x >= width / 2] += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 60;
       }
     CHECK(coloured[0] > 100);
@@ -408,15 +424,12 @@ TEST_CASE("the range image of a grid of any number of columns fills the width of
   Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = GENERATE(3u, 360u, 1024u, 1399u, 1800u, 2048u);
   writePicture(syntheticScan(sensor), folder / "a.png");
-  int width = 0, height = 0, channels = 0;
-  const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
-      stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
-  REQUIRE(pixels);
+  const Pixels pixels(folder / "a.png");
   constexpr int kMargin = 24, kTop = 64;  // the range image begins above this row
   int empty = 0;
-  for (int x = kMargin; x < width - kMargin; ++x) {
+  for (int x = kMargin; x < pixels.width - kMargin; ++x) {
     const auto isHit = [&](int y) {
-      const uint8_t* pixel = pixels.get() + 3 * (static_cast<ptrdiff_t>(y) * width + x);
+      const uint8_t* pixel = pixels.at(x, y);
       return std::max({pixel[0], pixel[1], pixel[2]}) > 60;  // misses and the background are darker
     };
     bool any = false;
@@ -431,16 +444,13 @@ TEST_CASE("a beam of range 0 does not hide the other beams of its pixel") {
   Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = 5001;  // a pixel has three columns
   Scan scan = syntheticScan(sensor);
-  const auto pixelsOf = [&](float range) {
+  const auto rangeImage = [&](float range) {
     for (size_t beam = 0; beam < scan.beamCount(); beam += 3) scan.ranges[beam] = range;
     writePicture(scan, folder / "a.png");
-    int width = 0, height = 0, channels = 0;
-    const std::unique_ptr<uint8_t, void (*)(void*)> pixels(
-        stbi_load((folder / "a.png").c_str(), &width, &height, &channels, 3), stbi_image_free);
-    REQUIRE(pixels);
-    return std::vector(pixels.get() + 3 * 56 * width, pixels.get() + 3 * 300 * width);  // of the range image
+    const Pixels pixels(folder / "a.png");
+    return std::vector(pixels.at(0, 56), pixels.at(0, 300));
   };
-  CHECK(pixelsOf(0) == pixelsOf(std::nanf("")));
+  CHECK(rangeImage(0) == rangeImage(std::nanf("")));
 }
 
 TEST_CASE("a letter that the font of pictures lacks is a question mark") {
