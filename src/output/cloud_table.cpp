@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/number.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -33,12 +34,14 @@ bool isSeparator(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == '\n' || c == '\r';
 }
 
-/// Parses a number into its place. One out of range becomes infinity or zero.
+/// Parses a number into its place. A number too large becomes infinity, and one too small 0.
 template <class T>
 bool storeFloat(std::string_view word, char* out) {
   T value = 0;
+  double wide = 0;
   const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
   if (result.ptr != word.data() + word.size() || result.ec == std::errc::invalid_argument) return false;
+  if (result.ec == std::errc::result_out_of_range && parseNumber(word, wide)) value = static_cast<T>(wide);
   std::memcpy(out, &value, sizeof(value));
   return true;
 }
@@ -47,12 +50,9 @@ bool storeFloat(std::string_view word, char* out) {
 bool storeText(std::string_view word, const CloudColumn& column, char* out) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   if (column.type == 'F') return column.size == 8 ? storeFloat<double>(word, out) : storeFloat<float>(word, out);
-  const char* end = word.data() + word.size();
   // Other tools write whole numbers as "12.0" or "1e3".
   double value = 0;
-  const auto result = std::from_chars(word.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end || !(value >= 0 && value <= 4294967295.0)) return false;
-  if (value != std::floor(value)) return false;
+  if (!parseNumber(word, value) || !(value >= 0 && value <= 4294967295.0) || value != std::floor(value)) return false;
   const auto whole = static_cast<uint32_t>(value);
   if (column.size < 4 && (whole >> (8 * column.size)) != 0) return false;
   std::memcpy(out, &whole, column.size);  // little endian: the low bytes come first

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/number.hpp"
 #include "base/path.hpp"
 #include "base/text.hpp"
-#include "scene/number.hpp"
 #include "scene/origins.hpp"
 #include "scene/readers.hpp"
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-#include "scene/number.hpp"
+#include "base/number.hpp"
 #include "scene/origins.hpp"
 #include "scene/readers.hpp"
 

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/number.hpp"
 #include "base/text.hpp"
-#include "scene/number.hpp"
 #include "scene/origins.hpp"
 #include "scene/readers.hpp"
 

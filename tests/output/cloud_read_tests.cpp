@@ -196,6 +196,16 @@ TEST_CASE("a number in a text that its field cannot hold is refused") {
   CHECK_THAT(problemOf(folder / "b.csv"), ContainsSubstring("point 0: '65536' does not fit the field 'class'"));
 }
 
+TEST_CASE("a number in a text that is too large for its field becomes infinity, and one too small 0") {
+  const Folder folder;
+  put(folder / "a.csv", "x,y,z,range,intensity\n1e40,-1e400,1e-400,+1e400,-1e-60\n");
+  const Scan scan = readCloud(folder / "a.csv");
+  const float infinity = std::numeric_limits<float>::infinity();
+  CHECK(scan.points == std::vector<float>{infinity, -infinity, 0});
+  CHECK(scan.ranges == std::vector<float>{infinity});
+  CHECK(valuesOf<float>(scan, Field::intensity) == std::vector<float>{0});
+}
+
 TEST_CASE("a number that is not whole is refused in a whole field, in text and in binary") {
   const Folder folder;
   put(folder / "a.csv", "x,y,z,class\n1,2,3,1.5\n");
