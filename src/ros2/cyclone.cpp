@@ -74,19 +74,39 @@ class Domain {
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-std::shared_ptr<Domain> domainOf(uint32_t number, const std::string& discovery) {
-  static std::mutex mutex;
-  static auto* const domains = new std::map<uint32_t, std::weak_ptr<Domain>>;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<Domain>& known = (*domains)[number];
-  std::shared_ptr<Domain> domain = known.lock();
-  if (!domain) known = domain = std::make_shared<Domain>(number, discovery);
-  if (domain->discovery() != discovery)
-    throw Failure{"other topics of the domain " + std::to_string(number) +
-                  " have another range of discovery or other peers (the option for this machine only, "
-                  "ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS)"};
-  return domain;
-}
+/// The use of a domain by a topic. Uses begin and end under one lock, so that no topic begins to use a domain that is
+/// being deleted.
+class DomainUse {
+ public:
+  DomainUse(uint32_t number, const std::string& discovery) {
+    static auto* const domains = new std::map<uint32_t, std::weak_ptr<Domain>>;
+    const std::lock_guard lock(mutex());
+    std::weak_ptr<Domain>& known = (*domains)[number];
+    std::shared_ptr<Domain> domain = known.lock();
+    if (!domain) known = domain = std::make_shared<Domain>(number, discovery);
+    if (domain->discovery() != discovery)
+      throw Failure{"other topics of the domain " + std::to_string(number) +
+                    " have another range of discovery or other peers (the option for this machine only, "
+                    "ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS)"};
+    domain_ = std::move(domain);
+  }
+  ~DomainUse() {
+    const std::lock_guard lock(mutex());
+    domain_.reset();
+  }
+  DomainUse(const DomainUse&) = delete;
+  DomainUse& operator=(const DomainUse&) = delete;
+
+  dds_entity_t participant() const { return domain_->participant(); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex theMutex;
+    return theMutex;
+  }
+
+  std::shared_ptr<Domain> domain_;
+};
 
 const dds_topic_descriptor_t& descriptorOf(MessageType type) {
   switch (type) {
@@ -232,11 +252,11 @@ struct Writing {
 
 class CycloneWire : public Wire {
  public:
-  explicit CycloneWire(const Topic& topic) : domain_(domainOf(topic.domain, topic.discovery)) {
+  explicit CycloneWire(const Topic& topic) : domain_(topic.domain, topic.discovery) {
     topic_ = entityOf(
-        dds_create_topic(domain_->participant(), &descriptorOf(topic.type), topic.name.c_str(), nullptr, nullptr),
+        dds_create_topic(domain_.participant(), &descriptorOf(topic.type), topic.name.c_str(), nullptr, nullptr),
         "the topic");
-    writer_ = dds_create_writer(domain_->participant(), topic_, qosOf(topic.qos).get(), nullptr);
+    writer_ = dds_create_writer(domain_.participant(), topic_, qosOf(topic.qos).get(), nullptr);
     if (writer_ < 0) dds_delete(topic_);
     entityOf(writer_, "the writer");
   }
@@ -256,7 +276,7 @@ class CycloneWire : public Wire {
   }
 
  private:
-  std::shared_ptr<Domain> domain_;
+  const DomainUse domain_;
   dds_entity_t topic_ = 0, writer_ = 0;
 };
 
