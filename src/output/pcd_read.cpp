@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "base/number.hpp"
 #include "base/quaternion.hpp"
 #include "output/cloud_table.hpp"
 
@@ -57,11 +57,7 @@ void readTypes(CloudTable& table, const Words& words) {
 void readViewpoint(CloudTable& table, const Words& words) {
   double v[7];
   bool sound = words.size() == 8;
-  for (size_t i = 0; sound && i < 7; ++i) {
-    const char* end = words[i + 1].data() + words[i + 1].size();
-    const auto result = std::from_chars(words[i + 1].data(), end, v[i]);
-    sound = result.ec == std::errc() && result.ptr == end && std::isfinite(v[i]);
-  }
+  for (size_t i = 0; sound && i < 7; ++i) sound = parseNumber(words[i + 1], v[i]) && std::isfinite(v[i]);
   if (!sound) table.refuse("PCD header: VIEWPOINT must be x y z qw qx qy qz, seven finite numbers");
   table.pose = Pose{{v[0], v[1], v[2]}, unitOf({v[4], v[5], v[6], v[3]})};
 }
