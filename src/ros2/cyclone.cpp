@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/nanoseconds.hpp"
+#include "base/quaternion.hpp"
 #include "base/threads.hpp"
 #include "messages.h"
 #include "ros2/wire.hpp"
@@ -165,6 +166,13 @@ Sequence sequenceOf(const std::vector<T>& values) {
   return {count, count, const_cast<T*>(values.data()), false};
 }
 
+/// Returns the orientation of a pose, which may have any length, as ROS takes it: tf2 ignores a transform whose
+/// quaternion is not of length 1.
+geometry_msgs_msg_dds__Quaternion_ unitQuaternionOf(const Pose& pose) {
+  const Quaternion q = normalized(unitOf(pose.orientation));
+  return {q.x, q.y, q.z, q.w};
+}
+
 struct Writing {
   dds_entity_t writer;
 
@@ -200,8 +208,9 @@ struct Writing {
   dds_return_t operator()(const Transforms& transforms) const {
     std::vector<geometry_msgs_msg_dds__TransformStamped_> list;
     for (const StampedTransform& from : transforms) {
-      const auto& [p, q] = from.pose;
-      list.push_back({headerOf(from.stamp, from.parent), textOf(from.child), {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}}});
+      const Vec3& p = from.pose.position;
+      list.push_back(
+          {headerOf(from.stamp, from.parent), textOf(from.child), {{p.x, p.y, p.z}, unitQuaternionOf(from.pose)}});
     }
     const tf2_msgs_msg_dds__TFMessage_ message = {
         sequenceOf<dds_sequence_geometry_msgs_msg_dds__TransformStamped_>(list)};
@@ -237,12 +246,12 @@ struct Writing {
     return dds_write(writer, &message);
   }
   dds_return_t operator()(const Odometry& odometry) const {
-    const auto& [p, q] = odometry.pose;
+    const Vec3& p = odometry.pose.position;
     const auto& [v, w] = std::tie(odometry.linearVelocity, odometry.angularVelocity);
     nav_msgs_msg_dds__Odometry_ message = {};
     message.header = headerOf(odometry.stamp, odometry.frame);
     message.child_frame_id = textOf(odometry.childFrame);
-    message.pose.pose = {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+    message.pose.pose = {{p.x, p.y, p.z}, unitQuaternionOf(odometry.pose)};
     message.twist.twist = {{v.x, v.y, v.z}, {w.x, w.y, w.z}};
     std::ranges::copy(odometry.poseCovariance, message.pose.covariance);
     std::ranges::copy(odometry.twistCovariance, message.twist.covariance);

@@ -136,6 +136,8 @@ TEST_CASE("ROS 2: every value of every message arrives") {
   const Transforms transforms = {{5, "map", "base_link", {{1, 2, 3}, {0, 0, 0.6, 0.8}}}, {6, "base_link", "top", {}}};
   CHECK(received(transforms, "transforms") ==
         "rt/a/b_1 0.000000005 map>base_link 1 2 3 0 0 0.6 0.8 0.000000006 base_link>top 0 0 0 0 0 0 1");
+  CHECK(received(Transforms{{5, "map", "odom", {{}, {0, 0, 3, 4}}}}, "transforms") ==
+        "rt/a/b_1 0.000000005 map>odom 0 0 0 0 0 0.6 0.8");
   CHECK(received(Clock{12'000'000'003}, "clock") == "rt/a/b_1 12.000000003");
   Imu imu;
   imu.stamp = 7;
