@@ -145,14 +145,14 @@ void CloudTable::layRows(size_t offset) {
 
 void CloudTable::parseTextRows(size_t offset) {
   /// The words of a column in each row, and the place of the value in the packed row.
-  struct Words {
+  struct ColumnWords {
     size_t count;
     const CloudColumn* target = nullptr;  ///< null: the words are skipped, because the column is no field
     size_t place = 0;
   };
   std::vector<CloudColumn> ours;
   ours.reserve(columns.size());
-  std::vector<Words> words;
+  std::vector<ColumnWords> words;
   size_t stride = 0, wordCount = 0;
   for (const CloudColumn& column : columns) {
     const ColumnInfo* info = column.count == 1 ? findColumn(column.name) : nullptr;
