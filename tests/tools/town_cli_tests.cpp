@@ -19,6 +19,14 @@ const std::string kNetwork = " --xodr '" GNOSPHERE_TEST_DATA "/junction.xodr' ";
 
 }  // namespace
 
+TEST_CASE("a town is written and can be scanned") {
+  const Workplace place;
+  REQUIRE(place.run("town -o town.glb --triangles 20000 --seed 3").status == 0);
+  const Result result = place.run("scan town.glb" + kQuick);
+  CHECK(result.status == 0);
+  CHECK(result.err == "");
+}
+
 TEST_CASE("a town along a network is written, baked and scanned from the poses of its drive") {
   const Workplace place;
   const Result town = place.run("town -o town.glb --triangles 30000 --bake --trajectory drive.tum" + kNetwork);
