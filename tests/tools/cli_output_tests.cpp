@@ -68,6 +68,16 @@ TEST_CASE("no output file is one that is read, nor another one under a second na
     CHECK_FALSE(fs::exists(place / "a.pcd"));
   }
   CHECK(place.get("head.json") == before);
+  for (const std::string call :
+       {"sensors head.json --beams head.json", "sensors VLP-16 --beams p.png --image ./p.png",
+        "town -o t.glb --xodr floor.obj --trajectory floor.obj", "town -o t.glb --xodr floor.obj --drive floor.json"}) {
+    INFO(call);
+    if (call.ends_with("floor.json")) fs::create_symlink("floor.obj", place / "floor.tum");
+    const std::string floor = place.get("floor.obj");
+    CHECK(place.run(call).status == 2);
+    CHECK(place.get("head.json") == before);
+    CHECK(place.get("floor.obj") == floor);
+  }
 }
 
 TEST_CASE("files are written to what a link leads to, into pipes, and into devices") {

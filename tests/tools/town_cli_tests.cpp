@@ -68,7 +68,8 @@ TEST_CASE("a town that cannot be made leaves no file") {
   checkRefused("town -o town.glb --xodr nowhere.xodr", 1, "nowhere.xodr: cannot be read: No such file");
   checkRefused("town -o town.glb --xodr floor.obj", 1, "invalid XML: No document element found");
   checkRefused("town -o town.glb --trajectory no/drive.tum", 1, "no/drive.tum: cannot be written");
-  checkRefused("town -o town.glb --trajectory town.glb", 2, "--trajectory");
+  checkRefused("town -o town.glb --trajectory ./town.glb", 2, "./town.glb would be written twice");
+  checkRefused("town -o a-car.glb --drive a.json", 2, "a-car.glb would be written twice");
   checkRefused("town -o town.glb --triangles 999", 2, "--triangles: 999 are too few for a town; the smallest has 1000");
   checkRefused("town -o town.glb --triangles 150000000 --bake", 2, "a .glb file ends at 4294967295; bake up to");
 }

@@ -44,13 +44,11 @@ void check(const Options& options) {
     throw Error(ErrorCode::invalidArgument,
                 "--device: the reference cannot be measured against itself; choose another device");
   }
-  std::vector<std::string> files;
-  for (const std::string& file : {options.json, options.plot})
-    if (!file.empty() && file != "-") files.push_back(file);
   if (!options.plot.empty() && pathOf(options.plot).extension() != ".svg") {
     throw Error(ErrorCode::invalidArgument, "--plot: " + options.plot + " must end in .svg");
   }
-  checkOutputFiles(files, inputsOf(options, options, options.trajectory));
+  checkOutputFiles({options.json == "-" ? "" : options.json, options.plot},
+                   inputsOf(options, options, options.trajectory));
 }
 
 void write(const std::string& file, const std::string& bytes) {

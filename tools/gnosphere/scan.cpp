@@ -87,7 +87,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
     for (const std::string& output : options.outputs) files.push_back(fileOf(options, output, i));
     if (!options.image.empty()) files.push_back(fileOf(options, options.image, i));
   }
-  if (!options.stats.empty() && options.stats != "-") files.push_back(options.stats);
+  if (options.stats != "-") files.push_back(options.stats);
   checkOutputFiles(files, inputsOf(options, options, options.trajectory));
   return cloud;
 }

@@ -315,6 +315,7 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
 void checkOutputFiles(const std::vector<std::string>& files, const std::vector<std::string>& inputs) {
   std::set<std::filesystem::path> seen;
   for (const std::string& file : files) {
+    if (file.empty()) continue;
     std::error_code absent;
     for (const std::string& input : inputs)
       if (std::filesystem::equivalent(pathOf(file), pathOf(input), absent))
@@ -323,7 +324,7 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::vector<s
     if (absent) throw Error(ErrorCode::file, file + ": the working directory is gone: " + absent.message());
     const std::filesystem::path place = std::filesystem::weakly_canonical(own, absent);
     if (!seen.insert(absent ? own : place).second)
-      throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
+      throw Error(ErrorCode::invalidArgument, file + " would be written twice; use different names");
     checkWritable(pathOf(file));
   }
 }

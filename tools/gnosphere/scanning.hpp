@@ -113,7 +113,7 @@ std::vector<Pose> posesAround(const Pose& around, size_t count);
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 
 /// Checks output files before the work: throws if one cannot be written, is one of the inputs or occurs twice, under
-/// whatever names.
+/// whatever names. An empty name is an option that is not given.
 void checkOutputFiles(const std::vector<std::string>& files, const std::vector<std::string>& inputs);
 
 /// Returns the files that these options may name; a built-in name is none that exists.

@@ -185,8 +185,7 @@ int runSensors(const SensorsOptions& options) {
     return 0;
   }
   if (!options.image.empty()) checkPictureFile(pathOf(options.image));
-  for (const std::string& file : {options.beams, options.image})
-    if (!file.empty()) checkWritable(pathOf(file));
+  checkOutputFiles({options.beams, options.image}, {options.name, options.fireTimes});
   const BuiltInHead head = builtInHead(options.name);
   SensorFile file;
   std::error_code missing;

@@ -4,11 +4,11 @@
 #include <charconv>
 #include <memory>
 
-#include "base/file.hpp"
 #include "base/path.hpp"
 #include "base/utf8.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "scanning.hpp"
 #include "town_drive.hpp"
 
 namespace gnosphere::cli {
@@ -33,23 +33,15 @@ int runTown(const TownCall& call) {
   if (file.extension() != ".glb") {
     throw Error(ErrorCode::invalidArgument, file.string() + ": the name must end in .glb");
   }
-  if (call.drive == call.file) {
-    throw Error(ErrorCode::invalidArgument,
-                "--trajectory: " + call.drive + " is the --output file, too; use different names");
-  }
   if (!call.example.empty() && pathOf(call.example).extension() != ".json")
     throw Error(ErrorCode::invalidArgument, "--drive: " + call.example + ": the name must end in .json");
   if (!call.example.empty() && toUtf8(file.filename().string()) != file.filename().string())
     throw Error(ErrorCode::invalidArgument,
                 "--drive: " + call.file + ": a drive file names it, in JSON, which is UTF-8; choose such a name");
-  checkWritable(file);  // fails before the work, not after it
+  std::vector<std::string> files = {call.file, call.drive};
   if (!call.example.empty())
-    for (const std::filesystem::path& part : townDriveFiles(pathOf(call.example))) {
-      if (part == file || part == pathOf(call.drive))
-        throw Error(ErrorCode::invalidArgument, "--drive would write " + part.string() + ", too; use different names");
-      checkWritable(part);
-    }
-  if (!call.drive.empty()) checkWritable(pathOf(call.drive));
+    for (const std::filesystem::path& part : townDriveFiles(pathOf(call.example))) files.push_back(part.string());
+  checkOutputFiles(files, {call.xodr});
   const std::vector<Pose> drive = makeDrive(call.options);
   Scene town = makeTown(call.options);
   if (call.baked) town = bake(town);
