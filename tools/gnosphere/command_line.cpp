@@ -79,12 +79,13 @@ class HelpFormatter : public CLI::Formatter {
 
 /// Says which word of a call is none of the command's, or that there is no such command.
 std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chosen) {
-  const std::vector<std::string> words = chosen.empty() ? app.remaining() : chosen[0]->remaining();
+  std::vector<std::string> words = app.remaining(true);  // behind --, those of a command are the program's
+  std::erase(words, "--");
   const auto dashed = [](const std::string& word) {  // as options are, but not numbers below 0
     return word.size() > 1 && word[0] == '-' && word.find_first_of("0123456789") != 1;
   };
   const auto found = std::find_if(words.begin(), words.end(), dashed);
-  const std::string word = found != words.end() ? *found : words.at(0);
+  const std::string word = found != words.end() ? *found : words.empty() ? "--" : words[0];
   std::vector<std::string> names;
   if (dashed(word)) {
     for (const CLI::Option* option : (chosen.empty() ? &app : chosen[0])->get_options())
