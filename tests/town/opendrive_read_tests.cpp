@@ -79,6 +79,21 @@ TEST_CASE("traffic goes forward on the right, on the left of left-hand roads, an
     }
 }
 
+TEST_CASE("a network whose driving lanes are too short for a way is refused") {
+  const auto network = [](const std::string& length) {
+    const TemporaryFile file("<OpenDRIVE><header/><road id='1' length='" + length +
+                             "' junction='-1'><planView><geometry s='0' x='0' y='0' hdg='0' length='" + length +
+                             "'><line/></geometry></planView><lanes><laneSection s='0'><center><lane id='0'/></center>"
+                             "<right><lane id='-1' type='driving'><width sOffset='0' a='3' b='0' c='0' d='0'/></lane>"
+                             "</right></laneSection></lanes></road></OpenDRIVE>");
+    return readNetwork(file.path);
+  };
+  CHECK(planDrive(network("0.06"), 1, 300).points.size() == 2);
+  for (const char* length : {"0", "0.04"})
+    CHECK_THAT(problemOf([&] { (void)planDrive(network(length), 1, 300); }, ErrorCode::format),
+               Catch::Matchers::EndsWith("no road has a driving lane, or none that is 5 cm long"));
+}
+
 TEST_CASE("a mistake in a file is reported in one line with the file, the road and the mistake") {
   const std::string sound = textOf(kJunction);
   struct Fault {

@@ -140,12 +140,13 @@ Drive planDrive(const Network& network, uint32_t seed, double metres) {
   int tries = 0;
   for (const Stretch& start : starts(network))
     if (search.from(start) || ++tries == kTries) break;
-  if (search.longest().empty()) throw Error(ErrorCode::format, network.file + ": no road has a driving lane");
   Drive drive;
   for (const Stretch& stretch : search.longest()) {
     addPoints(stretch, drive.points);
     drive.lanes.insert({stretch.road->id, stretch.lane});
   }
+  if (drive.points.size() < 2)
+    throw Error(ErrorCode::format, network.file + ": no road has a driving lane, or none that is 5 cm long");
   return drive;
 }
 
