@@ -164,6 +164,8 @@ Json addDifference(const ViewCall& call, Page& page) {
 int runView(const ViewCall& call) {
   if (!lower(pathOf(call.output).extension().string()).starts_with(".htm"))
     throw Error(ErrorCode::invalidArgument, call.output + ": the page's name ends with .html");
+  if (!(call.distance >= 0 && call.distance <= 1e9))  // NaN is within any CLI::Range
+    throw Error(ErrorCode::invalidArgument, "--distance: " + formatted("%g", call.distance) + " is not 0..1e9 m");
   const std::string three = readThree(call.three);
   checkWritable(pathOf(call.output));
   std::error_code absent;
@@ -208,7 +210,6 @@ Action addView(CLI::App& app) {
   app.add_option("--frames", call->frames, "Show the frames from A on and before B only, A:B");
   app.add_option("--sensor", call->sensor, "Sensor of a drive to show instead of its first");
   app.add_option("--distance", call->distance, "Distance in metres from which on points of A and B differ")
-      ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--three", call->three, "Folder of three.js")->capture_default_str();
   app.footer(
