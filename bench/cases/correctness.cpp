@@ -161,6 +161,7 @@ Report correctness(Session& session) {
     printed.rows.push_back({print.name, print.fingerprint});
   }
   report.more["wrong"] = wrong;
+  report.wrong = wrong > 0;
   report.tables = {judged, printed};
   return report;
 }

@@ -158,7 +158,15 @@ TEST_CASE("the case batches measures views and worlds together, one by one and b
   CHECK_THAT(place.get("out"), ContainsSubstring("| 8 worlds, height scan "));
 }
 
-// Slow, because it compiles the pipelines of every effect.
+// Both are slow, because they compile the pipelines of every effect.
+TEST_CASE("the case correctness ends with status 1 where beams are wrong", "[.slow]") {
+  needVulkan();
+  const Workplace place;
+  const std::string call = "correctness --triangles 20000 --frames 1 --sensor VLP-16 --json r.json";
+  CHECK(place.run(call + " --set accuracy_parts.bounds=paper", "", kBench).status == 1);
+  CHECK(place.json("r.json").at("cases").at("correctness").at("wrong") > 0);
+}
+
 TEST_CASE("the case effects times each effect, and checks that switched-off effects cost nothing", "[.slow]") {
   needVulkan();
   const Workplace place;
