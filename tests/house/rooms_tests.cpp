@@ -16,30 +16,26 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-/// Files that each room may include besides its own: other rooms, single files of them, and `common`, which is the
-/// folder of headers that GLSL and C++ share.
-const std::map<std::string, Names> kRooms = {
-    {"base", {}},
-    {"scene", {"base"}},
-    {"sensor", {"base"}},
-    {"scan", {"base", "common", "sensor"}},
-    {"output", {"base", "scan"}},
-    {"geometry", {"base", "common"}},
-    {"effects", {"base", "common", "sensor", "scan", "geometry"}},
-    {"pipeline", {"base", "common", "sensor", "scan", "geometry", "effects"}},
-    {"vulkan", {"base", "common", "geometry", "effects", "pipeline"}},
-    {"cuda", {"base", "common", "geometry", "effects", "pipeline"}},
-    {"reference", {"base", "common", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
-    {"eval", {"base", "sensor/beams.hpp", "scan/columns.hpp", "output"}},
-    {"ros2", {"base", "scan/fields.hpp", "sensor/beams.hpp"}},
-    // These two stand on the public headers.
-    {"c", {"base"}},
-    {"rgl", {"base"}},
-    {"drive",
-     {"base", "option_table.hpp", "sensor/beams.hpp", "effects/trajectory.hpp", "geometry/dropped_triangles.hpp",
-      "output/cloud_bytes.hpp", "ros2/driver_cloud.hpp", "scene/bounds.hpp", "scene/coarse_positions.hpp",
-      "scene/join.hpp", "scene/readers.hpp", "scene/used_vertices.hpp"}},
-};
+/// Files that each room may include besides its own, by the table of CONTRIBUTING.md: other rooms, single files of
+/// other rooms, and `common`, which is the folder of headers that GLSL and C++ share.
+const std::map<std::string, Names>& rooms() {
+  static const std::map<std::string, Names> kRooms = [] {
+    static const std::regex kRow(R"(\| `(\w+)` \|.*\| ([^|]*) \|)"), kName("`([^`]+)`");
+    std::map<std::string, Names> rooms;
+    std::ifstream page(fs::path(GNOSPHERE_SOURCES) / "CONTRIBUTING.md");
+    std::string line;
+    while (std::getline(page, line) && line != "| room | contents | may include |") continue;
+    std::getline(page, line);
+    for (std::smatch row; std::getline(page, line) && std::regex_match(line, row, kRow);) {
+      const std::string allowed = row[2];
+      Names& names = rooms[row[1]];
+      for (std::sregex_iterator name(allowed.begin(), allowed.end(), kName); name != std::sregex_iterator(); ++name)
+        names.insert((*name)[1]);
+    }
+    return rooms;
+  }();
+  return kRooms;
+}
 
 /// Files of src outside rooms. Loose files are above all rooms and may include any of them.
 const Names kLoose = {
@@ -74,14 +70,14 @@ std::string brokenRule(const Tree& tree, const std::string& file, const std::str
     if (system) return "headers of src are included with quotes";
     if (room.empty() && kLoose.contains(file)) return "";
     const std::string target = include.substr(0, include.find('/'));
-    const Names& allowed = kRooms.at(room);
+    const Names& allowed = rooms().at(room);
     if (target == room || allowed.contains(target) || allowed.contains(include)) return "";
     return room + " may include " + list(allowed);
   }
   if (system) return "";
   if (tree.common.contains(include)) {
-    if (room.empty() || kRooms.at(room).contains("common")) return "";
-    return room + " may include " + list(kRooms.at(room));
+    if (room.empty() || rooms().at(room).contains("common")) return "";
+    return room + " may include " + list(rooms().at(room));
   }
   const auto generated = kGenerated.find(room);
   if (generated != kGenerated.end() && std::regex_match(include, generated->second)) return "";
@@ -116,7 +112,7 @@ void eachLine(const Tree& tree, Callback callback) {
 TEST_CASE("every file of src lies in a room or is an allowed exception") {
   for (const std::string& file : readTree(GNOSPHERE_SOURCES).sources) {
     const size_t slash = file.find('/');
-    if (slash == std::string::npos ? kLoose.contains(file) : kRooms.contains(file.substr(0, slash))) continue;
+    if (slash == std::string::npos ? kLoose.contains(file) : rooms().contains(file.substr(0, slash))) continue;
     FAIL_CHECK("src/" << file << " lies in no room of this test; loose in src may lie " << list(kLoose));
   }
 }
