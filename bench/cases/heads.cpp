@@ -114,8 +114,8 @@ Effects motionAlone() {
   return effects;
 }
 
-/// Says which of our beams have a return outside the hits of their lines, or a return where no line hits, or none where
-/// lines hit.
+/// Counts our beams that have a return outside the hits of their lines, a return where no line hits, or no return where
+/// a line hits.
 uint64_t unlike(const Scan& ours, const Lines& lines, const LineHits& hits) {
   uint64_t count = 0;
   const size_t perBeam = size_t{lines.perBeam} * lines.layers;

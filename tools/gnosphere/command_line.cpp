@@ -137,9 +137,7 @@ int runChosen(const std::vector<Command>& commands) {
   }
   complain(
       "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive "
-      "or view "
-      "(see "
-      "gnosphere --help)");
+      "or view (see gnosphere --help)");
   return 2;
 }
 

@@ -37,10 +37,10 @@ std::string counted(uint64_t count, const char* one, const char* many);
 /// Returns text without characters that would control a terminal: each is written as \\x and two hexadecimal digits.
 std::string printable(const std::string& text);
 
-/// The columns of a line of text for people: those of the terminal, but at most 120; 80 without one.
+/// Returns the width of text for people in columns: that of the terminal, but from 40 to 120; without a terminal 80.
 size_t textColumns();
-/// Breaks lines at blanks so that each has at most `columns` characters, of which those behind the first begin with
-/// `indent` blanks. A longer word stays whole.
+/// Breaks lines at blanks so that each has at most `columns` characters. All lines but the first begin with `indent`
+/// blanks, which count. A longer word stays whole.
 std::string wrapped(const std::string& text, size_t columns, size_t indent = 0);
 
 /// Prints a line of a summary, with the label in its own column.
@@ -76,7 +76,8 @@ class Progress {
   ProgressLines lines_;
 };
 
-/// Progress of work in several steps: called with the step's name, how much of it is done, and its total.
+/// Returns a function that shows the progress of work in several steps, called with the name of a step, how much of the
+/// step is done, and all of it.
 std::function<void(const char*, uint64_t, uint64_t)> stepProgress();
 
 using TableRow = std::vector<std::string>;

@@ -46,7 +46,7 @@ std::string fileOf(const ScanOptions& options, const std::string& file, size_t n
   return options.trajectory.empty() ? file : numbered(file, number);
 }
 
-/// Refuses options of cloud files that change none of them.
+/// Refuses options of cloud files where the call writes no file that they change.
 void checkWithoutEffect(const ScanOptions& options) {
   const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, text); };
   const auto hasColumns = [](const std::string& file) { return cloudFormat(pathOf(file)).layout == nullptr; };
@@ -193,7 +193,7 @@ void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan
   }
   for (const std::string& output : options.outputs) {
     CloudOptions chosen = cloud;
-    if (cloudFormat(pathOf(output)).layout) chosen.fields.clear();  // they are those of the other outputs
+    if (cloudFormat(pathOf(output)).layout) chosen.fields.clear();  // --fields is for the other outputs
     writeCloud(mapped ? *mapped : scan, pathOf(fileOf(options, output, number)), chosen);
   }
   if (!options.image.empty()) writePicture(scan, pathOf(fileOf(options, options.image, number)));

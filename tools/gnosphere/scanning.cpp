@@ -146,7 +146,7 @@ void checkScanning(const ScanningOptions& options) {
 
 namespace {
 
-/// Reads a sensor file, and tells what it leaves open and what it states in vain.
+/// Reads a sensor file, and warns of values that are assumed because it lacks them, and of values that are ignored.
 Sensor loadTold(const std::filesystem::path& path) {
   SensorFile file = readSensorFile(path);
   for (const std::string& text : file.assumed) complain("warning: " + path.string() + ": assumed: " + text);

@@ -62,7 +62,8 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
   }
   return load(pathOf(nameOrFile));
 }
-/// The sensor that --sensor names. Warns of what a file leaves open, and of what it states and a sensor does not hold.
+/// Returns the sensor that --sensor names. Warns of values that are assumed because a file lacks them, and of values
+/// that are ignored because a Sensor has no place for them.
 Sensor sensorOf(const std::string& nameOrFile);
 
 /// Returns how many beams of a sensor never fire.

@@ -58,7 +58,7 @@ class Plan {
   void addGround(const Thing& thing, const Vec3& at, double turns, const Vec3& min, const Vec3& max);
 };
 
-/// Level of detail of a town. Small towns have coarser trees and cars, so that there can be more than a few of them.
+/// Level of detail of a town. Small towns have coarser trees and cars, so that there is room for more than a few.
 struct Detail {
   int treeLeaves = 300;
   bool fine = false;  ///< for vehicles and people

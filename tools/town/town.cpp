@@ -93,8 +93,8 @@ struct NetworkTown {
   Plan plan;
 };
 
-/// Tells in one line how many roads and junctions of a network a town lacks, and how many triangles have room for all
-/// of them; empty if it has all.
+/// Returns a line about how many roads and junctions of a network are in a town, and how many triangles all would need;
+/// empty if none is missing.
 std::string roadsWithoutRoom(const Plan& plan, const Scene& scene, uint64_t triangles) {
   std::map<std::string, uint64_t> lacking;  // triangles by the name of the road or junction, which its pieces share
   uint64_t needed = 0;

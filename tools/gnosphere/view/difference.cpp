@@ -12,7 +12,7 @@ namespace {
 
 enum Match { kSame, kApart, kOnlyA, kOnlyB };
 
-/// Distances of points from those they were compared with; NaN if there is none.
+/// For each point the distance to the point of the other cloud that it is compared with; NaN if there is none.
 using Distances = std::vector<double>;
 
 double distanceOf(const ViewCloud& a, size_t i, const ViewCloud& b, size_t j) {

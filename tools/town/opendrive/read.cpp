@@ -250,8 +250,8 @@ Lane continued(const Lane& lane, double distance) {
   return further;
 }
 
-/// Adds a section behind those before it. One with singleSide="true" is valid for the side that has lanes in it, and
-/// the other side goes on as it was (ASAM OpenDRIVE 1.8, section 11.3).
+/// Appends a section to the sections of its road. One with singleSide="true" is valid for the side that has lanes in
+/// it, and the other side goes on as it was (ASAM OpenDRIVE 1.8, section 11.3).
 void addSection(std::vector<LaneSection>& sections, LaneSection section, bool singleSide) {
   if (singleSide && !sections.empty()) {
     LaneSection& before = sections.back();

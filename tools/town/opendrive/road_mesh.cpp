@@ -261,7 +261,7 @@ class Stations {
     return points;
   }
 
-  /// Adds the stations between two of them that keep edges within kSagitta of their chords.
+  /// Adds the stations between two others that the edges of lanes need to stay within kSagitta of their chords.
   void refine(double from, double to) {
     const bool isLong = to - from > 2 * kShortest;
     const auto first = std::upper_bound(joints_.begin(), joints_.end(), from + kSame);
