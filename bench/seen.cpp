@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/quaternion.hpp"
 #include "console.hpp"
 #include "contest.hpp"
 #include "gnosphere/error.hpp"
@@ -14,8 +15,7 @@ namespace {
 
 bool same(const Pose& a, const Pose& b) {
   const Vec3 &p = a.position, &q = b.position;
-  const Quaternion &r = a.orientation, &s = b.orientation;
-  return p.x == q.x && p.y == q.y && p.z == q.z && r.x == s.x && r.y == s.y && r.z == s.z && r.w == s.w;
+  return p.x == q.x && p.y == q.y && p.z == q.z && isSame(a.orientation, b.orientation);
 }
 
 /// A mesh of some triangles of another, in ascending order, with their vertices alone.

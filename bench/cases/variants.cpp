@@ -5,6 +5,8 @@
 #include <numbers>
 #include <set>
 
+#include "base/quaternion.hpp"
+
 namespace gnosphere::bench {
 namespace {
 
@@ -71,14 +73,9 @@ std::vector<Variant> variantsOf(const Vec3& dust) {
 
 SensorMotion drivenFrom(const Pose& pose, double seconds) {
   const double metres = 15 * seconds, half = 0.5 * 30 * std::numbers::pi / 180 * seconds;
-  const auto& [x, y, z, w] = pose.orientation;
-  const Vec3 forward = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)};
-  Pose end = pose;
-  end.position = {pose.position.x + metres * forward.x, pose.position.y + metres * forward.y,
-                  pose.position.z + metres * forward.z};
-  const double c = std::cos(half), s = std::sin(half);  // rotation about the sensor's z axis
-  end.orientation = {x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s};
-  return {{{0, pose}, {seconds, end}}};
+  const Quaternion& q = pose.orientation;
+  const Quaternion turn = {0, 0, std::sin(half), std::cos(half)};  // about the sensor's z axis
+  return {{{0, pose}, {seconds, {pose.position + metres * (q * Vec3{1, 0, 0}), q * turn}}}};
 }
 
 std::vector<InstanceMotion> drivenVehicles(const Scene& scene, double seconds) {

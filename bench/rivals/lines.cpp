@@ -3,11 +3,10 @@
 
 #include <cmath>
 
-#include "base/vector.hpp"
+#include "base/quaternion.hpp"
 #include "common/effects/bits.h"
 #include "effects/formula_inputs.hpp"
 #include "effects/trajectory.hpp"
-#include "rivals/packets.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere::bench {
@@ -28,11 +27,11 @@ Lines linesOf(const Sensor& sensor, const Effects& effects, bool footprints, con
     const double azimuth = azimuthOf(sensor, beam, shot.frame), elevation = elevationOf(sensor, beam, shot.frame);
     const double c = std::cos(azimuth), s = std::sin(azimuth);
     const Vec3 left = {-s, c, 0}, up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
-    const Vec3 start = pose.position + turned(pose.orientation, originOf(sensor, beam, shot.frame)) - origin;
+    const Vec3 start = pose.position + pose.orientation * originOf(sensor, beam, shot.frame) - origin;
     const RangeWindow window = rangeWindowOf(sensor, beam, shot.frame);
     for (size_t ray = 0; ray < rays.size(); ++ray) {
       const Vec3 along = axis + (rays[ray].u * left + rays[ray].v * up);
-      const Vec3 d = turned(pose.orientation, 1 / std::hypot(along.x, along.y, along.z) * along);
+      const Vec3 d = pose.orientation * (1 / lengthOf(along) * along);
       const size_t line = beam * rays.size() + ray, lane = line % kPacketLines;
       LinePacket& packet = lines.packets[line / kPacketLines];
       packet.originX[lane] = static_cast<float>(start.x);

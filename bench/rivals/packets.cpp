@@ -3,14 +3,9 @@
 
 #include <algorithm>
 
-namespace gnosphere::bench {
+#include "base/quaternion.hpp"
 
-/// v + 2 w (u x v) + 2 u x (u x v), with the quaternion's vector part u.
-Vec3 turned(const Quaternion& q, const Vec3& v) {
-  const Vec3 t = {2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
-  return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,
-          v.z + q.w * t.z + q.x * t.y - q.y * t.x};
-}
+namespace gnosphere::bench {
 
 void PacketTable::layOut(const Sensor& sensor) {
   const std::string identity = sensor.isGrid() ? toJson(sensor) : sensor.name + std::to_string(sensor.beamCount());
@@ -32,12 +27,11 @@ void PacketTable::layOut(const Sensor& sensor) {
 
 void PacketTable::prepare(const Sensor& sensor, const Quaternion& q) {
   layOut(sensor);
-  const Quaternion& o = orientation_;
-  if (o.x == q.x && o.y == q.y && o.z == q.z && o.w == q.w) return;
+  if (isSame(orientation_, q)) return;
   orientation_ = q;
   for (Packet& packet : packets_) {
     for (uint32_t lane = 0; lane < packet.count; ++lane) {
-      const Vec3 d = turned(q, directions_[packet.first + lane]);
+      const Vec3 d = q * directions_[packet.first + lane];
       packet.x[lane] = static_cast<float>(d.x);
       packet.y[lane] = static_cast<float>(d.y);
       packet.z[lane] = static_cast<float>(d.z);

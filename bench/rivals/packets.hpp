@@ -13,9 +13,6 @@ namespace gnosphere::bench {
 
 inline constexpr uint32_t kPacketBeams = 16;
 
-/// Rotates a vector by a unit quaternion.
-Vec3 turned(const Quaternion& q, const Vec3& v);
-
 /// `count` neighbouring beams of a row of the cloud from number `first` on, with directions in the world. (Packets of
 /// 2, 4, 8 and 16 channels were slower to trace with every sensor tried.)
 struct alignas(64) Packet {
