@@ -83,7 +83,7 @@ std::vector<GoldenGroup> goldenGroups() {
 }
 
 std::string hashOf(const Scan& scan, const std::vector<Field>& fields) {
-  std::string bytes, digits;
+  std::string bytes;
   append(bytes, scan.points.data(), scan.points.size());
   append(bytes, scan.ranges.data(), scan.ranges.size());
   append(bytes, scan.triangles.data(), scan.triangles.size());
@@ -94,9 +94,7 @@ std::string hashOf(const Scan& scan, const std::vector<Field>& fields) {
       case ValueType::u32: appendColumn<uint32_t>(bytes, scan, field); break;
       default: appendColumn<float>(bytes, scan, field);
     }
-  for (const char byte : sha256(bytes).substr(0, 8))
-    for (const int shift : {4, 0}) digits += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
-  return digits;
+  return sha256Text(bytes).substr(0, 16);
 }
 
 std::span<const GoldenCloud> goldenTable() {

@@ -2,6 +2,7 @@
 // Checks a device: compares hard cases and a town with the reference, and prints fingerprints of its results to compare
 // with other devices and machines.
 #include "cases.hpp"
+#include "golden.hpp"
 #include "hardness.hpp"
 #include "variants.hpp"
 
@@ -10,36 +11,10 @@ namespace {
 
 using cli::Json;
 
-/// FNV-1a (Fowler, Noll, Vo) over the bytes of arrays.
-class Fingerprint {
- public:
-  template <typename T>
-  void add(const std::vector<T>& values) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (size_t i = 0; i < values.size() * sizeof(T); ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001b3ull;
-  }
-  template <typename T>
-  void add(const Scan& scan, Field field) {
-    if (!scan.has(field)) return;
-    const auto column = scan.column<T>(field);
-    add(std::vector<T>(column.begin(), column.end()));
-  }
-  std::string text() const { return cli::formatted("%016llx", static_cast<unsigned long long>(hash_)); }
-
- private:
-  uint64_t hash_ = 0xcbf29ce484222325ull;
-};
-
 std::string fingerprintOf(const Scan& scan) {
-  Fingerprint print;
-  print.add(scan.points);
-  print.add(scan.ranges);
-  print.add(scan.triangles);
-  print.add(scan.instances);
-  print.add<float>(scan, Field::intensity);
-  print.add<uint8_t>(scan, Field::label);
-  print.add<float>(scan, Field::radialSpeed);
-  return print.text();
+  std::vector<Field> fields = {Field::intensity, Field::label, Field::radialSpeed};
+  std::erase_if(fields, [&](Field field) { return !scan.has(field); });
+  return hashOf(scan, fields);
 }
 
 struct SuiteRow {
