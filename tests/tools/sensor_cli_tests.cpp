@@ -11,7 +11,7 @@ using namespace gnosphere::test;
 TEST_CASE("a scan tells whether its head is an ideal one of the paper or a real one") {
   const Workplace place;
   const auto told = [&](const std::string& sensor) {
-    const Result result = place.run("scan floor.obj --effects clean --sensor " + sensor);
+    const Result result = place.run("scan floor.obj --effects clean --device reference --sensor " + sensor);
     CHECK(result.status == 0);
     return result.out;
   };
