@@ -66,7 +66,8 @@ std::map<fs::path, File> readFiles(const fs::path& root) {
   for (const auto& [header, names] : kDeclared)
     for (const std::string& name : names) headers[name] = header;
   std::map<fs::path, File> files;
-  for (const char* folder : {"include", "common", "src", "shaders", "tools", "tests", "bench", "examples"})
+  for (const char* folder :
+       {"include", "common", "src", "shaders", "tools", "tests", "bench", "examples", "python/src"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       if (!entry.is_regular_file() || !kEndings.contains(entry.path().extension().string())) continue;
       File& file = files[fs::relative(entry.path(), root)];
