@@ -158,6 +158,21 @@ TEST_CASE("the case batches measures views and worlds together, one by one and b
   CHECK_THAT(place.get("out"), ContainsSubstring("| 8 worlds, height scan "));
 }
 
+TEST_CASE("the case stability measures and plots how errors grow") {
+  needVulkan();
+  const Workplace place;
+  const json families =
+      place.runJson("stability --family quad_size --ends --plot a.svg --json -", "", kBench).at("families");
+  REQUIRE(families.at(0).at("hardness").size() == 2);
+  const json& settings = families.at(0).at("settings");
+  CHECK(settings.at(0).at("lost_share").at(1) == 1);
+  CHECK(settings.at(0).at("error_max_m").at(1).is_null());
+  CHECK(settings.at(2).at("lost_share").at(1) == 0);
+  CHECK(xmlProblem(place.get("a.svg")) == "");
+  for (const std::string name : {"paper", "draft", "standard", "exact", "Quad size"})
+    CHECK_THAT(place.get("a.svg"), ContainsSubstring(">" + name + "<"));
+}
+
 // Both are slow, because they compile the pipelines of every effect.
 TEST_CASE("the case correctness ends with status 1 where beams are wrong", "[.slow]") {
   needVulkan();
@@ -198,6 +213,9 @@ TEST_CASE("the case effects times each effect, and checks that switched-off effe
 
 TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid calls") {
   const Workplace place;
+  CHECK(place.run("", "", kBench).status == 2);
+  CHECK(place.run("stability --family none", "", kBench).status == 2);
+  CHECK(place.run("stability --plot no/a.svg", "", kBench).status == 1);
   CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);
   CHECK(place.run("table3 --runs 0", "", kBench).status == 2);
   const Result full = place.run("-c \"'" + kBench + "' --help >/dev/full\"", "", "/bin/sh");

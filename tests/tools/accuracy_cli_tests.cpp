@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere accuracy, scan --max-error and gnosphere-bench as command lines.
+// gnosphere accuracy and scan --max-error as command lines.
 #include <nlohmann/json.hpp>
 
 #include "bench/xml.hpp"
@@ -201,24 +201,4 @@ TEST_CASE("a --max-error that no setting reaches ends with status 1, names the b
   CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
   CHECK(result.out.empty());
   CHECK(place.files() == std::vector<std::string>{"floor.obj", "s.json", "wide.obj"});
-}
-
-TEST_CASE("gnosphere-bench refuses invalid calls and plots stability") {
-  const Workplace place;
-  CHECK(place.run("", "", GNOSPHERE_BENCH_BINARY).status == 2);
-  CHECK(place.run("stability --family none", "", GNOSPHERE_BENCH_BINARY).status == 2);
-  CHECK(place.run("figure7 --runs 0", "", GNOSPHERE_BENCH_BINARY).status == 2);
-  CHECK(place.run("stability --plot no/a.svg", "", GNOSPHERE_BENCH_BINARY).status == 1);
-  needVulkan();
-  const auto families =
-      place.runJson("stability --family quad_size --ends --plot a.svg --json -", "", GNOSPHERE_BENCH_BINARY)
-          .at("families");
-  REQUIRE(families.at(0).at("hardness").size() == 2);
-  const auto& settings = families.at(0).at("settings");
-  CHECK(settings.at(0).at("lost_share").at(1) == 1);
-  CHECK(settings.at(0).at("error_max_m").at(1).is_null());
-  CHECK(settings.at(2).at("lost_share").at(1) == 0);
-  CHECK(xmlProblem(place.get("a.svg")) == "");
-  for (const char* name : {"paper", "draft", "standard", "exact", "Quad size"})
-    CHECK_THAT(place.get("a.svg"), ContainsSubstring(label(name)));
 }
