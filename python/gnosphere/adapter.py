@@ -151,8 +151,8 @@ class Lidar:
         """Adds a sensor to the same scene and returns its number, for Shot.sensor."""
         request = _request(sensor, effects, fields, ignore)
         number = self.simulator.add_sensor(request)
-        self.sensors[number:] = [request.sensor]
-        self.frames[number:] = [0]
+        self.sensors[number : number + 1] = [request.sensor]  # a number that was removed is given again
+        self.frames[number : number + 1] = [0]
         return number
 
     def move(

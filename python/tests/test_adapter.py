@@ -317,6 +317,18 @@ def test_a_lidar_moves_by_transforms(device):
     assert lidar.cast(gnosphere.Shot()).ranges[4] == pytest.approx(5.99)
 
 
+def test_the_sensors_behind_a_number_that_is_given_again_stay(device):
+    options = gnosphere.SimulatorOptions(device)
+    lidar = adapter.Lidar(wall(), beams(2), effects=gnosphere.Effects.none(), options=options)
+    for count in (3, 4):
+        lidar.add_sensor(beams(count), effects=gnosphere.Effects.none())
+    lidar.cast(gnosphere.Shot(sensor=2))
+    lidar.simulator.remove_sensor(1)
+    assert lidar.add_sensor(beams(5), effects=gnosphere.Effects.none()) == 1
+    assert [lidar.cast(gnosphere.Shot(sensor=number)).beam_count() for number in range(3)] == [2, 5, 4]
+    assert [sensor.beam_count() for sensor in lidar.sensors] == [2, 5, 4] and lidar.frames == [1, 1, 2]
+
+
 def test_poses_of_matrices():
     generator = np.random.default_rng(2)
     for _ in range(50):

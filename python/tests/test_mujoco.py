@@ -549,6 +549,52 @@ def test_each_sensor_scans_with_the_records(device):
         assert lidar.scan(data, order[-1]).ranges == pytest.approx(end, abs=2e-5)  # its records are used
 
 
+def test_a_sensor_that_fires_at_once_leaves_the_records_to_the_others(device):
+    """The wall comes nearer in the first half of the turn alone."""
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+        <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 9 9"/>
+        </body><site name="roof"/></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    data.joint("wall").qvel = -5
+    sensor, times = forward_beams()
+    lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
+    flash = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList([[1.0, 0, 0]])])
+    lidar.add(flash, site="roof")
+    mujoco.mj_forward(model, data)
+    lidar.record(data)
+    step_and_record(model, data, lidar, 5)
+    assert lidar.scan(data, 1).ranges == pytest.approx([19.25], abs=2e-5)
+    data.joint("wall").qvel = 0
+    step_and_record(model, data, lidar, 5)
+    assert lidar.scan(data).ranges == pytest.approx(19.5 - 0.25 * times / 0.1, abs=2e-5)
+    lidar.record(data)
+    step_and_record(model, data, lidar, 3)
+    added = lidar.add(sensor, site="roof")  # the records have no pose of it
+    for number in (0, added):
+        assert lidar.scan(data, number).ranges == pytest.approx(19.25, abs=2e-5)
+
+
+def test_the_sensors_behind_a_number_that_is_given_again_stay(device):
+    model = mujoco.MjModel.from_xml_string(CART)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+
+    def sensors_of(lidar):
+        """The sensors after the one in the middle has been replaced."""
+        for count in (4, 5):
+            lidar.add(sphere_of_beams(count), site="roof", effects=NONE)
+        lidar.simulator.remove_sensor(1)
+        assert lidar.add(sphere_of_beams(6), site="roof", effects=NONE) == 1
+        return lidar
+
+    lidar = sensors_of(gm.Lidar(model, sphere_of_beams(3), site="roof", effects=NONE, options=options(device)))
+    assert [lidar.scan(data, number).beam_count() for number in range(3)] == [3, 6, 5]
+    worlds = sensors_of(gm.Worlds([model], sphere_of_beams(3), site="roof", effects=NONE, options=options(device)))
+    assert [worlds.scan([data], number).beams for number in range(3)] == [3, 6, 5]
+
+
 CART = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
 <geom type="box" size=".1 50 50" pos="40 0 0"/>
 <body name="cart"><joint name="cart" type="slide" axis="1 0 0"/><geom type="box" size=".01 9 9" pos="5.01 0 0"/>

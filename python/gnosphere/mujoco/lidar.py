@@ -176,13 +176,14 @@ class Lidar(adapter.Lidar):
         effects: Optional[gno.Effects] = None,
         fields: adapter.Fields = (),
     ) -> int:
-        """Adds another sensor to the same model and returns its number, for scan(). The arguments are those of
-        Lidar."""
+        """Adds another sensor to the same model and returns its number, for scan(). The arguments are those of Lidar. The
+        records are dropped, as they lack the new sensor."""
         ignore = self._shapes.instances_of(bodyexclude, treeexclude)
         mount = Mount(self.model, site, pose)
         number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
-        self._mounts[number:] = [mount]
-        self._durations[number:] = [durations_of(self.sensors[number])]
+        self._mounts[number : number + 1] = [mount]
+        self._durations[number : number + 1] = [durations_of(self.sensors[number])]
+        self.reset()
         return number
 
     def pose(self, data: Any, sensor: int = 0) -> gno.Pose:
@@ -235,12 +236,6 @@ class Lidar(adapter.Lidar):
         self._records = []
         self._used = set()
 
-    def _use(self, sensor: int) -> None:
-        """Lets a sensor use the records no more; those that no sensor uses are dropped."""
-        self._used.add(sensor)
-        if len(self._used) == len(self._mounts):
-            self.reset()
-
     def scan(self, data: Any, sensor: int = 0, *, into: Optional[gno.Scan] = None) -> gno.Scan:
         """Scans the model as `data` has it. Points are in the frame of the sensor; those of a scan with record() each
         in its frame at the time of the point, or with Effects.sensor_motion.deskew in its frame at the end. Each sensor
@@ -249,7 +244,6 @@ class Lidar(adapter.Lidar):
         durations = self._durations[sensor]
         duration = durations[self.frames[sensor] % len(durations)]
         if not self._records or not duration or sensor in self._used:
-            self._use(sensor)
             pose = self.pose(data, sensor)
             self.update(data, pose.position)
             still = self.cast(gno.Shot(pose, sensor, self.frames[sensor]), into)
@@ -258,7 +252,7 @@ class Lidar(adapter.Lidar):
         try:
             shot = self._moving_shot(data, sensor, duration)
         finally:
-            self._use(sensor)
+            self._used.add(sensor)
         return self.cast(shot, into)
 
     def _warn_of_speeds(self, data: Any, sensor: int, scan: gno.Scan) -> None:

@@ -103,8 +103,8 @@ class Worlds(adapter.Lidar):
         mounts = self._mounts_of(site, pose)
         ignore = self._instances_of(bodyexclude, treeexclude)
         number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
-        self._mounts[number:] = [mounts]
-        self._fields[number:] = [_fields_of(fields)]
+        self._mounts[number : number + 1] = [mounts]
+        self._fields[number : number + 1] = [_fields_of(fields)]
         return number
 
     def _mounts_of(self, site: Union[int, str, None], pose: Optional[PoseSource]) -> list[Mount]:
