@@ -8,14 +8,14 @@ namespace gnosphere::python {
 namespace {
 
 // An empty array, as Mesh.joints of a mesh without joints is, counts as none.
-bool isGiven(const std::optional<ArrayLike>& array) {
-  return array && nb::cast<size_t>(nb::module_::import_("numpy").attr("size")(array->object)) > 0;
+bool isGiven(const std::optional<ArrayLike>& array, const std::string& name) {
+  return array && nb::cast<size_t>(arrayOrRefuse(array->object, name, "").attr("size")) > 0;
 }
 
 void setJoints(Mesh& mesh, uint32_t count, const std::optional<ArrayLike>& joints,
                const std::optional<ArrayLike>& weights) {
-  const bool given = isGiven(joints);
-  if (given != isGiven(weights) || given != (count > 0))
+  const bool given = isGiven(joints, "Mesh: joints");
+  if (given != isGiven(weights, "Mesh: joint_weights") || given != (count > 0))
     refuse("Mesh: joint_count, joints and joint_weights are given together or not at all");
   if (!given) return;
   const auto numbers = arrayOf<uint16_t>(*joints, "Mesh: joints", kAnyWidth);
@@ -162,7 +162,8 @@ void bindMeshItself(nb::module_& m) {
           "parts: in ascending order; together they cover every triangle.\n"
           "uvs: shape (vertices, 2), float32; needed only for materials with an alpha image.\n"
           "joint_count: how many joints move the vertices.\n"
-          "joints: shape (vertices, influences), uint16: the joints that each vertex follows, less than joint_count.\n"
+          "joints: shape (vertices, influences), uint16: the joints that each vertex follows, at most 16, less than "
+          "joint_count.\n"
           "joint_weights: shape (vertices, influences), float32, not negative; those of a vertex sum to 1.\n"
           "morph_targets: shape (targets, vertices, 3), float32, metres: by how much each target moves the vertices.\n"
           "deformation: at first; see Simulator.set_deformation().\n"

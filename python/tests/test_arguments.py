@@ -260,6 +260,7 @@ class Tensor:
         if how == "dlpack":
             names = {name: lambda self, *_, name=name, **__: getattr(array, name)() for name in ("__dlpack__",)}
             names["__dlpack_device__"] = lambda self: array.__dlpack_device__()
+        names["size"] = lambda self: array.shape
         self.__class__ = type("Tensor", (Tensor,), names)
 
 
@@ -270,7 +271,13 @@ def test_whatever_becomes_an_array_is_taken(how):
     assert pose.position == (1, 2, 3) and pose.orientation == pytest.approx((0, 0, 0.6, 0.8))
     assert gnosphere.Channel(origin=position).origin == (1, 2, 3)
     assert gnosphere.Transform(Tensor(np.eye(4), how)) == gnosphere.Transform()
-    assert np.array_equal(gnosphere.Mesh(Tensor(CORNERS, how), FACES, PARTS).positions, CORNERS)
+    weights = np.ones((len(CORNERS), 1))
+    mesh = gnosphere.Mesh(
+        Tensor(CORNERS, how), FACES, PARTS, joint_count=1, joints=0 * weights.astype(int), joint_weights=Tensor(weights, how)
+    )
+    assert np.array_equal(mesh.positions, CORNERS) and np.array_equal(mesh.joint_weights, weights)
+    with pytest.raises(gnosphere.Error, match="given together or not at all"):
+        gnosphere.Mesh(CORNERS, FACES, PARTS, joints=Tensor([], how), joint_weights=weights)
     with pytest.raises(TypeError, match=r"3 numbers \(x, y, z\) is wanted, not one of 4"):
         gnosphere.Pose(turn)
 
