@@ -54,17 +54,22 @@ void bindLayout(nb::module_& m) {
   nb::class_<RecordLayout::Value>(layout, "Value", "A value of a row. It is never changed after it is made.")
       .def(
           "__init__",
-          [](RecordLayout::Value* self, Field field, uint32_t component, size_t offset, ValueType type) {
-            new (self) RecordLayout::Value{field, component, offset, type};
+          [](RecordLayout::Value* self, Field field, uint32_t component, size_t offset, ValueType type, size_t stride) {
+            new (self) RecordLayout::Value{field, component, offset, type, stride};
           },
-          "field"_a.noconvert(), "component"_a = 0, "offset"_a = 0, nb::arg("type").noconvert() = ValueType::f32)
+          "field"_a.noconvert(), "component"_a = 0, "offset"_a = 0, nb::arg("type").noconvert() = ValueType::f32,
+          "stride"_a = 0)
       .def_ro("field", &RecordLayout::Value::field, "What the value is.")
       .def_ro("component", &RecordLayout::Value::component, "Which component of a vector, from 0 on.")
       .def_ro("offset", &RecordLayout::Value::offset, "Bytes from the start of the row; no alignment is needed.")
       .def_ro(
           "type", &RecordLayout::Value::type,
           "The field's own type, or a type that holds all of its values: f64 holds every type, f32 holds u8 and u16, "
-          "and an unsigned integer holds shorter unsigned integers.");
+          "and an unsigned integer holds shorter unsigned integers.")
+      .def_ro("stride", &RecordLayout::Value::stride,
+              "0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte "
+              "`offset` of the records, with a value every `stride` bytes. Only results that stay on a device have "
+              "columns.");
   layout
       .def(
           "__init__",
@@ -72,7 +77,7 @@ void bindLayout(nb::module_& m) {
             new (self) RecordLayout{std::move(values), stride, compact};
           },
           "values"_a = nb::make_tuple(), "stride"_a = 0, "compact"_a = false)
-      .def_rw("stride", &RecordLayout::stride, "Bytes from row to row.")
+      .def_rw("stride", &RecordLayout::stride, "Bytes from row to row; 0 if all values are in columns.")
       .def_rw("compact", &RecordLayout::compact,
               "If true, only entries with a return become rows; otherwise every entry of the scan does.")
       .def("empty", &RecordLayout::empty, "Whether it holds no value.")

@@ -3,6 +3,7 @@
 
 import gc
 import os
+import pickle
 import weakref
 
 import numpy as np
@@ -118,7 +119,11 @@ def test_an_array_keeps_its_memory(scene, request_of_normals, options):
 
 def test_memory_is_handed_out(scene, request_of_normals, options):
     stream = BatchStream(gnosphere.Simulator(scene, request_of_normals, options), views=2)
-    assert [value.field for value in stream.layout().values][:2] == [Field.range, Field.instance]
+    layout = stream.layout()
+    assert [value.field for value in layout.values][:2] == [Field.range, Field.instance] and layout.stride == 0
+    strides = {Field.range: 4, Field.instance: 4, Field.x: 12, Field.normal: 12, Field.class_id: 2}  # bytes
+    assert {value.field: value.stride for value in layout.values if value.field in strides} == strides
+    assert pickle.loads(pickle.dumps(layout)) == layout
     batch = stream.wait(stream.submit(poses(2, 0)))
     try:
         memory = stream.export_memory(batch.buffer)

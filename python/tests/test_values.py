@@ -83,7 +83,8 @@ def shot() -> gnosphere.Shot:
 
 
 def layout() -> gnosphere.RecordLayout:
-    return gnosphere.RecordLayout([gnosphere.RecordLayout.Value(Field.range, 0, 4)], 8, True)
+    column = gnosphere.RecordLayout.Value(Field.normal, 1, 64, stride=12)
+    return gnosphere.RecordLayout([gnosphere.RecordLayout.Value(Field.range, 0, 4), column], 8, True)
 
 
 def values(square: gnosphere.Mesh) -> list:
