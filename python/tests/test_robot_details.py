@@ -222,6 +222,12 @@ def test_axes_of_sdf_are_in_the_frame_of_their_joint_or_in_that_which_is_named(t
         np.testing.assert_allclose(robot.move({})[1, :, 3], origin + turned, atol=1e-9)
 
 
+def test_an_axis_of_sdf_without_a_direction_is_an_error(tmp_path):
+    for kind in ("revolute", "prismatic"):
+        with pytest.raises(ValueError, match="the axis of the joint 'j' is 0 0 0, which has no direction"):
+            sdf(tmp_path, link(BOX, "a") + link(BOX, "b") + joint(kind, "<xyz>0 0 0</xyz>"))
+
+
 def test_joints_of_sdf_that_hang_from_others(tmp_path):
     """Two turns about z, of which the first takes the second along."""
     links = link(BOX, "a") + "".join(

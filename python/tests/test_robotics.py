@@ -399,6 +399,20 @@ def test_a_joint_of_urdf_without_its_links(tmp_path, ends, sentence):
         robotics.load(file)
 
 
+@pytest.mark.parametrize("kind, refused", (("revolute", True), ("prismatic", True), ("fixed", False)))
+def test_a_joint_of_urdf_that_moves_needs_an_axis_with_a_direction(tmp_path, kind, refused):
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "m.urdf"
+    ends = '<parent link="a"/><child link="b"/><limit lower="0" upper="1" effort="1" velocity="1"/><axis xyz="0 0 0"/>'
+    joint = f'<joint name="j" type="{kind}">{ends}</joint>'
+    file.write_text(f'<robot name="m"><link name="a"/><link name="b"/>{joint}</robot>')
+    if refused:
+        with pytest.raises(ValueError, match="m.urdf: the axis of the joint 'j' is 0 0 0, which has no direction"):
+            robotics.load(file)
+    else:
+        assert not robotics.load(file).joint_limits
+
+
 def test_the_world_of_urdf_need_not_be_a_link(tmp_path):
     pytest.importorskip("yourdfpy")
     for world in ("", '<link name="world"/>'):

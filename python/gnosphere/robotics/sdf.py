@@ -225,13 +225,13 @@ class Reader:
                 frame = place @ poses.of(xyz.get("expressed_in", ""))
             elif _is_true(axis.findtext("use_parent_model_frame")):
                 frame = place
-            direction = numbers(xyz.text if xyz is not None else None, (0, 0, 1), f"the <xyz> of the joint '{name}'")
+            direction = xml_lidars.axis_of(xyz.text if xyz is not None else None, (0, 0, 1), name)
             direction = (at if frame is None else frame)[:3, :3] @ direction
             limit = axis.find("limit")
             low, high = number(limit, "lower", -math.inf), number(limit, "upper", math.inf)
             if abs(low) >= 1e16 or abs(high) >= 1e16 or kind == "continuous":
                 low, high = -math.inf, math.inf
-            made = Joint(kind == "prismatic", at[:3, 3], direction / np.linalg.norm(direction), (low, high))
+            made = Joint(kind == "prismatic", at[:3, 3], direction, (low, high))
             mimic = axis.find("mimic")
             if mimic is not None:
                 factor, reference = number(mimic, "multiplier", 1.0), number(mimic, "reference", 0.0)

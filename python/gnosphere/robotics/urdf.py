@@ -72,7 +72,8 @@ def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Ki
 
 
 def _check_joints(root: ET.Element) -> None:
-    """Raises ValueError if a joint joins what is no link of the robot. The link 'world' is there for all."""
+    """Raises ValueError if a joint joins what is no link of the robot, or moves along no axis. The link 'world' is there
+    for all."""
     links = {link.get("name") for link in root.findall("link")}
     if "world" not in links and root.find("joint/parent[@link='world']") is not None:
         ET.SubElement(root, "link", {"name": "world"})
@@ -84,6 +85,9 @@ def _check_joints(root: ET.Element) -> None:
             if link not in links:
                 missing = f"has no <{end}> link" if link is None else f"has the {end} '{link}', which is no link"
                 raise ValueError(f"the joint '{joint.get('name')}' {missing}")
+        axis = joint.find("axis")
+        if axis is not None and joint.get("type") in MOVING:
+            xml_lidars.axis_of(axis.get("xyz"), (1, 0, 0), joint.get("name"))
 
 
 def _resolve_mimics(joints: Any, parts: Parts) -> None:

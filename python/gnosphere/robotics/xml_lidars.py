@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""<sensor> elements of SDF, also inside <gazebo> of URDF; and the numbers and poses of their kind."""
+"""<sensor> elements of SDF, also inside <gazebo> of URDF; and the numbers, axes and poses of their kind."""
 
 from __future__ import annotations
 
@@ -31,6 +31,15 @@ def numbers(text: Optional[str], default: Any, what: str, counts: tuple[int, ...
     if not np.isfinite(values).all():
         raise ValueError(f"{what} is '{text.strip()}'; its numbers must be finite")
     return values
+
+
+def axis_of(text: Optional[str], default: tuple[float, float, float], joint: Optional[str]) -> Matrix:
+    """The unit vector along the axis of a joint. Raises ValueError if the text has no direction."""
+    axis = numbers(text, default, f"the axis of the joint '{joint}'")
+    if not axis.any():
+        raise ValueError(f"the axis of the joint '{joint}' is 0 0 0, which has no direction")
+    unit: Matrix = axis / np.linalg.norm(axis)
+    return unit
 
 
 def number(parent: Optional[ET.Element], name: str, default: float) -> float:
