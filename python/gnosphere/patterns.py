@@ -28,7 +28,7 @@ def grid(size: tuple[float, float], resolution: float, *, level: float = 0.0, al
     """
     if not (0 < resolution < math.inf and all(0 <= side < math.inf for side in size)):
         raise ValueError(f"size is {size} and resolution {resolution}; sides must be 0 m or more, and steps above 0 m")
-    if not level < altitude < math.inf:
+    if not -math.inf < level < altitude < math.inf:
         raise ValueError(f"level is {level}; it must be below altitude, {altitude}")
     x, y = np.meshgrid(*(np.arange(-side / 2, side / 2 + 1e-9, resolution) for side in size))
     ways = np.stack([x, y, np.full_like(x, level - altitude)], axis=-1).reshape(-1, 3)
@@ -89,10 +89,11 @@ def zones(columns: int, rows: int, horizontal_deg: float, vertical_deg: float) -
     horizontal_deg, vertical_deg: the angles that all zones cover together, in degrees.
 
     The x axis is the middle. A zone is a beam through its centre, whose divergence is the width and the height of the
-    zone; the effect `divergence` with the profile uniform and the shape rectangle has a zone's light. Scans are organised: the first row is
-    the highest, the first column the leftmost. All beams fire at once. Ranges end at 4 m; set range_min, range_max,
-    max_returns and scan_period of your sensor. Raises ValueError without zones, and for angles that are not above
-    0, or above 180 degrees. Raises Error for zones wider than 100 mrad, which are several beams each.
+    zone; the effect `divergence` with the profile uniform and the shape rectangle has a zone's light. Scans are
+    organised: the first row is the highest, the first column the leftmost. All beams fire at once. Ranges end at 4 m;
+    set range_min, range_max, max_returns and scan_period of your sensor. Raises ValueError without zones, and for
+    angles that are not above 0, or above 180 degrees. Raises Error for zones wider than 100 mrad, which are several
+    beams each.
     """
     if not (columns >= 1 and rows >= 1):
         raise ValueError(f"there are {columns} x {rows} zones; there must be one column and one row at least")

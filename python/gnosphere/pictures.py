@@ -101,6 +101,13 @@ def _require_beams(scan: Scan) -> None:
         raise ValueError("the scan has no beams, so there is no picture of it")
 
 
+def _points_of(scan: Scan) -> NDArray[np.float32]:
+    """The points of the returns."""
+    if len(scan.points) != len(scan.ranges):
+        raise ValueError("the scan is a cloud of ranges without points, so it cannot be seen from above")
+    return scan.points[~np.isnan(scan.ranges)]
+
+
 def range_image(scan: Scan, farthest: float | None = None) -> Pixels:
     """The ranges of the first returns, as beam_image() arranges them."""
     ranges = scan.ranges.reshape(-1, scan.returns)[:, 0]
@@ -108,9 +115,10 @@ def range_image(scan: Scan, farthest: float | None = None) -> Pixels:
 
 
 def from_above(scan: Scan, farthest: float | None = None, size: int = 400) -> Pixels:
-    """The points within the range `farthest`, seen from above: x up, y to the left, coloured by height."""
+    """The points within the range `farthest`, seen from above: x up, y to the left, coloured by height. Raises
+    ValueError for a cloud of ranges without points."""
     reach = farthest_of(scan) if farthest is None else farthest
-    points = scan.points[~np.isnan(scan.ranges)]
+    points = _points_of(scan)
     places = np.floor((1 - points[:, :2] / max(reach, 1e-9)) * size / 2).astype(int)
     inside = ((places >= 0) & (places < size)).all(axis=1)
     points, places = points[inside], places[inside]
@@ -154,13 +162,14 @@ def html_of(scan: Scan) -> str:
 def show(scan: Scan, field: str | Field = "range") -> Any:
     """Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a field.
     Returns the figure of Matplotlib, for savefig() and the like. Where no window stays open, Matplotlib keeps no
-    reference to it. Raises ValueError for a scan without beams, and for a field with several components.
+    reference to it. Raises ValueError for a scan without beams or points, and for a field with several components.
     """
     try:
         import matplotlib.pyplot as plt
     except ImportError:
         raise ImportError("Scan.show() draws with Matplotlib, which is not installed; pip install matplotlib") from None
     _require_beams(scan)
+    points = _points_of(scan)
     values = np.asarray(scan[field], float)
     field = field if isinstance(field, str) else field_info(field).name
     if values.ndim > 1:
@@ -173,7 +182,7 @@ def show(scan: Scan, field: str | Field = "range") -> Any:
     rows = (scan.channels, 0) if scan.first_row_on_top else (0, scan.channels)
     shown = beams.imshow(first, aspect="auto", interpolation="nearest", extent=(*columns, *rows))
     beams.set(title=f"{scan.sensor}: {field}", xlabel="column", ylabel="channel")
-    above.scatter(*scan.points[returned].T[:2], c=values[returned], s=0.5, norm=shown.norm)
+    above.scatter(*points.T[:2], c=values[returned], s=0.5, norm=shown.norm)
     above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     figure.colorbar(shown, ax=[beams, above], label=field)
     plt.show()

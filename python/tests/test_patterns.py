@@ -63,8 +63,9 @@ def test_impossible_grids_are_refused():
     for size, resolution in (((1, -1), 0.1), ((1, 1), 0.0), ((1, 1), -0.1), ((1, math.inf), 0.1), ((1, 1), math.nan)):
         with pytest.raises(ValueError, match="resolution"):
             patterns.grid(size, resolution)
-    with pytest.raises(ValueError, match="below altitude"):
-        patterns.grid(SIZE, RESOLUTION, level=20)
+    for level in (20, math.nan, -math.inf):
+        with pytest.raises(ValueError, match="below altitude"):
+            patterns.grid(SIZE, RESOLUTION, level=level)
     assert patterns.grid((0, 0), 0.1).beam_count() == 1
 
 

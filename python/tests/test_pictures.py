@@ -224,6 +224,17 @@ def test_there_is_no_picture_of_a_scan_without_beams():
     assert (pictures.from_above(scan, 5.0) == pictures.NOTHING).all() and "<img" not in scan._repr_html_()
 
 
+def test_a_cloud_of_ranges_alone_is_not_seen_from_above(tmp_path):
+    gnosphere.write_cloud(scan_of(box((9, 9, 9)), listed([0, 1], 0)), tmp_path / "a.npy", gnosphere.CloudOptions("range"))
+    scan = gnosphere.read_cloud(tmp_path / "a.npy")
+    assert pictures.range_image(scan).shape == (128, 2, 3) and "<img" in scan._repr_html_()
+    with pytest.raises(ValueError, match="ranges without points, so it cannot be seen from above"):
+        pictures.from_above(scan)
+    pytest.importorskip("matplotlib")
+    with pytest.raises(ValueError, match="ranges without points"):
+        scan.show()
+
+
 def test_a_shown_figure_is_returned_and_not_kept(monkeypatch, tmp_path):
     plt = pytest.importorskip("matplotlib.pyplot")
     plt.switch_backend("agg")
