@@ -36,7 +36,7 @@ struct Plan {
     std::vector<Statistic> statistics = {};
   };
   struct Stage {
-    std::string name;                 ///< project, bin, resolve, effects
+    std::string name;                 ///< project, bin, resolve, effects, records
     uint32_t dispatches = 0;          ///< largest number of dispatches in one submission
     std::vector<Pipeline> pipelines;  ///< empty if the host computes the stage
   };

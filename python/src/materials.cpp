@@ -16,7 +16,9 @@ void bindMaterials(nb::module_& m) {
 
   auto table = nb::class_<MaterialTable>(m, "MaterialTable",
                                          "Optical properties by material name, which override those of the scene's "
-                                         "materials. It is never changed after it is made.");
+                                         "materials. A stated reflectance is that of a Lambertian surface; if the row "
+                                         "states a roughness, too, the gloss of the scene's material is added. It is "
+                                         "never changed after it is made.");
   nb::class_<MaterialTable::Row>(table, "Row",
                                  "A negative value means not stated. A row is never changed after it is made.")
       .def(
@@ -64,8 +66,10 @@ void bindMaterials(nb::module_& m) {
         return tupleOf(optics);
       },
       "scene"_a, "table"_a, "wavelength"_a, "unused"_a = nb::none(),
-      "Returns the optics of every material of the scene at `wavelength` (nm). Names in the table that no material has "
-      "are appended to the list `unused`, if given.");
+      "Returns the optics of every material of the scene at `wavelength`, 905 or 1550 nm. Names in the table that no "
+      "material has are appended to the list `unused`, if given. Raises Error(invalid_argument) for another "
+      "wavelength, if a value of the table is NaN or beyond its limit, and if names in the table differ in case "
+      "alone.");
 }
 
 }  // namespace gnosphere::python

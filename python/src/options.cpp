@@ -59,8 +59,8 @@ void bindShot(nb::module_& m) {
   auto motion = nb::class_<SensorMotion>(
       m, "SensorMotion",
       "How the sensor moves during a scan: poses at times after its start. Between stamps the position is interpolated "
-      "linearly and the orientation by slerp; before the first and after the last stamp the pose is constant. It is "
-      "never changed after it is made.");
+      "linearly and the orientation by slerp; before the first and after the last stamp the pose is constant, and "
+      "speeds are those of the nearest interval. It is never changed after it is made.");
   nb::class_<SensorMotion::Stamp>(motion, "Stamp", "It is never changed after it is made.")
       .def(
           "__init__",
@@ -74,11 +74,15 @@ void bindShot(nb::module_& m) {
       "__init__",
       [](SensorMotion* self, std::vector<SensorMotion::Stamp> stamps) { new (self) SensorMotion{std::move(stamps)}; },
       "stamps"_a = nb::make_tuple());
-  readTuple(motion, "stamps", &SensorMotion::stamps, "If empty, the sensor stands still.");
+  readTuple(
+      motion, "stamps", &SensorMotion::stamps,
+      "If empty, the sensor stands still. Several stamps, all before the first or after the last beam, are refused.");
 
   nb::class_<InstanceMotion>(m, "InstanceMotion",
                              "How an instance moves during a scan: from its own transform at the start to `end`, "
-                             "Sensor.rotation_period later. It is never changed after it is made.")
+                             "Sensor.rotation_period later, or for a list without a rotation period at the time of its "
+                             "last beam. Vertices move along straight lines at constant speed. A shot has at most one "
+                             "for each instance. It is never changed after it is made.")
       .def(
           "__init__",
           [](InstanceMotion* self, size_t instance, const MapLike& end) {
@@ -89,9 +93,10 @@ void bindShot(nb::module_& m) {
       .def_ro("end", &InstanceMotion::end, "Its transform when the scan ends.");
 
   nb::class_<MeshMotion>(m, "MeshMotion",
-                         "How a deformable mesh moves during a scan: from its deformation at the start to `end`, "
-                         "Sensor.rotation_period later. Vertices move along straight lines at constant speed, those of "
-                         "every instance of the mesh. It is never changed after it is made.")
+                         "How a deformable mesh moves during a scan: from its deformation at the start to `end`, as "
+                         "InstanceMotion does. Vertices move along straight lines at constant speed, those of every "
+                         "instance of the mesh. A shot has at most one for each mesh. It is never changed after it is "
+                         "made.")
       .def(
           "__init__",
           [](MeshMotion* self, size_t mesh, const Deformation& end) {
@@ -121,12 +126,16 @@ void bindShot(nb::module_& m) {
       "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
       "world"_a = 0, "ignored_instances"_a = nb::make_tuple());
   readWriteWhole(shot, "sensor", &Shot::sensor, "Index of the sensor.");
-  readWriteWhole(shot, "frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
+  readWriteWhole(shot, "frame", &Shot::frame,
+                 "Frame number: part of the key of the random numbers, and of a list the number of the pattern.");
   readWriteWhole(shot, "world", &Shot::world,
                  "The shot sees the instances of this world and those of world 0, as if there were no others.");
   readWriteCopy(shot, "pose", &Shot::pose,
                 "Of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose.");
-  readWriteCopy(shot, "motion", &Shot::motion, "How the sensor moves during the scan.");
+  readWriteCopy(
+      shot, "motion", &Shot::motion,
+      "How the sensor moves during the scan; ignored, with a scan from `pose`, where Effects.sensor_motion is not "
+      "planned: see the plan.");
   readWriteCopy(shot, "weather", &Shot::weather,
                 "If given, replaces the fog, rain, snow and volumes of the sensor's Effects.");
   readWriteTuple(shot, "instance_motions", &Shot::instanceMotions, "A tuple of copies, assigned whole.");

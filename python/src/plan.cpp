@@ -5,10 +5,9 @@
 namespace gnosphere::python {
 
 void bindPlan(nb::module_& m) {
-  auto plan = nb::class_<Plan>(
-      m, "Plan",
-      "Describes what a scan of one sensor computes, and why. An effect, field or buffer that is not listed costs "
-      "nothing.");
+  auto plan = nb::class_<Plan>(m, "Plan",
+                               "Describes what a scan of one sensor computes, or several scans together, and why. An "
+                               "effect, field or buffer that is not listed costs nothing.");
   nb::class_<Plan::Decision>(plan, "Decision", "Whether an effect is in, and why.")
       .def_ro("effect", &Plan::Decision::effect, "One of effect_names().")
       .def_ro("request", &Plan::Decision::request, "What the sensor asked for: off, on or automatic.")
@@ -23,7 +22,8 @@ void bindPlan(nb::module_& m) {
                               "A number that the driver's compiler reports of a pipeline, with the driver's name.")
       .def_ro("name", &Plan::Statistic::name, "What the driver calls it.")
       .def_ro("value", &Plan::Statistic::value, "As the driver writes it.");
-  nb::class_<Plan::Commands>(plan, "Commands", "What the device executes for one scan, at most.")
+  nb::class_<Plan::Commands>(plan, "Commands",
+                             "Commands that the device executes for one submission: the largest number of each.")
       .def_ro("dispatches", &Plan::Commands::dispatches, "Runs of a kernel.")
       .def_ro("fills", &Plan::Commands::fills, "Arrays set to a value.")
       .def_ro("copies", &Plan::Commands::copies, "Copies between arrays.")
@@ -38,8 +38,8 @@ void bindPlan(nb::module_& m) {
   readTuple(pipeline, "statistics", &Plan::Pipeline::statistics,
             "What the driver's compiler says; with compile_only, and if it reports anything.");
   auto stage = nb::class_<Plan::Stage>(plan, "Stage", "What a stage of the scan runs.");
-  stage.def_ro("name", &Plan::Stage::name, "project, bin, resolve, effects")
-      .def_ro("dispatches", &Plan::Stage::dispatches, "Largest number of dispatches in one scan.");
+  stage.def_ro("name", &Plan::Stage::name, "project, bin, resolve, effects, records")
+      .def_ro("dispatches", &Plan::Stage::dispatches, "Largest number of dispatches in one submission.");
   readTuple(stage, "pipelines", &Plan::Stage::pipelines, "Empty if the host computes the stage.");
   nb::class_<Plan::Buffer>(plan, "Buffer", "An array on the device.")
       .def_ro("name", &Plan::Buffer::name, "What it holds.")
@@ -51,7 +51,10 @@ void bindPlan(nb::module_& m) {
   readTuple(plan, "buffers", &Plan::buffers, "Buffers of this sensor on the device.");
   plan.def_ro("binning", &Plan::binning, "nearest, lists or slabs")
       .def_ro("returns", &Plan::returns, "Returns per beam.")
-      .def_ro("views", &Plan::views, "Scans that one submission makes together: as many as were asked for, or as fit.")
+      .def_ro(
+          "views", &Plan::views,
+          "Scans that one submission makes together: as many as were asked for, or fewer if not so many fit, or 1 if "
+          "scans of the sensor are made one by one.")
       .def_ro("commands", &Plan::commands, "All 0 if the host makes the scans.")
       .def("bytes", &Plan::bytes, "Sum over `buffers`.")
       .def("dispatches", &Plan::dispatches, "Sum over `stages`.")

@@ -105,11 +105,11 @@ void bindFields(nb::module_& m) {
       .value("width", Field::width, "float32, m, width of the echo: full width at half maximum (s) times c / 2")
       .value("normal", Field::normal, "3 float32, unit vector in the sensor frame, pointing towards the sensor")
       .value("incidence", Field::incidence,
-             "float32, rad, angle between beam and normal; 0 for a surface square to the beam")
+             "float32, rad, angle between the nominal beam and the normal; 0 for a surface square to the beam")
       .value("material", Field::material, "uint32, index into Scene.materials")
       .value("barycentrics", Field::barycentrics,
              "2 float32, weights of the triangle's second and third corner; on a device NaN with a footprint, and for "
-             "beams that meet a pane")
+             "beams that meet a pane: their echoes are sums over several places")
       .value("class_id", Field::classId,
              "uint16, the surface's Material.class_id, else Instance.class_id, when the scan was made; 0 for none")
       .value("velocity", Field::velocity, "3 float32, m/s: the surface relative to the world, in sensor axes")
@@ -223,7 +223,7 @@ void bindCounters(nb::module_& m) {
 
   nb::class_<StageTime> stage(m, "StageTime", "The time of one stage of a scan.");
   bindState<&StageTime::name, &StageTime::ms>(stage);
-  stage.def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")
+  stage.def_ro("name", &StageTime::name, "'project', 'bin', 'resolve', 'effects' or 'records'.")
       .def_ro("ms", &StageTime::ms, "Milliseconds.");
   auto timings =
       nb::class_<Timings>(m, "Timings",

@@ -242,14 +242,17 @@ void bindSensorFiles(nb::module_& m) {
               "returns; of a grid with as many channels also the columns, the rotation, the firing times, and the "
               "origins if they have none; of a list the beams per scan. Other files take the range at 10 % and the "
               "divergence that they do not state.")
-      .def_rw("mode", &SensorFileOptions::mode,
-              "One of several that a file describes: a lidar mode (Ouster), the id of a scanner (HELIOS++), with "
-              "':RATE' for its pulses a second if wanted, a sensor's id (CARLA), an operational state (firing times of "
-              "Hesai). If empty, that of the file, or its first.")
+      .def_rw(
+          "mode", &SensorFileOptions::mode,
+          "One of several that a file describes: a lidar mode (Ouster), the name of a sensor (SDF), the id of a "
+          "scanner (HELIOS++), with ':RATE' for its pulses a second if wanted, or of a lidar (CARLA), an operational "
+          "state (firing times of Hesai). If empty, that of the file, or its first.")
       .def_rw("scan_rate", &SensorFileOptions::scanRate,
-              "Scans per second; if 0, what the file or the head states, or else 10.")
-      .def_rw("columns", &SensorFileOptions::columns,
-              "Columns of a turn; if 0, what the file or the head states, or else 1800.")
+              "Scans per second; if 0, what the file or the head states, or else 10. Of a mirror that sweeps lines "
+              "(HELIOS++) a scan is one period if this is 0.")
+      .def_rw(
+          "columns", &SensorFileOptions::columns,
+          "Columns of a turn, or pulses in a mirror's period; if 0, what the file or the head states, or else 1800.")
       .def_rw("beams_per_scan", &SensorFileOptions::beamsPerScan,
               "Cuts a list of beams into patterns of that many; if 0, a scan fires all of them.")
       .def_prop_rw(
