@@ -2,7 +2,7 @@
 """What stands between a physics or graphics engine and GnoSphere: shapes in, poses per frame in, arrays out.
 
 An adapter of an engine collects its shapes once (`Shapes`), says in each frame where they are (`Lidar.move`), and scans
-by a Shot (`Lidar.cast`). See gnosphere.mujoco, and the modules of gnosphere.engines, which are about 50 lines each.
+by a Shot (`Lidar.cast`). See gnosphere.mujoco, and the modules of gnosphere.engines, about 100 lines each.
 """
 
 from __future__ import annotations
