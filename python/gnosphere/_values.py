@@ -43,7 +43,7 @@ def _reduce(self: Any) -> tuple[Any, ...]:
 def _same(one: Any, other: Any) -> bool:
     if hasattr(one, "dtype"):
         return hasattr(other, "dtype") and np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
-    if isinstance(one, tuple) and isinstance(other, tuple):
+    if isinstance(one, (tuple, list)) and isinstance(other, (tuple, list)):
         return len(one) == len(other) and all(map(_same, one, other))
     return bool(one == other or (one != one and other != other))
 
@@ -63,7 +63,7 @@ def _key(value: Any) -> Any:
         if value.dtype.kind == "f":
             value = np.where(np.isnan(value), np.nan, value) + 0  # NaNs have many bytes, and 0 has those of -0, too
         return value.shape, value.tobytes()
-    if isinstance(value, tuple):
+    if isinstance(value, (tuple, list)):
         return tuple(map(_key, value))
     return value if value == value else "NaN"
 

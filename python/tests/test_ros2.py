@@ -29,6 +29,10 @@ def test_messages_and_settings_are_values():
     assert odometry.child_frame == "base_link" and odometry.linear_velocity == (4, 0, 0)
     assert list(odometry.twist_covariance) == [0] * 36
     assert copy.deepcopy(ros2.Clock(5)) == ros2.Clock(5) != ros2.Clock(6)
+    assert hash(copy.deepcopy(imu)) == hash(imu) and len({odometry, copy.deepcopy(odometry)}) == 1
+    laser = ros2.LaserScan()
+    laser.ranges = [float("nan"), 2]
+    assert copy.deepcopy(laser) == laser != ros2.LaserScan()
 
 
 @needs_wire
