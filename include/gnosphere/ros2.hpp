@@ -197,8 +197,9 @@ GNOSPHERE_API bool hasLaserScan(const Sensor& sensor, uint32_t channel = 0);
 
 /// Returns the first returns of one channel, from the first column to the last. A beam without a return is +inf, as REP
 /// 117 wants it. A beam that the sensor masks is NaN. With Field::cause, -inf is a beam that a surface nearer than its
-/// least range blocks (NearHits::hide), and NaN also one that is dead or whose return was lost at random. Throws
-/// Error(invalidArgument) for a channel that there is not, for a scan of another sensor, and unless hasLaserScan().
+/// least range blocks (NearHits::hide), and NaN also one that is dead, whose return was lost at random, or whose echoes
+/// Effects::Returns::mode does not choose. Throws Error(invalidArgument) for a channel that there is not, for a scan of
+/// another sensor, and unless hasLaserScan().
 GNOSPHERE_API LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
                                     int64_t stamp);
 

@@ -342,10 +342,9 @@ void bindRos2(nb::module_& parent) {
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a,
       "The first returns of one channel, from the first column to the last; `stamp` is in nanoseconds. A beam without "
       "a return is inf, as REP 117 wants it. A beam that the sensor masks is NaN. With the field cause, -inf is a beam "
-      "that a surface nearer than its least range blocks (NearHits.hide), and NaN also one that is dead or whose "
-      "return "
-      "was lost at random. Raises Error(invalid_argument) for a channel "
-      "that there is not, for a scan of another sensor, and unless has_laser_scan().");
+      "that a surface nearer than its least range blocks (NearHits.hide), and NaN also one that is dead, whose return "
+      "was lost at random, or whose echoes Effects.Returns.mode does not choose. Raises Error(invalid_argument) for a "
+      "channel that there is not, for a scan of another sensor, and unless has_laser_scan().");
 }
 
 }  // namespace gnosphere::python
