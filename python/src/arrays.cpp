@@ -22,7 +22,7 @@ std::string text(nb::handle object) {
 /// The type and the message of an exception as one line, without the traceback that what() has.
 std::string lineOf(const nb::python_error& error) {
   const std::string message = text(error.value());
-  return nb::cast<std::string>(error.type().attr("__name__")) + ": " + message.substr(0, message.find('\n'));
+  return typeName(error.type()) + ": " + message.substr(0, message.find('\n'));
 }
 
 /// Makes an array of shape (n, 4, 4) one of shape (n, 3, 4), which lacks the last rows. Throws Error(invalidArgument)
@@ -178,9 +178,9 @@ Transform transformOf(const ArrayLike& argument, const std::string& name) {
 MapLike mapLikeOf(nb::handle argument) {
   if (nb::isinstance<Transform>(argument)) return {complete<Transform>(argument)};
   if (!isSequenceOfObjects(argument) && !nb::hasattr(argument, "shape") && !isArray(argument.ptr()))
-    throw nb::type_error(("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not a " +
-                          nb::cast<std::string>(argument.type().attr("__name__")))
-                             .c_str());
+    throw nb::type_error(
+        ("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not a " + typeName(argument.type()))
+            .c_str());
   return {transformOf({nb::borrow(argument)}, "transform")};
 }
 

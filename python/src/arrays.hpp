@@ -90,7 +90,6 @@ bool firstIs(nb::handle argument) {
 /// and names the first entry of another type.
 template <typename T>
 std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
-  const auto nameOf = [](nb::handle type) { return nb::cast<std::string>(type.attr("__name__")); };
   const nb::object sequence = numberedFromZero(argument);
   std::vector<T> entries;
   const size_t size = nb::len(sequence);
@@ -98,8 +97,8 @@ std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
   for (size_t i = 0; i < size; ++i) {
     const nb::object entry = sequence[nb::int_(i)];
     if (!nb::isinstance<T>(entry))
-      throw nb::type_error((name + ": entry 0 is of the type " + nameOf(nb::type<T>()) + ", but entry " +
-                            std::to_string(i) + " of the type " + nameOf(entry.type()) + "; all must be of one type")
+      throw nb::type_error((name + ": entry 0 is of the type " + typeName(nb::type<T>()) + ", but entry " +
+                            std::to_string(i) + " of the type " + typeName(entry.type()) + "; all must be of one type")
                                .c_str());
     entries.push_back(complete<T>(entry));
   }

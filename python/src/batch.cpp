@@ -46,12 +46,6 @@ nb::object columnOfBatch(const SharedBatch& self, Field field) {
   return arrayOfType(info.type, [&]<typename T>() { return columnOf<T>(self, field, info.components); });
 }
 
-template <typename T>
-void readMember(nb::class_<SharedBatch>& type, const char* name, T Batch::*member, const char* doc) {
-  type.def_prop_ro(
-      name, [member](const SharedBatch& self) -> T { return (*self.value).*member; }, doc);
-}
-
 }  // namespace
 
 void bindBatch(nb::module_& m) {

@@ -50,11 +50,15 @@ void bindCommandLine(nb::module_& m);
   throw Error(ErrorCode::invalidArgument, sentence);
 }
 
+inline std::string typeName(nb::handle type) {
+  return nb::cast<std::string>(type.attr("__name__"));
+}
+
 /// What an object of a class of ours, or of one derived from it, holds. Throws a TypeError if it was not made.
 template <typename T>
 const T& complete(nb::handle object) {
   if (nb::inst_ready(object)) return nb::cast<const T&>(object);
-  const auto name = nb::cast<std::string>(object.type().attr("__name__"));
+  const std::string name = typeName(object.type());
   throw nb::type_error(
       ("an object of the class " + name + " was not made: " + name + ".__init__() must call super().__init__()")
           .c_str());

@@ -9,10 +9,6 @@
 namespace gnosphere::python {
 namespace {
 
-std::string typeOf(nb::handle object) {
-  return nb::cast<std::string>(object.type().attr("__name__"));
-}
-
 /// A text of Python, in which lone surrogates, which UTF-8 does not have, are escaped as in Python's source.
 std::string textOf(nb::handle object) {
   const nb::object bytes = nb::steal(PyUnicode_AsEncodedString(object.ptr(), "utf-8", "backslashreplace"));
@@ -29,7 +25,7 @@ FieldList fieldListOf(nb::handle argument) {
     return list;
   }
   if (!PySequence_Check(argument.ptr()) || nb::isinstance<nb::bytes>(argument))
-    throw nb::type_error(("fields is a " + typeOf(argument) +
+    throw nb::type_error(("fields is a " + typeName(argument.type()) +
                           "; it must be a sequence of Field or of their names, or a text such as 'intensity,class'")
                              .c_str());
   for (const nb::handle item : nb::borrow<nb::object>(argument)) {
@@ -40,7 +36,8 @@ FieldList fieldListOf(nb::handle argument) {
       list.fields.push_back(field);
     } else {
       throw nb::type_error(
-          ("fields holds a " + typeOf(item) + "; it must hold Field or names of fields, such as 'intensity'").c_str());
+          ("fields holds a " + typeName(item.type()) + "; it must hold Field or names of fields, such as 'intensity'")
+              .c_str());
     }
   }
   return list;
@@ -58,7 +55,7 @@ std::optional<Field> findFieldOf(nb::handle object) {
   if (nb::isinstance<nb::str>(object)) return findField(textOf(object));
   if (nb::isinstance<Field>(object)) return nb::cast<Field>(object);
   throw nb::type_error(
-      ("a field is a Field or the name of one, such as 'intensity', and not a " + typeOf(object)).c_str());
+      ("a field is a Field or the name of one, such as 'intensity', and not a " + typeName(object.type())).c_str());
 }
 
 }  // namespace gnosphere::python

@@ -29,10 +29,6 @@ std::string snakeCase(const std::string& word) {
   return result;
 }
 
-std::string classNameOf(nb::handle type) {
-  return nb::cast<std::string>(type.attr("__name__"));
-}
-
 /// The names of the properties of a class, in the order in which they were defined.
 std::vector<std::string> propertiesOf(nb::handle type) {
   std::vector<std::string> names;
@@ -119,7 +115,7 @@ void setProperty(nb::handle object, const std::string& name, nb::handle value) {
   const nb::handle type = object.type();
   const std::vector<std::string> known = propertiesOf(type);
   if (std::ranges::find(known, name) == known.end())
-    throw nb::type_error((classNameOf(type) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
+    throw nb::type_error((typeName(type) + " has no '" + name + "'; " + nearestText(name, known)).c_str());
   nb::setattr(object, name.c_str(), value);  // gnosphere/_properties.py says what is wrong
 }
 
@@ -128,7 +124,7 @@ void checkPositional(nb::handle type, size_t given, size_t taken) {
   const std::string allowed =
       taken == 0 ? "its properties by their names alone"
                  : "at most " + std::to_string(taken) + " arguments without a name, not " + std::to_string(given);
-  throw nb::type_error((classNameOf(type) + " takes " + allowed).c_str());
+  throw nb::type_error((typeName(type) + " takes " + allowed).c_str());
 }
 
 }  // namespace gnosphere::python

@@ -65,7 +65,7 @@ Enum chosen(const Choice<Enum>& choice, const std::string& what) {
 /// Defines a property that is a choice, to which a name can be assigned, too.
 template <typename Class, typename Enum>
 void readWriteChoice(nb::class_<Class>& type, const char* name, Enum Class::*member, const char* doc) {
-  const std::string what = nb::cast<std::string>(type.attr("__name__")) + ": " + name;
+  const std::string what = typeName(type) + ": " + name;
   type.def_prop_rw(
       name, [member](const Class& self) { return self.*member; },
       [member, what](Class& self, const Choice<Enum>& given) { self.*member = chosen(given, what); }, doc);
@@ -104,8 +104,9 @@ void bindRow(nb::class_<Class>& type, const char* name, const Parameter<Owner>& 
   if (const auto* text = std::get_if<TextParameter<Owner>>(&parameter.kind)) member(*text);
   if (const auto* count = std::get_if<CountParameter<Owner>>(&parameter.kind))
     define(std::type_identity<Whole>(), count->get,
-           [count, what = nb::cast<std::string>(type.attr("__name__")) + ": " + name](
-               Owner& owner, const Whole& value) { count->set(owner, value.within(count->min, count->max, what)); });
+           [count, what = typeName(type) + ": " + name](Owner& owner, const Whole& value) {
+             count->set(owner, value.within(count->min, count->max, what));
+           });
 }
 
 /// Defines the properties of the rows of a group of options, such as "tuning.culling.".

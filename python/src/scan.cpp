@@ -239,13 +239,6 @@ void bindCounters(nb::module_& m) {
   readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
 }
 
-/// Defines a property that reads a copy of a member of the Scan.
-template <typename T>
-void readMember(nb::class_<SharedScan>& type, const char* name, T Scan::*member, const char* doc) {
-  type.def_prop_ro(
-      name, [member](const SharedScan& self) -> T { return (*self.value).*member; }, doc);
-}
-
 /// Defines a property that views an array of the Scan.
 template <typename T>
 void readArray(nb::class_<SharedScan>& type, const char* name, std::vector<T> Scan::*array, const char* doc) {

@@ -26,6 +26,13 @@ struct Shared {
 
 using SharedScan = Shared<Scan>;
 
+/// Defines a property that reads a copy of a member of the result.
+template <typename Result, typename T>
+void readMember(nb::class_<Shared<Result>>& type, const char* name, T Result::*member, const char* doc) {
+  type.def_prop_ro(
+      name, [member](const Shared<Result>& self) -> T { return (*self.value).*member; }, doc);
+}
+
 /// A Python object that keeps a result.
 template <typename Result>
 nb::capsule keeperOf(const Shared<Result>& self) {

@@ -33,7 +33,7 @@ struct Whole {
 /// Defines a property that is a whole number. Its name in messages is that of the class and its own.
 template <typename Class, typename T>
 void readWriteWhole(nb::class_<Class>& type, const char* name, T Class::*member, const char* doc) {
-  const std::string what = nb::cast<std::string>(type.attr("__name__")) + ": " + name;
+  const std::string what = typeName(type) + ": " + name;
   type.def_prop_rw(
       name, [member](const Class& self) { return self.*member; },
       [member, what](Class& self, const Whole& value) { self.*member = value.of<T>(what); }, doc);
