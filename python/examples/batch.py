@@ -19,9 +19,7 @@ random = np.random.default_rng(1)
 
 
 def mesh(triangles: tuple[np.ndarray, np.ndarray]) -> gnosphere.Mesh:
-    vertices, faces = triangles
-    part = gnosphere.MeshPart(0, len(faces), material=0)
-    return gnosphere.Mesh(np.asarray(vertices, np.float32), np.asarray(faces, np.uint32), [part])
+    return gnosphere.Mesh(*triangles, parts=[gnosphere.MeshPart(0, len(triangles[1]), material=0)])
 
 
 # Beams from above down to 17 x 11 points that are 0.1 m apart on level ground 0.6 m below the robot's base.

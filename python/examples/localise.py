@@ -4,14 +4,13 @@
 Each step scans the town from all poses in one batch, and compares their ranges with those of the vehicle's own scan.
 """
 
-import struct
 import sys
-import zlib
+from pathlib import Path
 
 import numpy as np
 
 import gnosphere
-from gnosphere import Effects, SensorRequest
+from gnosphere import Effects, SensorRequest, pictures
 
 particles, steps = 500, 8
 random = np.random.default_rng(4)
@@ -59,7 +58,8 @@ for step in range(steps):
     guess[:, :2] += forward
 
 # Steps side by side, from above: the map in grey, particles in red, the truth in green; 40 x 40 m at 0.1 m.
-points = simulator.scan_batch(poses(drawn[0][1] + np.random.default_rng(2).normal(0, 4, (60, 3)) * (1, 1, 1.5)))
+states = drawn[0][1] + np.random.default_rng(2).normal(0, 4, (60, 3)) * (1, 1, 1.5)
+points = simulator.scan_batch(poses(states))
 size, shown = 400, [0, 1, 3, steps - 1]
 image = np.full((size, len(shown) * (size + 4), 3), 255, np.uint8)
 for panel in range(len(shown)):
@@ -78,7 +78,6 @@ def draw(panel: int, centre: np.ndarray, xy: np.ndarray, colour: tuple[int, int,
 
 seen = points.points.reshape(-1, 3)
 views = np.repeat(np.arange(points.views), points.beams)
-states = drawn[0][1] + np.random.default_rng(2).normal(0, 4, (60, 3)) * (1, 1, 1.5)
 heading = states[views, 2]
 turned = np.stack(
     [np.cos(heading) * seen[:, 0] - np.sin(heading) * seen[:, 1], np.sin(heading) * seen[:, 0] + np.cos(heading) * seen[:, 1]],
@@ -91,9 +90,4 @@ for panel, step in enumerate(shown):
     draw(panel, true, guesses, (200, 30, 30), 1)
     draw(panel, true, true[None], (0, 140, 60), 3)
 
-rows = b"".join(b"\0" + row.tobytes() for row in image)
-chunks = [(b"IHDR", struct.pack(">IIBBBBB", image.shape[1], size, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b"")]
-with open("localise.png", "wb") as file:
-    file.write(b"\x89PNG\r\n\x1a\n")
-    for name, data in chunks:
-        file.write(struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)))
+Path("localise.png").write_bytes(pictures.png(image))

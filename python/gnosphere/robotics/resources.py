@@ -16,7 +16,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from .. import _gnosphere as gno
-from .. import primitives
+from .. import adapter, primitives
 from .robot_scene import Matrix, Parts
 
 OURS = (".obj", ".stl", ".ply", ".gltf", ".glb")
@@ -113,18 +113,10 @@ class Resources:
 
     def _joined(self, pieces: list[Piece], color: Any, name: str) -> int:
         shapes = self.parts.shapes
-        vertices, faces, materials, count = [], [], [], 0
-        for piece in pieces:
-            corners, triangles = piece.triangles
-            if color is not None:
-                number = shapes.material(*color)
-            else:
-                number = shapes.material(piece.color or (0.5, 0.5, 0.5, 1.0), piece.material)
-            vertices.append(corners)
-            faces.append(triangles + np.uint32(count))
-            materials.append(np.full(len(triangles), number))
-            count += len(corners)
-        return shapes.mesh((np.concatenate(vertices), np.concatenate(faces)), np.concatenate(materials), name)
+        looks = [color or (piece.color or (0.5, 0.5, 0.5, 1.0), piece.material) for piece in pieces]
+        materials = [shapes.material(*look) for look in looks]
+        of_faces = np.repeat(materials, [len(piece.triangles[1]) for piece in pieces])
+        return shapes.mesh(adapter.joined((piece.triangles for piece in pieces), name), of_faces, name)
 
     def _read(self, path: Path) -> list[Piece]:
         if path not in self._pieces:
