@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Copying, pickling and comparing what a constructor makes of keywords, as sensors, effects, poses and scenes.
+"""Copies, pickles and compares objects that are made of keywords, such as sensors, effects, poses and scenes.
 
 An object is its properties: those that the constructor takes, and those that can be assigned. Results and simulators
 hold memory of a device or of the library instead, so they are not copied. Answers, such as a DeviceInfo or a Plan, are

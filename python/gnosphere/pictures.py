@@ -188,11 +188,11 @@ def show(scan: Scan, field: str | Field = "range") -> Any:
     plt.show()
     if not plt.isinteractive():  # else the window is open, and a notebook has closed the figure that it has drawn
         plt.close(figure)
-    _leave_out_echo(figure)
+    _draw_once(figure)
     return figure
 
 
-def _leave_out_echo(figure: Any) -> None:
+def _draw_once(figure: Any) -> None:
     """Keeps a notebook from drawing the figure a second time where it is what the cell ends with."""
     python = sys.modules.get("IPython")
     shell = python and python.get_ipython()

@@ -10,7 +10,7 @@
 
 namespace gnosphere::python {
 
-/// The fields of a result, of which has(field) says whether it has them, in the order of the enumeration.
+/// The fields for which has(field) is true, in the order of the enumeration.
 template <typename Has>
 std::vector<Field> fieldsWith(const Has& has) {
   std::vector<Field> fields;

@@ -38,8 +38,9 @@ def _triangles(geom: Any) -> primitives.Triangles:
 
 
 def _shown(path: Any) -> bool:
-    """Whether cameras see the node of a NodePath: the lowest node on its way that says so says that it is shown, and
-    those that show one of their children show the way to it. A LODNode shows its finest level."""
+    """Whether cameras see the node of a NodePath. The nearest node, itself or above it, that states whether it is shown
+    decides, and every node above it that shows only one child must show the one on the way to it. A LODNode shows its
+    finest level."""
     way = list(path.getAncestors())  # the node itself is the first
     all_cameras = core.PandaNode.getOverallBit()
     for node in (above.node() for above in way):

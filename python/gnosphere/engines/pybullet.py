@@ -62,7 +62,7 @@ class Lidar(adapter.Lidar):
         return [size for _, _, kind, size, *_ in shapes if kind == pb.GEOM_PLANE]
 
     def _upright(self, normals: list[Any], body: int) -> Any:
-        """What turns the next plane of a link: PyBullet tells the normals of planes that collide."""
+        """The map that turns the next plane of a link to its normal, which PyBullet tells of planes that collide."""
         if normals:
             return adapter.upright(normals.pop(0))
         self._leave_out("normals of planes that are only seen, which PyBullet does not tell; they are z", body)

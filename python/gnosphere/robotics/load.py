@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One door for all formats."""
+"""Reads a robot or a world by the reader of its format."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def read(path: Path, parts: Parts, resources: Resources, collisions: bool) -> Ki
         parts.leave_out(f"elements of xacro, which 'xacro {path.name} > robot.urdf' replaces", macros)
     shared = _materials_of_visuals(root)
     capsules = _drop_unknown(root, parts, "collision" if collisions else "visual")
-    alone = ET.Element("robot", {"name": root.get("name", path.stem)})  # what else stands there may be malformed
+    alone = ET.Element("robot", {"name": root.get("name", path.stem)})  # other elements may be malformed
     alone.extend(element for element in root if element.tag in ("link", "joint", "material"))
     alone.extend(shared)
     log = logging.getLogger("yourdfpy")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""<sensor> elements of SDF, also inside <gazebo> of URDF; and the numbers, axes and poses of their kind."""
+"""Lidars of <sensor> elements of SDF, also inside <gazebo> of URDF, and the values of XML: numbers, axes, poses."""
 
 from __future__ import annotations
 
