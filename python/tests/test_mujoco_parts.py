@@ -61,10 +61,14 @@ def test_flexes_and_skins_belong_to_groups_and_classes(device):
         vertid="0 1 2 3" vertweight="1 1 1 1"/></skin></deformable>"""
     model, data = model_of(text)
     classes = {"lower": 2, "upper": 3, "hide": 4}
-    for groups, distance, kind in (
-        (None, 1, 4), ((1, 1, 1, 0, 0, 0), 2, 2), ((0, 0, 0, 1, 0, 0), 3, 3), ((0, 0, 0, 0, 1, 0), 1, 4),
-        ((0, 0, 0, 0, 0, 0), np.nan, 0),
-    ):  # fmt: skip
+    chosen = [
+        (None, 1, 4), ((1, 1, 1, 0, 0, 0), 2, 2), (np.array([0, 0, 0, 1, 0, 0], np.uint8), 3, 3),
+        ((0, 0, 0, 0, 1, 0), 1, 4), ((0, 0, 0, 0, 0, 0), np.nan, 0),
+    ]  # fmt: skip
+    beyond = [((0, 0, 0, 0, 0, 1), 2, 2), ((1, 0, 0, 0, 0, 0), 1, 4)]  # with the flexes behind the last group
+    for i, (groups, distance, kind) in enumerate(chosen + beyond):
+        if i == len(chosen):
+            model.flex_group[:], model.skin_group[:] = 9, -3
         lidar = gm.Lidar(
             model, listed([[0, 0, 1]]), pose=gnosphere.Pose((0.05, 0.06, 0)), geomgroup=groups, classes=classes,
             fields="class", effects=NONE, options=gnosphere.SimulatorOptions(device),

@@ -53,6 +53,7 @@ class ModelShapes:
         beside: Optional[ModelShapes] = None,
     ) -> None:
         self.model, self.classes, self.tessellation, self.world = model, classes, tessellation, world
+        self._groups = geomgroup
         self.shapes: adapter.Shapes = beside.shapes if beside else adapter.Shapes()
         self.first = len(self.shapes.instances)
         self._meshes: dict[Any, int] = beside._meshes if beside else {}
@@ -60,7 +61,7 @@ class ModelShapes:
         self.left_out: dict[str, int] = {}
         if geomgroup is not None and len(geomgroup) != 6:
             raise ValueError(f"geomgroup has {len(geomgroup)} flags; there are six groups")
-        geoms = [geom for geom in range(model.ngeom) if self._seen(geom, geomgroup, static)]
+        geoms = [geom for geom in range(model.ngeom) if self._seen(geom, static)]
         self.geoms = np.array([geom for geom in geoms if self._add_geom(geom)], np.int32)
         planes = model.geom_type[self.geoms] == int(mj.mjtGeom.mjGEOM_PLANE)
         endless = planes[:, None] & (model.geom_size[self.geoms, :2] <= 0)
@@ -71,19 +72,23 @@ class ModelShapes:
             self._rest = mj.MjData(model)
             mj.mj_forward(model, self._rest)
             for flex in range(model.nflex):
-                if not geomgroup or geomgroup[model.flex_group[flex]]:
+                if self._is_chosen(model.flex_group[flex]):
                     self._add_flex(flex)
             for skin in range(model.nskin):
-                if not geomgroup or geomgroup[model.skin_group[skin]]:
+                if self._is_chosen(model.skin_group[skin]):
                     self._add_skin(skin)
 
     def _leave_out(self, what: str) -> None:
         self.left_out[what] = self.left_out.get(what, 0) + 1
 
-    def _seen(self, geom: int, geomgroup: Optional[Sequence[int]], static: bool) -> bool:
+    def _is_chosen(self, group: int) -> bool:
+        """Whether the flag of a group is set, or that of the nearest one of the six groups, as for mj_ray()."""
+        return self._groups is None or bool(self._groups[min(max(group, 0), 5)])
+
+    def _seen(self, geom: int, static: bool) -> bool:
         """As mj_ray() chooses."""
         model = self.model
-        if geomgroup is not None and not geomgroup[min(max(model.geom_group[geom], 0), 5)]:
+        if not self._is_chosen(model.geom_group[geom]):
             return False
         if not static and model.body_weldid[model.geom_bodyid[geom]] == 0:
             return False
