@@ -188,7 +188,7 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double per
   const Neighbours way = neighboursOf(time, std::min(kMost, std::max(apart, blur_))), turns = neighboursOf(time, apart);
   const auto mountedAt = [&](double when) { return Stamp{when, at(when) * mount}; };
   const auto mounted = [&](size_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
-  const bool isSparse = !segments_.empty() && stamps[way.high].time - stamps[way.low].time > 2 * kLongestBend + 1e-9;
+  const bool isSparse = stamps[way.high].time - stamps[way.low].time > 2 * kLongestBend + 1e-9;
   const Stamp first = isSparse ? mountedAt(std::max(time - kLongestBend, begin())) : mounted(way.low),
               between = isSparse ? mountedAt(time) : mounted(way.middle),
               end = isSparse ? mountedAt(std::min(time + kLongestBend, this->end())) : mounted(way.high);
@@ -200,8 +200,9 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double per
     rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;
   }
   const Span span = around(time, std::min(kAround, std::max(spacing_, period)));
-  const Stamp from = segments_.empty() ? mounted(turns.low) : mountedAt(span.from),
-              to = segments_.empty() ? mounted(turns.high) : mountedAt(span.to);
+  const bool atStamps = segments_.empty() && !isSparse;
+  const Stamp from = atStamps ? mounted(turns.low) : mountedAt(span.from),
+              to = atStamps ? mounted(turns.high) : mountedAt(span.to);
   const Quaternion turn = inverse(from.pose).orientation * to.pose.orientation;
   const Vec3 axis = (turn.w < 0 ? -1.0 : 1.0) * Vec3{turn.x, turn.y, turn.z};
   const double sine = lengthOf(axis), angle = angleBetween(from.pose.orientation, to.pose.orientation);

@@ -58,9 +58,9 @@ class Trajectory {
   /// lines, whose second derivative tells nothing. The stamps are as far apart as most of the trajectory, at least
   /// about `period` seconds, so that a unit that measures as often does not see vibrations that are too fast for it,
   /// and, for velocities and accelerations, as far as their rounding demands; but no more than 0.05 s where they are
-  /// denser. A vehicle that looks along its way turns as at() turns it, and if these stamps are more than a second
-  /// apart, poses half a second before and after `time` are taken in their place. The unit is mounted on the vehicle at
-  /// the pose `mount`, about whose axes the turn rate is.
+  /// denser. If the first and the last of these stamps are more than a second apart, poses half a second before and
+  /// after `time` are taken in their place, and the vehicle turns as at() turns it; so does a vehicle that looks along
+  /// its way. The unit is mounted on the vehicle at the pose `mount`, about whose axes the turn rate is.
   Rates ratesAt(double time, const Pose& mount = {}, double period = 0.001) const;
   /// The median time between stamps in seconds; 0 if there is one stamp.
   double spacing() const { return spacing_; }
