@@ -65,6 +65,21 @@ TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, anno
   CHECK(car);
 }
 
+TEST_CASE("nuScenes: times of a pose file of nuScenes come back to the microsecond") {
+  const DriveFolder folder;
+  put(folder / "ego_pose.json",
+      R"([{"timestamp": 1532402927647951, "rotation": [1, 0, 0, 0], "translation": [0, 0, 0]},
+          {"timestamp": 1532402927747951, "rotation": [1, 0, 0, 0], "translation": [1, 0, 0]}])");
+  Json json = smallDrive();
+  json["actors"] = Json::array();
+  json["ego"]["trajectory"] = {{"file", "ego_pose.json"}, {"format", "nuscenes"}};
+  json["outputs"] = {{{"format", "nuscenes"}, {"sensors", {"top"}}}};
+  REQUIRE(folder.run(json).finished);
+  for (const char* table : {"sample", "sample_data", "ego_pose"})
+    CHECK(Json::parse(folder.get("out/nuscenes/v1.0-drive/" + std::string(table) + ".json"))[0]["timestamp"] ==
+          1532402927647951);
+}
+
 TEST_CASE("nuScenes: with lidarseg every point of a key frame has the index of its category") {
   const DriveFolder folder;
   Json json = smallDrive();

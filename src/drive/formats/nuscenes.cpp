@@ -89,7 +89,8 @@ class NuScenes : public Format {
                   std::to_string(b));
   }
   std::string dataToken(const PlannedScan& scan) const { return token("sample_data", scan.sensor, scan.number); }
-  int64_t microseconds(double time) const { return unixNanoseconds(drive_, time) / 1000; }
+  /// Rounds, because a double near today's Unix time is up to 0.12 us off the microseconds that it stands for.
+  int64_t microseconds(double time) const { return (unixNanoseconds(drive_, time) + 500) / 1000; }
 
   std::string fileOf(const PlannedScan& scan, bool key) const {
     const std::string& channel = drive_.sensors[scan.sensor].name;
@@ -158,7 +159,6 @@ class NuScenes : public Format {
   void writeConstants(FinalFiles& files) const;
   void writeData(FinalFiles& files, const std::vector<Entry>& entries, const std::vector<uint64_t>& samples) const;
   void writeAnnotations(FinalFiles& files, const std::vector<Entry>& entries) const;
-  double sampleTime(uint64_t sample, const std::vector<Entry>& entries) const;
 };
 
 std::vector<Entry> NuScenes::entriesOf(const std::vector<FrameSummary>& frames) const {
@@ -171,13 +171,6 @@ std::vector<Entry> NuScenes::entriesOf(const std::vector<FrameSummary>& frames) 
     });
   }
   return entries;
-}
-
-/// A sample has the time of its first scan.
-double NuScenes::sampleTime(uint64_t sample, const std::vector<Entry>& entries) const {
-  for (const Entry& entry : entries)
-    if (entry.frame == sample) return entry.scan.planned.time;
-  return drive_.start + static_cast<double>(sample) / drive_.rate;
 }
 
 void NuScenes::writeConstants(FinalFiles& files) const {
@@ -233,12 +226,14 @@ void NuScenes::writeConstants(FinalFiles& files) const {
 void NuScenes::writeData(FinalFiles& files, const std::vector<Entry>& entries,
                          const std::vector<uint64_t>& samples) const {
   Json sampleRows = Json::array(), rows = Json::array(), poses = Json::array(), labels = Json::array();
-  for (size_t i = 0; i < samples.size(); ++i)
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const auto first = std::ranges::lower_bound(entries, samples[i], {}, &Entry::frame);  // its first scan
     sampleRows.push_back({{"token", token("sample", samples[i])},
-                          {"timestamp", microseconds(sampleTime(samples[i], entries))},
+                          {"timestamp", microseconds(first->scan.planned.time)},
                           {"prev", i == 0 ? "" : token("sample", samples[i - 1])},
                           {"next", i + 1 == samples.size() ? "" : token("sample", samples[i + 1])},
                           {"scene_token", token("scene")}});
+  }
   std::map<size_t, std::vector<const Entry*>> bySensor;
   for (const Entry& entry : entries) bySensor[entry.scan.planned.sensor].push_back(&entry);
   for (const auto& [sensor, list] : bySensor) {
