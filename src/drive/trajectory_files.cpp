@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -114,14 +116,14 @@ Stamps readEuroc(const std::filesystem::path& file) {
 /// ego_pose.json, a list of {"timestamp": microseconds, "translation": [x, y, z], "rotation": [w, x, y, z]}.
 Stamps readNuScenes(const std::filesystem::path& file) {
   const nlohmann::json rows = parseStrict(readWholeFile(file, kLargestFile), file.string());
-  std::map<int64_t, Pose> poses;  // several sensors may have poses of one time
+  std::map<int64_t, Pose> poses;  // several sensors may have poses of one time, of which the first one counts
   try {
     for (const nlohmann::json& row : rows) {
       const auto p = row.at("translation").get<std::array<double, 3>>();
       const auto turn = row.at("rotation").get<std::array<double, 4>>();
       const Quaternion q = {turn[1], turn[2], turn[3], turn[0]};
       if (!isUnit(q)) throw Error(ErrorCode::format, file.string() + ": has a rotation whose length is not 1");
-      poses[row.at("timestamp").get<int64_t>()] = {{p[0], p[1], p[2]}, normalized(q)};
+      poses.try_emplace(row.at("timestamp").get<int64_t>(), Pose{{p[0], p[1], p[2]}, normalized(q)});
     }
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::format, file.string() +

@@ -62,11 +62,12 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
 
   const auto nuscenes = read("ego_pose.json",
                              R"([{"token":"b","timestamp":2500000,"rotation":[0,0,0,1],"translation":[4,5,6]},
-                                 {"token":"a","timestamp":1500000,"rotation":[1,0,0,0],"translation":[1,2,3]}])",
+                                 {"token":"a","timestamp":1500000,"rotation":[1,0,0,0],"translation":[1,2,3]},
+                                 {"token":"c","timestamp":1500000,"rotation":[1,0,0,0],"translation":[7,8,9]}])",
                              "nuscenes");
   REQUIRE(nuscenes.size() == 2);
   CHECK(nuscenes[0].time == 1.5);
-  checkPose(nuscenes[0].pose, {1, 2, 3}, {});
+  checkPose(nuscenes[0].pose, {1, 2, 3}, {});  // of two poses of one time the first
   checkPose(nuscenes[1].pose, {4, 5, 6}, {0, 0, 1, 0});
 
   // A camera that moves 2 m ahead, 1 m to the right and 3 m down, and turns left by a quarter: about its -y.
