@@ -81,8 +81,10 @@ std::vector<double> World::timesWithin(const Body& body, const Trajectory& traje
   const bool repeats = animation.end == ClipEnd::loop && clip.duration > 0;
   std::set<double> keys;
   for (const Track& track : clip.tracks) keys.insert(track.times.begin(), track.times.end());
-  for (double lap = repeats ? std::floor(low / clip.duration) : 0; times.size() < kMost; ++lap) {
-    const double begin = lap * clip.duration;
+  const double first = repeats ? std::floor(low / clip.duration) : 0;
+  // The number of laps is bounded, too: among numbers beyond 2^53 the next lap may be the same one.
+  for (size_t lap = 0; lap < kMost && times.size() < kMost; ++lap) {
+    const double begin = (first + static_cast<double>(lap)) * clip.duration;
     if (begin > high) break;
     for (const double key : keys)
       if (begin + key > low && begin + key < high)

@@ -125,6 +125,15 @@ TEST_CASE("a run warns of an animation that turns parts or limbs within a scan")
   }
 }
 
+TEST_CASE("an animation whose time is so large that it stands still has no detour, and is looked at in little time") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", panels());
+  Json json = panelDrive();
+  json["actors"][0]["animation"] = {{"clip", "push"}, {"offset", 1e17}};  // s, of which the next double is 16 s later
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive::World(drive).detourOfActor(0, 0, 0.1).off == 0);
+}
+
 TEST_CASE("a scene of a drive shows an animation, with the same frames in any order") {
   const DriveFolder folder;
   put(folder / "panels.gltf", panels());
