@@ -117,7 +117,7 @@ std::string fingerprintOf(const Drive& drive, std::string_view driveFile) {
 }
 
 uint64_t Drive::frameCount() const {
-  return static_cast<uint64_t>(std::ceil(duration * rate - 1e-6));
+  return static_cast<uint64_t>(std::max(1.0, std::ceil(duration * rate - 1e-6)));
 }
 
 Pose Drive::poseOn(const Pose& ego, const Pose& mount) {
