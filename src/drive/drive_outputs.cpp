@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the outputs of a drive from its file.
 #include <cctype>
+#include <initializer_list>
+#include <set>
 #include <utility>
 
 #include "base/text.hpp"
@@ -76,7 +78,12 @@ std::vector<size_t> DriveReader::sensorsOf(const json& output, bool oneSensor, c
   for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
   const json& listed = memberOf(output, "sensors");
   std::vector<size_t> sensors;
-  for (size_t s = 0; s < listed.size(); ++s) sensors.push_back(find(names, listed[s], entryPath(path, s)));
+  std::set<std::string> stated;
+  for (size_t s = 0; s < listed.size(); ++s) {
+    const std::string name = listed[s].get<std::string>(), at = entryPath(path, s);
+    sensors.push_back(find(names, listed[s], at));
+    if (!stated.insert(name).second) refuse(at, inQuotes(name) + " is there twice");
+  }
   if (listed.is_null())
     for (size_t s = 0; s < (oneSensor ? 1 : names.size()); ++s) sensors.push_back(s);
   if (oneSensor && sensors.size() > 1) refuse(path, "the format has one lidar; name one sensor");

@@ -79,6 +79,8 @@ TEST_CASE("a mistake in a drive file is told with its path, what is expected and
   checkRefused(changed("/outputs/0/format", "kiti"), {"outputs[0].format: 'kiti' is unknown; the nearest are kitti"});
   checkRefused(changed("/outputs/0/folder", "../there"), {"outputs[0].folder: must be a folder in the output folder"});
   checkRefused(changed("/outputs/0/sensors", Json::array({"tip"})), {"outputs[0].sensors[0]: 'tip' is unknown", "top"});
+  checkRefused(changed("/outputs/0/sensors", Json::array({"top", "side", "top"})),
+               {"outputs[0].sensors[2]: 'top' is there twice"});
   checkRefused(changed("/outputs/0/fields", "x,why"), {"outputs[0].fields: ", "why"});
   checkRefused(changed("/outputs/1", {{"format", "npy"}}), {"outputs[1].folder: another output writes there, too"});
   checkRefused(changed("/outputs/1", {{"format", "las"}, {"keyframes", 2}}),
