@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/file.hpp"
 #include "base/hash.hpp"
@@ -109,24 +110,26 @@ void Manifest::put(const fs::path& file, const std::string& bytes) const {
   }
 }
 
-bool Manifest::isComplete(uint64_t frame, bool verify) const {
+std::optional<FrameSummary> Manifest::summaryOf(uint64_t frame, bool verify) const {
   std::error_code absent;
-  if (!fs::exists(frameFile(frame), absent)) return false;
+  if (!fs::exists(frameFile(frame), absent)) return {};
   std::vector<FileEntry> entries;
+  FrameSummary summary;
   try {
     const ManifestFile manifest(frameFile(frame));
     entries = manifest.files();
-    manifest.scans(scansOf(drive_, frame), drive_.actors.size());
+    summary.scans = manifest.scans(scansOf(drive_, frame), drive_.actors.size());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::format) throw;
-    return false;  // the frame is made again, and its manifest with it
+    return {};  // the frame is made again, and its manifest with it
   }
   for (const FileEntry& entry : entries) {
     const fs::path file = placeIn(out_, entry.path);
     if (!entry.into.empty() && fs::exists(out_ / pathOf(entry.into), absent)) continue;
-    if (!isWhole(file, entry, verify)) return false;
+    // Damage to a part would go into a final file, whose hash is noted then.
+    if (!isWhole(file, entry, verify || !entry.into.empty())) return {};
   }
-  return true;
+  return summary;
 }
 
 void Manifest::noteMaker(const std::string& madeBy) const {
@@ -168,10 +171,6 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
   put(frameFile(frame.frame), jsonText(Json{{"frame", frame.frame}, {"files", entries}, {"scans", scans}}) + "\n");
 }
 
-FrameSummary Manifest::summaryOf(uint64_t frame) const {
-  return {ManifestFile(frameFile(frame)).scans(scansOf(drive_, frame), drive_.actors.size())};
-}
-
 void Manifest::reopen() const {
   std::error_code ignored;
   fs::remove(finishedFile(), ignored);
@@ -201,17 +200,17 @@ std::vector<std::string> Manifest::removeBroken(bool verify) const {
   return broken;
 }
 
-std::map<fs::path, std::vector<fs::path>> Manifest::usedFiles() const {
-  std::map<fs::path, std::vector<fs::path>> used;
+Manifest::UsedFiles Manifest::usedFiles() const {
+  UsedFiles used;
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame)
     for (const FileEntry& entry : ManifestFile(frameFile(frame)).files())
       if (!entry.into.empty()) used[entry.path.parent_path()].push_back(entry.path);
   return used;
 }
 
-void Manifest::removeUsed() const {
+void Manifest::removeUsed(const UsedFiles& used) const {
   std::error_code ignored;
-  for (const auto& [folder, files] : usedFiles()) {
+  for (const auto& [folder, files] : used) {
     for (const fs::path& file : files) fs::remove(placeIn(out_, file), ignored);
     fs::remove(out_ / folder, ignored);  // if it is empty
   }
@@ -220,14 +219,14 @@ void Manifest::removeUsed() const {
 void Manifest::removeLate() const {
   std::error_code absent;
   for (const fs::path& folder : ManifestFile(finishedFile()).partFolders())
-    if (fs::exists(out_ / folder, absent)) return removeUsed();
+    if (fs::exists(out_ / folder, absent)) return removeUsed(usedFiles());
 }
 
-void Manifest::putFinished(const std::vector<FinalFile>& files) const {
+void Manifest::putFinished(const std::vector<FinalFile>& files, const UsedFiles& used) const {
   Json entries = Json::array(), folders = Json::array();
   for (const FinalFile& file : files)
     entries.push_back({{"path", file.path}, {"bytes", file.bytes}, {"hash", file.hash}});
-  for (const auto& [folder, used] : usedFiles())
+  for (const auto& [folder, parts] : used)
     if (!folder.empty()) folders.push_back({{"folder", folder.generic_string()}});
   put(finishedFile(), jsonText(Json{{"files", entries}, {"parts", folders}}, 1) + "\n");
 }
@@ -254,16 +253,17 @@ MissingFrames Manifest::finish(const Finish& finish) const {
   MissingFrames broken;
   std::vector<FrameSummary> frames;
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame) {
-    if (isComplete(frame, false))
-      frames.push_back(summaryOf(frame));
+    if (std::optional<FrameSummary> summary = summaryOf(frame, false))
+      frames.push_back(std::move(*summary));
     else if (broken.count++ == 0)
       broken.first = frame;
   }
   if (broken.count > 0) return broken;
   FinalFiles files(out_);
   finish(frames, files);
-  putFinished(files.noted());
-  removeUsed();
+  const UsedFiles used = usedFiles();
+  putFinished(files.noted(), used);
+  removeUsed(used);
   UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::allMachines);
   return {};
 }

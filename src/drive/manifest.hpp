@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ class Manifest {
   Manifest(const Manifest&) = delete;
   Manifest& operator=(const Manifest&) = delete;
 
-  /// Whether all files of the frame are there in their size, and if `verify`, with their hash.
-  bool isComplete(uint64_t frame, bool verify) const;
+  /// Returns the summary of a frame if all its files are there in their size, and if `verify`, with their hash; none
+  /// otherwise. Files that go into a final file always need their hash, until that is made.
+  std::optional<FrameSummary> summaryOf(uint64_t frame, bool verify) const;
   /// Whether processes that work in this folder know of each other. If not, its file system has no locks.
   bool hasLocks() const;
   /// Keeps the drive file, and notes what makes frames, unless another run has noted the same.
@@ -58,14 +60,15 @@ class Manifest {
   std::filesystem::path finishedFile() const { return folder_ / "finished"; }
   const UnfinishedFiles& unfinished() const;
   void put(const std::filesystem::path& file, const std::string& bytes) const;
-  FrameSummary summaryOf(uint64_t frame) const;
   /// Counts the frames without a manifest; `first` is one of them.
   MissingFrames withoutManifest(uint64_t first) const;
-  /// Notes that the drive is finished, and with which files.
-  void putFinished(const std::vector<FinalFile>& files) const;
-  /// Returns the files of which final files are made, by their folders, as the manifests of all frames name them.
-  std::map<std::filesystem::path, std::vector<std::filesystem::path>> usedFiles() const;
-  void removeUsed() const;
+  /// Files of which final files are made, by their folders.
+  using UsedFiles = std::map<std::filesystem::path, std::vector<std::filesystem::path>>;
+  /// Notes that the drive is finished, with which files, and of which folders these were made.
+  void putFinished(const std::vector<FinalFile>& files, const UsedFiles& used) const;
+  /// Returns the used files that the manifests of all frames name.
+  UsedFiles usedFiles() const;
+  void removeUsed(const UsedFiles& used) const;
   /// Removes what a process that made the same frames has written after another one had finished the drive.
   void removeLate() const;
 

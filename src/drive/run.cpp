@@ -53,7 +53,7 @@ std::vector<uint64_t> framesToMake(const Drive& drive, const RunOptions& options
   for (uint64_t f = options.firstFrame; f < std::min(options.endFrame, drive.frameCount()); ++f) {
     if (f % options.shardCount != options.shard) continue;
     ++report.chosen;
-    if (manifest.isComplete(f, options.verify))
+    if (manifest.summaryOf(f, options.verify))
       ++report.kept;
     else
       frames.push_back(f);

@@ -60,6 +60,25 @@ TEST_CASE("a frame that is half there is made again, and with verify one whose b
   checkSameFiles(folder / "whole", folder / "out");
 }
 
+TEST_CASE("a frame is made again if its part of a bag, a trace or a cloud has other bytes") {
+  const DriveFolder folder;
+  const drive::Drive drive =
+      folder.read(driveWith({{{"format", "mcap"}}, {{"format", "osi"}}, {{"format", "las"}, {"one_file", true}}}));
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::RunOptions most = optionsFor(folder / "out");
+  most.endFrame = 9;
+  drive::run(drive, most);
+  for (const char* part : {"mcap/chunks/000003", "osi/parts/top-000004", "las/parts/top-000005"}) {
+    std::string bytes = folder.get("out/" + std::string(part));
+    bytes[bytes.size() / 2] ^= 1;
+    put(folder / "out" / part, bytes);
+  }
+  const drive::RunReport report = drive::run(drive, optionsFor(folder / "out"));
+  CHECK(report.finished);
+  CHECK(report.kept == 6);
+  checkSameFiles(folder / "whole", folder / "out");
+}
+
 TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {
   const MadeTwice made({{{"format", "kitti"}}, {{"format", "mcap"}}});
   const auto& [folder, drive] = made;

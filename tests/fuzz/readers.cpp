@@ -169,7 +169,7 @@ void fuzzManifest(Bytes bytes) {
     const drive::Manifest manifest(drive, folder);
     std::ofstream(folder / "manifest/frames/000000.json", std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    mayRefuse([&] { manifest.isComplete(0, true); });
+    mayRefuse([&] { manifest.summaryOf(0, true); });
   }
   std::filesystem::remove_all(folder);
 }
