@@ -9,6 +9,7 @@
 #include <functional>
 #include <set>
 
+#include "base/hash.hpp"
 #include "drive/file_lock.hpp"
 #include "drive_support.hpp"
 #include "hooked_files.hpp"
@@ -77,6 +78,29 @@ TEST_CASE("a frame is made again if its part of a bag, a trace or a cloud has ot
   CHECK(report.finished);
   CHECK(report.kept == 6);
   checkSameFiles(folder / "whole", folder / "out");
+}
+
+TEST_CASE("a part of a bag that nobody has written as such is refused, with the way out") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}}));
+  drive::RunOptions most = optionsFor(folder / "out");
+  most.endFrame = 9;
+  drive::run(drive, most);
+  const fs::path part = folder / "out/mcap/chunks/000003", manifest = folder / "out/manifest/frames/000003.json";
+  Json content = Json::parse(bytesOf(manifest));
+  // Nothing, zeros, and an index that goes back by its own head, after a chunk without messages.
+  const std::string chunk = '\6' + std::string(1, 24) + std::string(7 + 24, '\0');
+  for (const std::string& bytes :
+       {std::string(), std::string(33, '\0'), chunk + "\7\xf7" + std::string(7, '\xff') + "123456"}) {
+    put(part, bytes);
+    content["files"][0]["bytes"] = bytes.size();
+    content["files"][0]["hash"] = hashOf(bytes);
+    put(manifest, content.dump());
+    CHECK_THROWS_WITH(drive::run(drive, optionsFor(folder / "out")),
+                      part.string() + ": is no chunk of a bag; remove it, and its frame is made again");
+  }
+  fs::remove(part);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
 }
 
 TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {

@@ -283,7 +283,7 @@ class Las : public Format {
       summary.min = lowest(summary.min, at);
       summary.max = highest(summary.max, at);
       ++summary.count;
-      ++summary.byReturn[(points[p + kReturn] & kNumber) - 1];
+      if (const int number = points[p + kReturn] & kNumber; number > 0) ++summary.byReturn[number - 1];
     }
   }
   Summary summaryOf(const std::string& points, const Vec3& offset) const {

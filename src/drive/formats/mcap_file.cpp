@@ -8,6 +8,7 @@
 
 #include "base/file.hpp"
 #include "drive/bytes.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -77,16 +78,28 @@ struct ChunkSummary {
   std::map<uint16_t, uint64_t> indexOffsets;  ///< by channel
 };
 
-/// Reads the records that mcapChunk() has made, which lie at `offset` of the file, and counts the messages.
-ChunkSummary summaryOf(const std::string& bytes, uint64_t offset, std::map<uint16_t, uint64_t>& counts) {
+/// Returns where the record at `at` of a chunk ends, which has `least` bytes behind its head. Data sets are exchanged,
+/// so a chunk may be none that mcapChunk() has made: then it throws Error(format).
+uint64_t endOfRecord(const std::filesystem::path& chunk, const std::string& bytes, uint64_t at, uint64_t least) {
+  const uint64_t left = bytes.size() - at, length = left < kRecordHead ? 0 : numberAt<uint64_t>(bytes, at + 1);
+  if (length < least || length > left - kRecordHead)
+    throw Error(ErrorCode::format, chunk.string() + ": is no chunk of a bag; remove it, and its frame is made again");
+  return at + kRecordHead + length;
+}
+
+/// Reads the records of a chunk, which lie at `offset` of the file, and counts the messages.
+ChunkSummary summaryOf(const std::filesystem::path& chunk, const std::string& bytes, uint64_t offset,
+                       std::map<uint16_t, uint64_t>& counts) {
+  constexpr uint64_t kChunkNumbers = 24, kIndexNumbers = 6;  // bytes that are read of a record
   ChunkSummary summary;
+  summary.bytes = endOfRecord(chunk, bytes, 0, kChunkNumbers);
   summary.begin = numberAt<uint64_t>(bytes, kRecordHead);
   summary.end = numberAt<uint64_t>(bytes, kRecordHead + 8);
   summary.contentBytes = numberAt<uint64_t>(bytes, kRecordHead + 16);
   summary.offset = offset;
-  summary.bytes = kRecordHead + numberAt<uint64_t>(bytes, 1);
   summary.indexBytes = bytes.size() - summary.bytes;
-  for (size_t at = summary.bytes; at < bytes.size(); at += kRecordHead + numberAt<uint64_t>(bytes, at + 1)) {
+  for (uint64_t at = summary.bytes, end = 0; at < bytes.size(); at = end) {
+    end = endOfRecord(chunk, bytes, at, kIndexNumbers);
     const auto channel = numberAt<uint16_t>(bytes, at + kRecordHead);
     summary.indexOffsets[channel] = offset + at;
     counts[channel] += numberAt<uint32_t>(bytes, at + kRecordHead + 2) / 16;
@@ -213,7 +226,7 @@ void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>&
   std::vector<ChunkSummary> summaries;
   for (const std::filesystem::path& chunk : chunks) {
     const std::string bytes = readWholeFile(chunk);
-    summaries.push_back(summaryOf(bytes, offset, counts));
+    summaries.push_back(summaryOf(chunk, bytes, offset, counts));
     write(bytes);
   }
   write(recordOf(kDataEnd, std::string(4, '\0')));
