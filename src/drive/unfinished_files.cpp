@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 /// The beginning of the names of all folders of unfinished files, and of their locks.
 constexpr const char* kParts = "parts-";
 
-/// The beginning of those of this machine.
+/// The beginning of the names of this machine's folders.
 std::string partsOfHost() {
   return kParts + os::machineName() + "-";
 }
@@ -63,7 +63,9 @@ void UnfinishedFiles::removeAbandoned(const fs::path& in, Of of) {
     const fs::path& file = entry.path();
     const std::string name = file.filename().string();
     if (file.extension() != ".lock" || !name.starts_with(kParts)) continue;
-    if (name.starts_with(mine) || (of == Of::allMachines && isOld(file))) locks.push_back(file);
+    // After the name of the machine come two numbers; the name of another machine may begin with that of this one.
+    const bool isMine = name.starts_with(mine) && std::ranges::count(name, '-') == std::ranges::count(mine, '-') + 1;
+    if (isMine || (of == Of::allMachines && isOld(file))) locks.push_back(file);
   }
   for (fs::path file : locks) {
     const FileLock lock(file, FileLock::If::free);

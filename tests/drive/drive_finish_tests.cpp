@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/hash.hpp"
+#include "base/os.hpp"
 #include "drive/file_lock.hpp"
 #include "drive_support.hpp"
 #include "hooked_files.hpp"
@@ -295,6 +296,12 @@ TEST_CASE("a finished drive has no files of processes that were killed on other 
   left("elsewhere-3-4", 25);
   CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
   CHECK(parts().size() == 2);
+  // Of these two the first is of another machine, although its name begins as that of this one.
+  left(os::machineName() + "-2-7-8", 1);
+  left(os::machineName() + "-7-8", 1);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
+  CHECK(parts().size() == 4);
+  CHECK(parts().contains("parts-" + os::machineName() + "-2-7-8"));
 }
 
 TEST_CASE("a file system without locks is told once, and a signal that comes while a lock is taken is none") {
