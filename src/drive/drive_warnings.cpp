@@ -27,7 +27,7 @@ constexpr double kSlack = 1e-6;  // s: sums of Unix times and durations are as e
 
 /// Returns a time such as "1700000000.25 s".
 std::string secondsText(double time) {
-  char text[64];
+  char text[320];  // the largest double has 309 digits before the point
   std::string trimmed(text, std::to_chars(text, text + sizeof(text), time, std::chars_format::fixed, 3).ptr);
   trimmed.erase(trimmed.find_last_not_of('0') + 1);
   if (trimmed.back() == '.') trimmed.pop_back();

@@ -32,6 +32,10 @@ TEST_CASE("trajectories beside the time of the drive are warned of") {
   CHECK(warningsOf(json).empty());
   json["actors"][0]["trajectory"] = {{"waypoints", {waypoint(1700000000, 3, 3, 0.75)}}};  // a parked car
   CHECK(warningsOf(json).empty());
+  json["actors"][0]["trajectory"] = {{"waypoints", {waypoint(1e70, 3, 3, 0.75), waypoint(2e70, 8, 3, 0.75)}}};
+  const std::string digits = std::to_string(1e70);  // with six zeros after the point
+  REQUIRE(warningsOf(json).size() == 1);
+  CHECK_THAT(warningsOf(json)[0], ContainsSubstring(": is from " + digits.substr(0, digits.size() - 7) + " s to "));
 
   json = quietDrive();
   json["duration"] = 0.1;  // a part of the whole, in which the person has not yet come
