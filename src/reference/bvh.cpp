@@ -65,7 +65,7 @@ Iterator split(Iterator begin, Iterator end, bool halve) {
   const float low = centres.min[axis];
   const float extent = centres.max[axis] - low;
   const Iterator middle = begin + (end - begin) / 2;
-  if (!(extent > 0)) return middle;
+  if (!(extent > 0 && extent < 3e38f)) return middle;  // boxes beyond the range of floats fit no bins
   if (halve) {
     std::nth_element(begin, middle, end, [axis](const auto& a, const auto& b) {
       return std::pair(a.centre(axis), a.triangle) < std::pair(b.centre(axis), b.triangle);

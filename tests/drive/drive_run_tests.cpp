@@ -113,6 +113,20 @@ TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and co
   CHECK(again.device.empty());  // nothing was scanned
 }
 
+TEST_CASE("an actor that goes beyond the range of floats within a scan takes nothing else with it") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["duration"] = 0.1;
+  json["outputs"] = {{{"format", "npy"}, {"sensors", {"top"}}, {"fields", "x,y,z,range,time,class,instance"}}};
+  const Json car = json["actors"][0];
+  json["actors"] = Json::array();
+  folder.run(json, "without");
+  json["actors"] = {car};
+  json["actors"][0]["trajectory"]["waypoints"][1]["position"] = {8, 1e300, 0.75};
+  REQUIRE(folder.run(json).finished);
+  CHECK(folder.get("out/npy/top/000000.npy") == folder.get("without/npy/top/000000.npy"));
+}
+
 TEST_CASE("a run warns of an effect that the accuracy of the drive leaves out") {
   needVulkan();
   const DriveFolder folder;
