@@ -120,8 +120,8 @@ uint64_t Drive::frameCount() const {
   return static_cast<uint64_t>(std::max(1.0, std::ceil(duration * rate - 1e-6)));
 }
 
-Pose Drive::poseOn(const Pose& ego, const Pose& mount) {
-  return ego * mount;
+Pose Drive::sensorPose(size_t sensor, double time) const {
+  return ego.at(time) * sensors[sensor].mount;
 }
 
 std::optional<Weather> Drive::weatherAt(double time) const {

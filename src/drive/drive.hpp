@@ -115,12 +115,9 @@ struct Drive {
 
   uint64_t frameCount() const;
   /// The pose of a sensor at a time of the trajectories' clock.
-  Pose sensorPose(size_t sensor, double time) const { return poseOn(ego.at(time), sensors[sensor].mount); }
+  Pose sensorPose(size_t sensor, double time) const;
   /// The weather at a time of the trajectories' clock; none if the drive has no weather.
   std::optional<Weather> weatherAt(double time) const;
-
- private:
-  static Pose poseOn(const Pose& ego, const Pose& mount);
 };
 
 /// Returns why files of a data set cannot have this name of a drive, a sensor or an inertial unit in theirs, or an

@@ -9,6 +9,7 @@
 #include "base/vector.hpp"
 #include "drive/median.hpp"
 #include "drive/pose_math.hpp"
+#include "effects/trajectory.hpp"
 #include "scene/bounds.hpp"
 #include "scene/join.hpp"
 #include "scene/used_vertices.hpp"
@@ -160,9 +161,9 @@ World::World(const Drive& drive) : drive_(drive) {
 }
 
 std::optional<size_t> World::actorOf(uint32_t object) const {
-  for (size_t actor = 0; actor < bodies_.size(); ++actor)
-    if (bodies_[actor].first == object) return actor;
-  return {};
+  const auto found = std::ranges::lower_bound(bodies_, size_t{object}, {}, &Body::first);
+  if (found == bodies_.end() || found->first != object) return {};
+  return static_cast<size_t>(found - bodies_.begin());
 }
 
 std::vector<uint32_t> World::instancesOf(size_t actor) const {
@@ -212,7 +213,7 @@ Vec3 World::velocityOf(size_t actor, double from, double to, Shapes& shapes) con
     const Vec3 middle = middleOf(body.bounds);
     way = end * middle - start * middle;
   }
-  return (1 / (to - from)) * way;
+  return {way.x / (to - from), way.y / (to - from), way.z / (to - from)};
 }
 
 bool World::Placement::isMoving() const {
@@ -229,7 +230,7 @@ World::Placement World::placementOf(size_t actor, double begin, double end, doub
             velocityOf(actor, from, to, shapes)};
   }
   const Pose start = trajectory.at(begin), stop = endOf(actor, begin, end);
-  const Pose pose = Trajectory({{begin, start}, {end, stop}}).at(time);
+  const Pose pose = poseAt({{{begin, start}, {end, stop}}}, {}, time);
   const Vec3 velocity = velocityOf(actor, begin, end, shapes);
   if (!body.animation) return {pose, body.bounds, velocity};
   const std::vector<Vec3>&first = shapes.at(begin), &last = shapes.at(end);
