@@ -134,8 +134,10 @@ class Las : public Format {
       const Vec3& p = recorded.pose.position;
       const Vec3 offset = isNear(p) ? offset_ : Vec3{std::round(p.x), std::round(p.y), std::round(p.z)};
       const std::string points = pointsOf(recorded, offset);
-      files.push_back({sensorFile(recorded.planned, "las"),
-                       headerOf(summaryOf(points, offset), offset, sensor) + extraBytes() + crs() + points, ""});
+      Summary summary;
+      add(summary, points, offset);
+      files.push_back(
+          {sensorFile(recorded.planned, "las"), headerOf(summary, offset, sensor) + extraBytes() + crs() + points, ""});
     });
     for (size_t sensor : output_.sensors)
       if (!parts[sensor].empty())
@@ -285,11 +287,6 @@ class Las : public Format {
       ++summary.count;
       if (const int number = points[p + kReturn] & kNumber; number > 0) ++summary.byReturn[number - 1];
     }
-  }
-  Summary summaryOf(const std::string& points, const Vec3& offset) const {
-    Summary summary;
-    add(summary, points, offset);
-    return summary;
   }
 
   std::string headerOf(const Summary& points, const Vec3& offset, size_t sensor) const {

@@ -66,18 +66,15 @@ class Mcap : public Format {
 
   void finish(const std::vector<FrameSummary>& frames, FinalFiles& files) const override {
     const std::string bag = path("drive.mcap");
-    files.addMade(bag, [&] { writeBag(frames.size(), files); });
+    files.addMade(bag, [&] {
+      std::vector<std::filesystem::path> chunks;
+      for (uint64_t frame = 0; frame < frames.size(); ++frame) chunks.push_back(files / chunkPath(frame));
+      writeMcap(files / bag, messageSchemas(), channels(), chunks);
+    });
     files.write(path("metadata.yaml"), metadata(frames));
   }
 
  private:
-  /// Makes the bag of the chunks of all frames.
-  void writeBag(uint64_t frameCount, const FinalFiles& files) const {
-    std::vector<std::filesystem::path> chunks;
-    for (uint64_t frame = 0; frame < frameCount; ++frame) chunks.push_back(files / chunkPath(frame));
-    writeMcap(files / path("drive.mcap"), messageSchemas(), channels(), chunks);
-  }
-
   std::vector<McapChannel> channels() const {
     std::vector<McapChannel> channels;
     const auto add = [&](MessageType type, const std::string& topic, bool latched = false) {
