@@ -232,18 +232,22 @@ void DriveReader::outputs() {
     const FormatInfo& format = formatNamed(output.format);
     checkFolder(output.folder, path + ".folder");
     output.sensors = sensorsOf(object, format.oneSensor, path + ".sensors");
-    if (object.contains("fields") && !format.fields)
-      refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields != nullptr; }));
+    const auto only = [&](bool (*takes)(const FormatInfo&), std::initializer_list<const char*> words) {
+      for (const char* word : words)
+        if (object.contains(word) && !takes(format))
+          refuse(memberPath(path, word), "is only for " + formatNames(takes));
+    };
+    only([](const FormatInfo& f) { return f.fields != nullptr; }, {"fields"});
+    only([](const FormatInfo& f) { return f.compact; }, {"compact"});
+    only([](const FormatInfo& f) { return f.keyframes; }, {"keyframes", "version", "lidarseg"});
+    only([](const FormatInfo& f) { return f.sequence; }, {"sequence"});
+    only([](const FormatInfo& f) { return f.allActors; }, {"all_actors"});
+    only([](const FormatInfo& f) { return f.survey; }, {"crs", "flight_line", "one_file", "scale", "source_per_scan"});
     if (const std::string fields = object.value("fields", format.fields ? format.fields : ""); !fields.empty())
       attempt(path + ".fields", [&] { output.fields = parseFields(fields); });
     if (output.format == "mcap" && !object.contains("fields") && mistakes_.empty())
       output.fields = usualCloudFields(drive_, output.sensors);
-    if (object.contains("compact") && !format.compact)
-      refuse(path + ".compact", "is only for " + formatNames([](const FormatInfo& f) { return f.compact; }));
     output.compact = object.value("compact", true);
-    for (const char* name : {"keyframes", "version", "lidarseg"})
-      if (object.contains(name) && !format.keyframes)
-        refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
     output.version = object.value("version", "v1.0-drive");
     if (!isVersion(output.version))
@@ -254,15 +258,8 @@ void DriveReader::outputs() {
     if (output.lidarseg && (drive_.classes.empty() || drive_.classes.size() > 255))
       refuse(path + ".lidarseg",
              "labels have one byte, so the drive needs 1 to 255 classes, has " + std::to_string(drive_.classes.size()));
-    if (object.contains("sequence") && !format.sequence)
-      refuse(path + ".sequence", "is only for " + formatNames([](const FormatInfo& f) { return f.sequence; }));
     if (object.contains("sequence")) output.sequence = object["sequence"].get<uint64_t>();
-    if (object.contains("all_actors") && !format.allActors)
-      refuse(path + ".all_actors", "is only for " + formatNames([](const FormatInfo& f) { return f.allActors; }));
     output.allActors = object.value("all_actors", false);
-    for (const char* name : {"crs", "flight_line", "one_file", "scale", "source_per_scan"})
-      if (object.contains(name) && !format.survey)
-        refuse(memberPath(path, name), "is only for " + formatNames([](const FormatInfo& f) { return f.survey; }));
     warnOfCauses(output, path);
     if (format.keyframes && mistakes_.empty()) warnOfSamples(output, path);
     if (mistakes_.empty()) checkRings(output, path);
