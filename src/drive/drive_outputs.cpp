@@ -159,9 +159,8 @@ void DriveReader::warnOfSamples(const Output& output, const std::string& path) {
                                       " scans a second; choose another rate or other keyframes"
                                 : "its first scan starts " + gnosphere::numberText(offsets[sensor]) +
                                       " s after the start of the drive; choose another offset or other keyframes";
-    drive_.warnings.push_back(path + ": " + inQuotes(drive_.sensors[sensor].name) + " starts no scan in " +
-                              std::to_string(missed[sensor]) + " of " + std::to_string(samples) +
-                              " samples, which lack its data, because " + why);
+    warn(path, inQuotes(drive_.sensors[sensor].name) + " starts no scan in " + std::to_string(missed[sensor]) + " of " +
+                   std::to_string(samples) + " samples, which lack its data, because " + why);
   }
 }
 
@@ -185,15 +184,15 @@ void DriveReader::survey(const json& object, Output& output, const std::string& 
              "LAS has classes 0 to 255; " + inQuotes(category.name) + " has the id " + std::to_string(category.id));
   const bool hasEpoch = root_.contains("epoch");
   if (drive_.epoch + drive_.start < (hasEpoch ? kFirstGpsTime : kFirstSurvey))
-    drive_.warnings.push_back(
-        path + ".format: LAS has GPS times, and the drive begins before " +
-        (hasEpoch ? "1980; give another epoch" : "2000; give an epoch, of adjusted standard GPS times 1315964782"));
+    warn(path + ".format", std::string("LAS has GPS times, and the drive begins before ") +
+                               (hasEpoch ? "1980; give another epoch"
+                                         : "2000; give an epoch, of adjusted standard GPS times 1315964782"));
   for (size_t sensor : output.sensors)
     if (drive_.sensors[sensor].effects.intensity.scale == Effects::Intensity::Scale::raw)
-      drive_.warnings.push_back(path + ".format: LAS has whole numbers as intensities, and of those of " +
-                                inQuotes(drive_.sensors[sensor].name) +
-                                ", whose intensity.scale is raw, nearly nothing is left; take unit, and divide by the "
-                                "square of the range");
+      warn(path + ".format", "LAS has whole numbers as intensities, and of those of " +
+                                 inQuotes(drive_.sensors[sensor].name) +
+                                 ", whose intensity.scale is raw, nearly nothing is left; take unit, and divide by the "
+                                 "square of the range");
   output.crs = object.value("crs", "");
   const std::string_view text = trimmed(output.crs, " \t\r\n");
   const size_t word = text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_");

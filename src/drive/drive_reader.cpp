@@ -90,7 +90,7 @@ Scene DriveReader::scene(const json& object, const std::string& path) {
   const Transform place = transformOf(pose(memberOf(object, "pose"), memberPath(path, "pose")));
   for (Instance& instance : scene.instances) instance.transform = place * instance.transform;
   scene.animation.root = place * scene.animation.root;
-  for (const std::string& line : scene.leftOut) drive_.warnings.push_back(path + ".file: left out are " + line);
+  for (const std::string& line : scene.leftOut) warn(path + ".file", "left out are " + line);
   return scene;
 }
 
@@ -120,11 +120,10 @@ void DriveReader::warnOfTurns(const json& list, const std::string& path) {
   }
   if (count == 0) return;
   const double apart = list[first]["yaw_deg"].get<double>() - list[first - 1]["yaw_deg"].get<double>();
-  drive_.warnings.push_back(entryPath(path, first) + ".yaw_deg: is " + degreesText(apart) +
-                            " degrees from the one before, and a vehicle turns the shorter way, by " +
-                            degreesText(std::remainder(apart, 360)) +
-                            " degrees; for the longer way give waypoints between them" +
-                            (count > 1 ? " (so do " + std::to_string(count) + " waypoints)" : ""));
+  warn(entryPath(path, first) + ".yaw_deg",
+       "is " + degreesText(apart) + " degrees from the one before, and a vehicle turns the shorter way, by " +
+           degreesText(std::remainder(apart, 360)) + " degrees; for the longer way give waypoints between them" +
+           (count > 1 ? " (so do " + std::to_string(count) + " waypoints)" : ""));
 }
 
 /// Warns of yaws in radians: all fit the way as such, and as degrees one of them is more than 60 degrees off.
@@ -220,8 +219,8 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
     const size_t count = stamps.size();
     stamps.erase(std::unique(stamps.begin(), stamps.end(), sameTime), stamps.end());
     if (stamps.size() < count)
-      drive_.warnings.push_back(path + ": " + std::to_string(count - stamps.size()) +
-                                " poses have the time of the pose before them and are left out");
+      warn(path,
+           std::to_string(count - stamps.size()) + " poses have the time of the pose before them and are left out");
   }
   const bool looksAlong =
       object.value("heading", false) || (object.contains("file") && (format == "carla" || format == "carla-route"));
@@ -267,8 +266,8 @@ Sensor DriveReader::sensor(const json& value, const std::string& path) {
   Sensor sensor;
   const auto load = [&](const std::string& name) {
     SensorFile read = readSensorFile(file(name));
-    for (const std::string& text : read.assumed) drive_.warnings.push_back(path + ": assumed: " + text);
-    for (const std::string& text : read.ignored) drive_.warnings.push_back(path + ": ignored: " + text);
+    for (const std::string& text : read.assumed) warn(path, "assumed: " + text);
+    for (const std::string& text : read.ignored) warn(path, "ignored: " + text);
     return std::move(read.sensor);
   };
   attempt(path, [&] {

@@ -32,9 +32,7 @@ void DriveReader::classify(const json& object, const std::string& path, const st
       any = true;
       if (!matches[i] || pattern.size() >= matches[i]->first) matches[i] = {pattern.size(), id};
     }
-    if (!any)
-      drive_.warnings.push_back(path + "." + table + ": '" + pattern + "' matches no " +
-                                table.substr(0, table.size() - 1));
+    if (!any) warn(path + "." + table, inQuotes(pattern) + " matches no " + table.substr(0, table.size() - 1));
   }
   for (size_t i = 0; i < all.size(); ++i) {
     Named& named = all[i];
@@ -65,8 +63,8 @@ void DriveReader::warnOfClasses(const std::set<std::string>& unknown, const std:
   if (unknown.empty()) return;
   std::string all;
   for (const std::string& stated : unknown) all += (all.empty() ? "" : ", ") + stated;
-  drive_.warnings.push_back(path + ".file: states " + (unknown.size() > 1 ? "the classes " : "the class ") + all +
-                            ", which classes does not name");
+  warn(path + ".file", std::string("states the ") + (unknown.size() > 1 ? "classes " : "class ") + all +
+                           ", which classes does not name");
 }
 
 /// Warns of a file whose positions have steps or are nowhere, and once only of one that several scenes and models name.
@@ -74,7 +72,7 @@ void DriveReader::warnOfPositions(const json& object, const std::string& path, c
   const std::string name = object.value("file", "");
   const auto tell = [&](const std::string& text) {
     const auto isTold = [&](const std::string& warning) { return warning.ends_with(text); };
-    if (std::ranges::none_of(drive_.warnings, isTold)) drive_.warnings.push_back(path + ".file: " + text);
+    if (std::ranges::none_of(drive_.warnings, isTold)) warn(path + ".file", text);
   };
   if (const std::string steps = scene.meshes.empty() ? "" : coarsePositions(place(name), scene); !steps.empty())
     tell(inQuotes(name) + ": " + steps);
@@ -116,8 +114,7 @@ void DriveReader::takeBoxed(const json& object, const std::string& path, Scene& 
         return found == categories.end() ? std::optional<size_t>() : found->second;
       },
       standing_);
-  if (standing_.actors.size() == before)
-    drive_.warnings.push_back(path + ".boxes: no instance has any of these classes");
+  if (standing_.actors.size() == before) warn(path + ".boxes", "no instance has any of these classes");
 }
 
 /// Appends the actors that scenes have had, with names of their own.
@@ -160,8 +157,7 @@ void DriveReader::materialTable() {
     drive_.materials = loadMaterialTable(file(name));
     std::vector<std::string> unused;
     opticsOf(all, drive_.materials, 905, &unused);
-    for (const std::string& row : unused)
-      drive_.warnings.push_back("material_table: no scene or model has the material " + inQuotes(row));
+    for (const std::string& row : unused) warn("material_table", "no scene or model has the material " + inQuotes(row));
   });
 }
 

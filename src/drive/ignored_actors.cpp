@@ -44,10 +44,9 @@ void DriveReader::warnOfBodies() {
       if (actor.goneOutside && !actor.trajectory.covers(drive_.start)) continue;
       if (sensor.isIgnored(a)) continue;
       if (isWithin(actor, models[actor.model], inverse(actor.trajectory.at(drive_.start)) * place))
-        drive_.warnings.push_back(entryPath("sensors", s) + ": " + inQuotes(sensor.name) +
-                                  " starts within the box of the actor " + inQuotes(actor.name) +
-                                  ", and sees it from inside; \"ignores\": [\"" + actor.name +
-                                  "\"] leaves the actor out of its scans");
+        warn(entryPath("sensors", s), inQuotes(sensor.name) + " starts within the box of the actor " +
+                                          inQuotes(actor.name) + ", and sees it from inside; \"ignores\": [\"" +
+                                          actor.name + "\"] leaves the actor out of its scans");
     }
   }
 }
