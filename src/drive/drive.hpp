@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive: what a drive file says, with every file that it names read.
+// A drive: the content of a drive file and of all files that it names.
 #pragma once
 
 #include <algorithm>
@@ -43,11 +43,11 @@ struct RigSensor {
   std::string name;
   Sensor sensor;
   Effects effects;
-  Pose mount;                          ///< in the vehicle's frame
-  double rate = 10;                    ///< scans a second
-  double offset = 0;                   ///< seconds after the start of the drive at which scan 0 starts
-  std::vector<size_t> ignores;         ///< indices into Drive::actors: those that it does not see, such as its vehicle
-  bool livoxCustom = false;            ///< whether clouds for ROS 2 are Livox's own message
+  Pose mount;                   ///< in the vehicle's frame
+  double rate = 10;             ///< scans a second
+  double offset = 0;            ///< seconds after the start of the drive at which scan 0 starts
+  std::vector<size_t> ignores;  ///< indices into Drive::actors: the actors that it does not see, such as its vehicle
+  bool livoxCustom = false;     ///< whether clouds for ROS 2 are Livox's own message
   std::optional<ros2::Driver> driver;  ///< whose point layout clouds for ROS 2 have; none: GnoSphere's own
 
   bool isIgnored(size_t actor) const { return std::ranges::find(ignores, actor) != ignores.end(); }
@@ -97,7 +97,7 @@ struct Drive {
   std::vector<Scene> scenes;                              ///< placed in the world; their instances have their classes
   std::vector<std::optional<Animation>> sceneAnimations;  ///< by scene
   std::vector<Scene> models;                              ///< in the actor's frame
-  std::vector<std::string> modelNames;                    ///< of those that the drive file names, which come first
+  std::vector<std::string> modelNames;                    ///< of the models that the drive file names, which come first
   MaterialTable materials;                                ///< for the materials of all scenes and models
   std::vector<Actor> actors;
   Trajectory ego;
@@ -107,10 +107,10 @@ struct Drive {
   std::vector<WeatherStamp> weather;
   WeatherKinds weatherKinds;
   std::vector<Output> outputs;
-  std::vector<std::string> warnings;  ///< what a user may want to know and is no mistake
+  std::vector<std::string> warnings;  ///< remarks for the user about probable mistakes
   /// The files that were read, by their paths from the folder of the drive file.
   std::map<std::string, std::filesystem::path> inputs;
-  std::string file;         ///< what the drive file says, as JSON with the name and the seed that count
+  std::string file;         ///< the content of the drive file as JSON, with the name and the seed that count
   std::string fingerprint;  ///< hash of the drive file and of everything that was read for it
 
   uint64_t frameCount() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a Drive from JSON. The schema decides what the words are and which values they take; what it cannot say is
-// checked here: names that refer to something, and the files.
+// Reads a Drive from JSON. The schema decides which words there are and which values they take. The rest is checked
+// here: names that refer to something, and the files.
 #include <algorithm>
 #include <set>
 
@@ -46,7 +46,7 @@ void appendOptions(const json& object, const std::string& prefix, std::vector<st
 
 constexpr size_t kMostNameBytes = 100;  // the name of a file may have those of a drive and of a sensor, and 255 in all
 
-/// Returns the name of a drive whose file states none: that of the file, in which _ stands for what names do not have.
+/// Returns the name of a drive whose file states none: that of the file, with _ in place of other characters.
 std::string nameOf(const fs::path& file) {
   std::string name;
   for (const char8_t c : file.stem().u8string())

@@ -174,7 +174,7 @@ void DriveReader::warnOfCauses(const Output& output, const std::string& path) {
            std::string(way));
 }
 
-/// Reads and checks what an output states of a survey.
+/// Reads and checks the members of an output that only surveys have.
 void DriveReader::survey(const json& object, Output& output, const std::string& path) {
   for (const Field field : output.fields)
     if (const std::string why = mistakeOfLasField(field); !why.empty()) refuse(path + ".fields", why);

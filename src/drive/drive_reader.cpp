@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Takes what a built-in name stands for, or else a file.
+/// Returns the built-in sensor or preset of this name, or else loads the file of this name.
 template <typename T, typename Load>
 T namedOrFile(const std::string& name, const fs::path& place, T (*named)(const std::string&), const Load& load) {
   try {

@@ -33,7 +33,7 @@ class DriveReader {
   Drive read(const std::filesystem::path& file);
 
  private:
-  /// Runs a step; what it throws becomes a mistake at this path.
+  /// Runs a step. An Error that it throws becomes a mistake at this path.
   template <typename Step>
   void attempt(const std::string& path, const Step& step) {
     try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the scenes and models of a drive, and the classes of what is in them, from its file.
+// Reads the scenes and models of a drive from its file, and the classes of their instances and materials.
 #include "base/os.hpp"
 #include "drive/drive_reader.hpp"
 #include "geometry/dropped_triangles.hpp"
@@ -117,7 +117,7 @@ void DriveReader::takeBoxed(const json& object, const std::string& path, Scene& 
   if (standing_.actors.size() == before) warn(path + ".boxes", "no instance has any of these classes");
 }
 
-/// Appends the actors that scenes have had, with names of their own.
+/// Appends the actors that were instances of scenes, each with a name of its own.
 void DriveReader::addStanding() {
   std::set<std::string> names;
   std::map<std::string, size_t> numbers;  // the last that was tried for a name

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warnings of what a drive file says without a mistake, and probably does not mean: clocks that do not match, sensors
-// that make no scan, and weather and motion that do not reach a sensor.
+// Warnings about drive files that are valid and probably not meant so: clocks that do not match, sensors that make no
+// scan, and weather and motion that do not reach a sensor.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -356,7 +356,7 @@ void DriveReader::warnOfMount(const Pose& mount, const std::string& path) {
          "is " + gnosphere::numberText(std::round(distance)) + " m from the vehicle's origin; positions are in metres");
 }
 
-/// Warns of what of the drive's weather the effects of a sensor turn off.
+/// Warns of fog, rain and snow of the drive's weather that the effects of a sensor turn off.
 void DriveReader::warnOfWeather(const RigSensor& sensor, const std::string& path) {
   const auto any = [&](double WeatherStamp::*value) {
     return std::ranges::any_of(drive_.weather, [&](const WeatherStamp& stamp) { return stamp.*value > 0; });
@@ -369,8 +369,8 @@ void DriveReader::warnOfWeather(const RigSensor& sensor, const std::string& path
   check("rain", sensor.effects.rain.use, &WeatherStamp::rain);
   check("snow", sensor.effects.snow.use, &WeatherStamp::snow);
   if (!off.empty())
-    warn(path + ".effects", "turn " + listed(off) + " off, so that of the drive's weather does not reach " +
-                                inQuotes(sensor.name) + "; \"use\": \"auto\" lets it");
+    warn(path + ".effects", "turn " + listed(off) + " off, so " + inQuotes(sensor.name) +
+                                " scans without this part of the drive's weather; \"use\": \"auto\" adds it");
 }
 
 /// Warns of motion within the scans of a sensor that its effects turn off, if an output has times of its points, or
@@ -411,7 +411,7 @@ void DriveReader::warnOfSpeeds(size_t index, const std::string& path) {
            "a rotation_period of 0.001 s lets them move");
 }
 
-/// Returns how long the beams of a sensor are, in metres, at least: 100, or what an aircraft is away from the scenes.
+/// Returns the usual length of a sensor's beams in metres: 100, or for an aircraft its distance from the scenes.
 double lengthOfBeams(const Drive& drive, const Sensor& sensor) {
   const Vec3 place = drive.ego.at(drive.start + 0.5 * drive.duration).position;
   double nearest = std::numeric_limits<double>::infinity();
@@ -465,7 +465,7 @@ void DriveReader::warnOfRate(size_t index, const std::string& path) {
                              " of them; give " + inQuotes(sensor.name) + " a \"rate\" of " + own + " to have all");
 }
 
-/// Warns of sensors of which a drive has less than its file seems to ask for.
+/// Warns of sensors whose scans lack something that the drive file seems to ask for.
 void DriveReader::warnOfSensors() {
   for (size_t s = 0; s < drive_.sensors.size(); ++s) {
     const RigSensor& sensor = drive_.sensors[s];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The actors that sensors of a drive file ignore, and those that they should perhaps ignore.
+// The actors that sensors of a drive file ignore, and the actors that they should perhaps ignore.
 #include "base/vector.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/pose_math.hpp"
@@ -19,7 +19,7 @@ bool isWithin(const Actor& actor, const Bounds& model, Vec3 point) {
 
 }  // namespace
 
-/// Finds the actors that each sensor ignores, among which are those that scenes have had.
+/// Finds the actors that each sensor ignores. Instances of scenes that have boxes are among the actors.
 void DriveReader::ignores() {
   std::vector<std::string> names;
   for (const Actor& actor : drive_.actors) names.push_back(actor.name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One thread scans ahead, another one publishes what is due.
+// One thread scans ahead, and another one publishes each message when its time has come.
 #include "drive/live.hpp"
 
 #include <algorithm>

@@ -20,7 +20,7 @@ class UnfinishedFiles;
 /// Frames of a drive that are not complete.
 struct MissingFrames {
   uint64_t count = 0;
-  uint64_t first = 0;  ///< the number of the first of them; 0 if there is none
+  uint64_t first = 0;  ///< the number of the first one; 0 if none is missing
 };
 
 class Manifest {
@@ -49,8 +49,8 @@ class Manifest {
   /// read or removed.
   std::vector<std::string> removeBroken(bool verify) const;
   /// If all frames are complete, runs `finish` unless another process has done so, notes the files that it has written,
-  /// and removes those that others were made of and what killed processes have left. Returns the frames that are
-  /// missing: none if the drive is finished.
+  /// and removes their parts and the unfinished files of killed processes. Returns the frames that are missing: none if
+  /// the drive is finished.
   MissingFrames finish(const Finish& finish) const;
   /// Says that frames will be made, so the drive has to be finished again.
   void reopen() const;
@@ -69,7 +69,7 @@ class Manifest {
   /// Returns the used files that the manifests of all frames name.
   UsedFiles usedFiles() const;
   void removeUsed(const UsedFiles& used) const;
-  /// Removes what a process that made the same frames has written after another one had finished the drive.
+  /// Removes parts that a process has written after another one, which made the same frames, had finished the drive.
   void removeLate() const;
 
   const Drive& drive_;

@@ -37,7 +37,7 @@ struct RecordedScan {
   Scan scan;                ///< Scan::instances are numbers of objects, see World
   uint64_t points = 0;      ///< returns
   std::vector<Box> boxes;   ///< of the actors that it has hit, in their order
-  std::vector<Box> missed;  ///< of those within the sensor's range that it has not hit, if an output has them
+  std::vector<Box> missed;  ///< of the actors within the sensor's range that it has not hit, if an output has them
 
   /// When the scan stops to move actors: at its end, or at its start if they stand still in it.
   double endOfMotion() const { return actorsMove ? planned.time + duration : planned.time; }
@@ -48,7 +48,7 @@ struct FrameRecord {
   std::vector<RecordedScan> scans;
 };
 
-/// Summary of a scan that stays of a frame when its scans have been written.
+/// The part of a RecordedScan that is kept when its frame has been written.
 struct ScanSummary {
   PlannedScan planned;
   uint64_t points = 0;

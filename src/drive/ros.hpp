@@ -14,8 +14,8 @@ namespace gnosphere::drive {
 /// of beams without a driver, they have the number of the beam, without which a frame does not go back into its grid.
 std::vector<Field> usualCloudFields(const Drive& drive, std::span<const size_t> sensors);
 
-/// Returns the fields of the clouds of a sensor in live messages, which are those of the drive's first bag that has the
-/// sensor; those that a bag has by default, if none has it.
+/// Returns the fields of a sensor's clouds in live messages: as in the drive's first bag that has the sensor, or else
+/// as bags have them by default.
 std::vector<Field> liveFieldsOf(const Drive& drive, size_t sensor);
 
 /// Returns the type of the messages that a sensor's clouds are.

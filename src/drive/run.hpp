@@ -26,7 +26,7 @@ struct RunOptions {
 
 struct RunReport {
   uint64_t chosen = 0;                                   ///< frames of the range and shard
-  uint64_t kept = 0;                                     ///< those that were complete
+  uint64_t kept = 0;                                     ///< of these, the frames that were complete before
   uint64_t scans = 0, points = 0, files = 0, bytes = 0;  ///< made now
   Counters counters;                                     ///< summed over these scans
   std::vector<std::string> broken;  ///< files that needed every frame, had been written and are removed, see run()

@@ -12,10 +12,10 @@
 
 namespace gnosphere::drive {
 
-/// Nothing of a frame depends on those before it.
+/// Scans each frame independently of all others.
 class Scanner {
  public:
-  /// `fields` has, by sensor, what its scans hold beside positions, ranges and times.
+  /// `fields` has, by sensor, the fields that its scans hold beside positions, ranges and times.
   Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields, SimulatorOptions options);
 
   /// Makes the scans of the frame that the record names.
@@ -29,8 +29,8 @@ class Scanner {
     bool ofSensor = false, ofActors = false, speeds = false;
   };
   SensorRequest requestOf(size_t sensor, std::set<Field> fields) const;
-  /// Returns the drive's weather without what the effects of a sensor turn off. Kinds that the drive does not state,
-  /// and boxes of dust, are those of the effects. Returns none if the drive states nothing that the effects leave on.
+  /// Returns the drive's weather without the kinds that the effects of a sensor turn off. Kinds that the drive does not
+  /// state, and boxes of dust, are as the effects state them. Returns none if the drive states no kind that is left.
   std::optional<Weather> weatherFor(size_t sensor, double time) const;
   void scan(RecordedScan& recorded);
   /// The sensor's poses during a scan, and at the times of beams that fire before and after it; none if it stands.

@@ -180,7 +180,7 @@ Trajectory::Neighbours Trajectory::neighboursOf(double time, double apart) const
 }
 
 Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double period) const {
-  constexpr double kMost = 0.05 - 1e-9;  // seconds between stamps of a parabola, but for what stamps of a file lack
+  constexpr double kMost = 0.05 - 1e-9;  // seconds between stamps of a parabola, less the rounding of times in files
   constexpr double kShare = 0.75;        // of the usual time between stamps, so that a stamp that is early counts, too
   const std::vector<Stamp>& stamps = motion_.stamps;
   if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands

@@ -41,8 +41,8 @@ struct Line {
   }
 };
 
-/// Calls use(line) for every line that has more than blanks and a comment, which it does not get. Lines end as those of
-/// any system.
+/// Calls use(line) for every line that has more than blanks and a comment; the line is without its comment. Lines end
+/// as those of any system.
 template <typename Use>
 void eachLine(const std::filesystem::path& file, const Use& use) {
   const std::string bytes = readWholeFile(file, kLargestFile);
@@ -96,7 +96,7 @@ Stamps readKitti(const std::filesystem::path& file, const std::filesystem::path&
   return stamps;
 }
 
-/// t in nanoseconds, x, y, z, qw, qx, qy, qz, and what else there is.
+/// Reads lines t,x,y,z,qw,qx,qy,qz with t in nanoseconds; further columns are ignored.
 Stamps readEuroc(const std::filesystem::path& file) {
   Stamps stamps;
   eachLine(file, [&](const Line& line) {

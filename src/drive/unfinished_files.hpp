@@ -25,7 +25,7 @@ class UnfinishedFiles {
   bool isLocked() const { return lock_->holds(); }
 
   enum class Of { thisMachine, allMachines };
-  /// Removes from a folder what killed processes have left there: their locks are free. Files of other machines
+  /// Removes the unfinished files of killed processes from a folder: their locks are free. Files of other machines
   /// must be older than a day as well, because a file system may keep locks from other machines.
   static void removeAbandoned(const std::filesystem::path& in, Of of);
 

@@ -78,7 +78,7 @@ Vec3 middleOf(const Bounds& bounds) {
   return 0.5 * (bounds.min + bounds.max);
 }
 
-/// The way of most of a body: the median of what its vertices go in each direction. Limbs that swing do not count.
+/// The way of most of a body: in each direction the median way of its vertices. Limbs that swing do not count.
 Vec3 wayOf(const std::vector<Vec3>& vertices, const Pose& start, const std::vector<Vec3>& later, const Pose& end) {
   std::vector<double> ways[3];
   for (size_t v = 0; v < vertices.size(); ++v) {

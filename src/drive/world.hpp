@@ -81,7 +81,7 @@ class World {
   Detour detourOfActor(size_t actor, double begin, double end) const;
   /// Returns the detour of a scene that has an animation.
   Detour detourOfScene(size_t scene, double begin, double end) const;
-  /// Sets what is animated in the drive's scenes.
+  /// Sets the animated instances and meshes of the drive's scenes.
   void placeScenes(double time, const Setter& set) const;
 
  private:
@@ -115,7 +115,7 @@ class World {
   /// Returns the mean velocity of an actor on its straight way between two times.
   Vec3 velocityOf(size_t actor, double from, double to, Shapes& shapes) const;
   void place(const Body& body, const Transform& place, double time, const Setter& set) const;
-  /// Finds what the clip of a body moves.
+  /// Finds the parts of a body that its clip moves.
   static void findMovingParts(Body& body);
   /// Returns the times between two times, both excluded, at which a body may move otherwise than before: those of
   /// Trajectory::timesWithin(), and those of the keys of its moving parts, no more than about a thousand.
@@ -128,7 +128,7 @@ class World {
   Scene scene_;
   std::vector<uint32_t> objects_;                     // by instance
   std::vector<std::vector<std::vector<bool>>> used_;  // by model and mesh: the vertices that triangles use
-  std::vector<Body> scenes_;                          // those that are animated
+  std::vector<Body> scenes_;                          // the animated ones
   std::vector<Body> bodies_;                          // by actor
 };
 

@@ -444,8 +444,8 @@ TEST_CASE("weather of the drive that the effects of a sensor turn off is warned 
   CHECK(warningsOf(json).empty());  // the drive has rain alone
   json["weather"] = {{{"time", 0}, {"visibility", 100}}, {{"time", 1}, {"snow", 2}, {"rain", 3}}};
   CHECK(warningsOf(json) ==
-        Warnings{"sensors[1].effects: turn fog and snow off, so that of the drive's weather does not "
-                 "reach 'side'; \"use\": \"auto\" lets it"});
+        Warnings{"sensors[1].effects: turn fog and snow off, so 'side' scans without this part of the drive's weather; "
+                 "\"use\": \"auto\" adds it"});
 }
 
 TEST_CASE("causes in clouds that leave out the beams that have them are warned of") {

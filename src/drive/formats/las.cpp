@@ -20,7 +20,7 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr uint16_t kHeaderBytes = 375;
-/// Units from the offset of all coordinates within which those of a sensor fit into 32 bits, and its points, too.
+/// A sensor may be as many units from the offset of all coordinates, so that its points fit into 32 bits, too.
 constexpr double kReach = 1e9;
 constexpr double kScanAngleUnit = 0.006;               ///< degrees
 constexpr uint16_t kOwnBytes = 30 + sizeof(uint32_t);  ///< of a point without fields
@@ -82,7 +82,7 @@ struct Summary {
   uint64_t byReturn[15] = {};
 };
 
-/// The unit of a field, and what it is, for readers of a file.
+/// The unit and the meaning of a field, for readers of a file.
 struct Meaning {
   Field field;
   const char* text;
@@ -188,7 +188,7 @@ class Las : public Format {
 
   std::string wholePath(size_t sensor) const { return path(drive_.sensors[sensor].name + ".las"); }
 
-  /// Makes the file of a sensor of the parts of all frames, which are points.
+  /// Puts the file of a sensor together from the parts of all frames, which are runs of points.
   void writeWhole(size_t sensor, const std::vector<FrameSummary>& frames, const FinalFiles& files) const {
     std::vector<std::filesystem::path> parts;
     for (uint64_t frame = 0; frame < frames.size(); ++frame) {

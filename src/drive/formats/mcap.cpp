@@ -90,7 +90,7 @@ class Mcap : public Format {
     return channels;
   }
 
-  /// Returns what rosbag2 wants to know of a bag before it opens its file.
+  /// Returns metadata.yaml, which rosbag2 reads before it opens the file of a bag.
   std::string metadata(const std::vector<FrameSummary>& frames) const {
     // The first message is a pose of the vehicle, and the last one such a pose or a measurement.
     const uint64_t lastFrame = frames.size() - 1;

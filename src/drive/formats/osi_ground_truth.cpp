@@ -33,8 +33,8 @@ enum class MovingObject : Tag {
 // osi_groundtruth.proto
 enum class GroundTruth : Tag { version = 1, timestamp = 2, hostVehicleId = 3, stationaryObject = 4, movingObject = 5 };
 
-// Values of MovingObject.Type, and those of VehicleClassification.Type, its Role and StationaryObject's Type that mean
-// what none of the others names. "Unknown" is not allowed in ground truth.
+// Values of MovingObject.Type, and the value of VehicleClassification.Type, its Role and StationaryObject's Type for
+// anything that has no value of its own. "Unknown" is not allowed in ground truth.
 constexpr int32_t kOtherObject = 1, kVehicle = 2, kPedestrian = 3, kAnimal = 4;
 constexpr int32_t kOther = 1;
 
