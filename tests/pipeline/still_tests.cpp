@@ -282,41 +282,6 @@ TEST_CASE("the still image is dropped when several views are scanned together") 
   CHECK(reused > 0);
 }
 
-TEST_CASE("the still image is dropped when there is no memory for several views") {
-  needVulkan();
-  Random random(11);
-  MeshBuilder builder;
-  for (int i = 0; i < 2900; ++i) {
-    const double angle = std::numbers::pi * random(), range = 25 + 5 * random(), up = 3 * random();
-    const auto corner = [&] {
-      return Vec3{range * std::cos(angle) + 1.5 * random(), range * std::sin(angle) + 1.5 * random(),
-                  up + 1.5 * random()};
-    };
-    builder.triangle(corner(), corner(), corner());
-  }
-  Scene scene = sceneOf(builder.take());
-  for (int i = 1; i < 10; ++i) scene.instances.push_back({"", 0, rotationZ(0.6 * i)});
-  scene.meshes.push_back(ball(10, 8, 2));
-  scene.instances.push_back({"", 1, translation(7, 0, 0)});
-  TestOptions options = vulkanOptions();
-  options.accuracyParts = {AccuracyParts::Bounds::corners, AccuracyParts::Cull::nearestPoint,
-                           AccuracyParts::Inside::watertight, AccuracyParts::Range::edgeWeights};
-  options.tuning.binning = Binning::slabs;
-  options.tuning.maxBufferBytes = 600 * 1024;
-  Pair pair(scene, options, {gridSensor(2048, 16, -10, 10, 60)});
-  std::vector<Shot> shots = {at(0)};
-  for (int i = 0; i < 4; ++i) {
-    pair.move(10, translation(7, 0.5 * i, 0));
-    const bool reused = pair.requireSame(shots)[0].reused > 0;
-    CHECK(reused == (i > 2));
-  }
-  // The lists have no room for two views, so the shots are scanned one by one; but the arrays of beams have grown by
-  // then.
-  shots.push_back(at(1));
-  pair.move(10, translation(6, -1, 0));
-  CHECK(pair.requireSame(shots)[0].reused == 0);
-}
-
 TEST_CASE("if most of the scene moves, everything is scanned at once") {
   needVulkan();
   Random random(3);
