@@ -30,7 +30,6 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --outptu a.pcd", 2, "there is no option '--outptu'; the nearest are --output, ");
   checkRefused("scan floor.obj roof.obj", 2, "there is no place for 'roof.obj'");
   checkRefused("scan floor.obj -- -1", 2, "there is no place for '-1'");
-  checkRefused("scan floor.obj -- --", 2, "there is no place for '--'");
   checkRefused("scan floor.obj --pose 0 -1 1.8", 2,
                "there is no place for '-1'; commas join the values of one option, as 1,2,3");
   checkRefused("scan floor.obj -o a.csv --fields x y z", 2, "there is no place for 'y'; commas join the values");

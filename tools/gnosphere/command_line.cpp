@@ -85,7 +85,7 @@ std::string unknownWord(const CLI::App& app, const std::vector<CLI::App*>& chose
     return word.size() > 1 && word[0] == '-' && word.find_first_of("0123456789") != 1;
   };
   const auto found = std::find_if(words.begin(), words.end(), dashed);
-  const std::string word = found != words.end() ? *found : words.empty() ? "--" : words[0];
+  const std::string word = found != words.end() ? *found : words.at(0);
   std::vector<std::string> names;
   if (dashed(word)) {
     for (const CLI::Option* option : (chosen.empty() ? &app : chosen[0])->get_options())
