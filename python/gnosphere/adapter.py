@@ -386,9 +386,10 @@ def laser_scan(
     than that of their azimuths are sorted by azimuth, and have a `time_increment` of 0. As REP 117 wants it, a beam
     without a return has infinity, and one that the sensor masks NaN; with the field `cause` one that is dead, whose
     return was lost at random, or whose echoes Effects.Returns.mode does not choose has NaN, too, and one that a surface
-    nearer than its least range blocks has -infinity. Beams on both sides of 180 degrees have angles beyond it, without a gap. `frame` is the number of the scan
-    (Shot.frame), which a sensor with several patterns needs. Raises ValueError for a channel that the scan does not
-    have, for a scan of another sensor, and if its beams are not evenly spaced in azimuth."""
+    nearer than its least range blocks has -infinity. Beams on both sides of 180 degrees have angles beyond it, without
+    a gap. `frame` is the number of the scan (Shot.frame), which a sensor with several patterns needs. Raises ValueError
+    for a channel that the scan does not have, for a scan of another sensor, and if its beams are not evenly spaced in
+    azimuth."""
     if (scan.columns, scan.channels) != (sensor.width(), sensor.height()):
         raise ValueError(
             f"the scan has {scan.channels} x {scan.columns} beams, and the sensor {sensor.name} has {sensor.height()} x "
