@@ -6,8 +6,8 @@
 
 #include "base/call.hpp"
 #include "base/clock.hpp"
+#include "base/float_environment.hpp"
 #include "base/index_pool.hpp"
-#include "base/rounding.hpp"
 #include "effects/material_table.hpp"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
@@ -362,7 +362,7 @@ class Simulator::Impl {
 
 Simulator::Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
     : impl_([&] {
-        const NearestRounding rounding;
+        const DefaultFloatEnvironment environment;
         return std::make_unique<Impl>(scene, sensors, options);
       }()) {}
 Simulator::Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options)
@@ -484,7 +484,7 @@ void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<con
 }
 
 Plan Simulator::plan(size_t sensor, size_t views) const {
-  const NearestRounding rounding;
+  const DefaultFloatEnvironment environment;
   return forReading(impl_).plan(sensor, views);
 }
 const DeviceInfo& Simulator::device() const {

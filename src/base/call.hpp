@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "base/float_environment.hpp"
 #include "base/maker_process.hpp"
-#include "base/rounding.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -42,7 +42,7 @@ class Call {
 
  private:
   T& object_;
-  const NearestRounding rounding_;
+  const DefaultFloatEnvironment environment_;
 };
 
 /// Returns an object for a call that reads it. Throws Error(invalidArgument) as ofThisProcess() does, and if a call of

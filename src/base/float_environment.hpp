@@ -7,15 +7,15 @@ namespace gnosphere {
 
 /// While this lives the thread rounds to the nearest number, keeps denormal numbers and has no floating-point traps, as
 /// do threads that it starts meanwhile; then it has the floating-point environment of before.
-class NearestRounding {
+class DefaultFloatEnvironment {
  public:
-  NearestRounding() {
+  DefaultFloatEnvironment() {
     std::fegetenv(&before_);
     std::fesetenv(FE_DFL_ENV);
   }
-  ~NearestRounding() { std::fesetenv(&before_); }
-  NearestRounding(const NearestRounding&) = delete;
-  NearestRounding& operator=(const NearestRounding&) = delete;
+  ~DefaultFloatEnvironment() { std::fesetenv(&before_); }
+  DefaultFloatEnvironment(const DefaultFloatEnvironment&) = delete;
+  DefaultFloatEnvironment& operator=(const DefaultFloatEnvironment&) = delete;
 
  private:
   std::fenv_t before_;
