@@ -233,7 +233,7 @@ struct Scan {
   /// requested, and a new one has the fields that every scan has.
   GNOSPHERE_API bool has(Field field) const;
 
-  size_t beamCount() const { return ranges.size() / returns; }
+  size_t beamCount() const { return returns == 0 ? 0 : ranges.size() / returns; }
   /// Returns whether the entry is a return from a surface.
   bool hit(size_t entry) const { return triangles[entry] != kNoTriangle; }
   /// Returns whether the entry is a return, from a surface or from the medium: its range is not NaN, of which the bits

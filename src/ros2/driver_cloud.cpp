@@ -220,7 +220,11 @@ std::vector<Return> returnsOf(const Scan& scan) {
     first.otherRange = second.range, first.otherIntensity = second.intensity;
     second.otherRange = first.range, second.otherIntensity = first.intensity;
   }
-  std::stable_sort(returns.begin(), returns.end(), [](const Return& a, const Return& b) { return a.time < b.time; });
+  // NaN compares with nothing, so returns without a time come last.
+  const auto isEarlier = [](const Return& a, const Return& b) {
+    return a.time < b.time || (b.time != b.time && a.time == a.time);
+  };
+  std::stable_sort(returns.begin(), returns.end(), isEarlier);
   return returns;
 }
 
