@@ -107,6 +107,7 @@ void bindDrive(nb::module_& parent) {
       .def_ro("kept", &RunReport::kept, "Chosen frames that were complete before the run.")
       .def_ro("scans", &RunReport::scans, "Scans made in this run.")
       .def_ro("points", &RunReport::points, "Points of the scans of this run.")
+      .def_ro("counters", &RunReport::counters, "Counters, summed over the scans of this run.")
       .def_ro("files", &RunReport::files, "Files written in this run.")
       .def_ro("bytes", &RunReport::bytes, "Bytes of the files of this run.")
       .def_ro("finished", &RunReport::finished,

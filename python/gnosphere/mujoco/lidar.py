@@ -55,8 +55,10 @@ class Record(NamedTuple):
 
 def durations_of(sensor: gno.Sensor) -> list[float]:
     """How long the scans of a sensor last, in seconds, by the frame number modulo their number."""
-    if sensor.rotation_period > 0 or not sensor.patterns:
+    if sensor.rotation_period > 0:
         return [sensor.rotation_period]
+    if not sensor.patterns:
+        return [max((channel.time_offset for channel in sensor.channels), default=0.0)]
     return [float(pattern.times.max(initial=0)) for pattern in sensor.patterns]
 
 
