@@ -159,6 +159,7 @@ TEST_CASE("a scan whose ranges do not fill its grid is refused") {
   CHECK_THROWS_WITH(writeCloud(scan, folder / "a.pcd"),
                     ContainsSubstring("6 ranges for 1 columns x 1 channels x 4 returns"));
   scan.returns = 0;
+  CHECK(scan.beamCount() == 0);
   CHECK_THROWS_WITH(writeCloud(scan, folder / "a.pcd"), ContainsSubstring("0 returns per beam"));
   CHECK_THROWS_WITH(writePicture(scan, folder / "a.png"), ContainsSubstring("0 returns per beam"));
 }

@@ -351,6 +351,12 @@ TEST_CASE("ROS 2: clouds in the point layouts of drivers, in the order of times"
         "rt/a/b_1 1700000000.250000000 top base 1700000000250000000 points 4 id 0 400000:-8,0,6:13:0:1 "
         "10000000:1,0,0:50:0:0 10000000:2,0,0:20:16:0 10000400:0,3,4:100:0:1");
 
+  Scan late = scan;  // its first two returns have no time, so they come last
+  setColumn<float>(late, Field::time, {NAN, NAN, 0.05f, 0.05f, 0.0100004f, 0.0100004f, 0.0004f, 0.0004f});
+  const PointCloud2 timeless = driverCloudOf(late, Driver::velodyne, "top", kStamp);
+  size_t point = 0;
+  for (const float x : {-8.0f, 0.0f, 1.0f, 2.0f}) CHECK(fieldOf<float>(timeless, point++, "x") == x);
+
   CHECK(driverNamed("ouster") == Driver::ouster);
   CHECK(!driverNamed("sick"));
 }
