@@ -28,8 +28,8 @@ TEST_CASE("output that cannot be written to the standard output is a failure, al
 
 TEST_CASE("what is printed to a closed output is a failure, and goes to no other file") {
   const Workplace place;
-  for (const std::string call :
-       {"sensors", "plan floor.obj --json", "scan floor.obj --stats - -o a.pcd --device reference"}) {
+  for (const std::string call : {"sensors", "plan floor.obj --json --device reference",
+                                 "scan floor.obj --stats - -o a.pcd --device reference"}) {
     INFO(call);
     const Result closed = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >&-\"", "", "/bin/sh");
     CHECK(closed.status == 1);
