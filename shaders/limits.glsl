@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The limit of coordinates.
+// Tests points against the limit of coordinates.
 
 // True if a point is finite and within the limit of coordinates. Tests the bits, because the compiler may assume that
 // NaN does not occur.

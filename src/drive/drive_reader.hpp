@@ -33,7 +33,7 @@ class DriveReader {
   Drive read(const std::filesystem::path& file);
 
  private:
-  /// Runs a step. An Error that it throws becomes a mistake at this path.
+  /// Makes an Error that a step throws a mistake at this path.
   template <typename Step>
   void attempt(const std::string& path, const Step& step) {
     try {

@@ -44,8 +44,8 @@ std::vector<gpu::InstanceMotion> motionsOf(ShotMotions motions, const InstanceEn
   return all;
 }
 
-// Returns the boxes of dust of all shots, equally many for each. Those that a shot has too few of weaken no light and
-// scatter none.
+// Returns the boxes of dust of all shots, equally many for each. A shot with fewer boxes than others is given boxes
+// that weaken no light and scatter none.
 std::vector<gpu::VolumeBox> dustOf(const SensorPlan& plan, std::span<const Shot> shots, ShotMotions motions) {
   size_t most = 0;
   for (const Shot& shot : shots) most = std::max(most, effectsOf(plan, shot).volumes.boxes.size());

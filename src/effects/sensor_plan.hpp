@@ -113,8 +113,8 @@ bool sameArrays(const SensorPlan& before, const SensorPlan& after);
 
 /// Returns the effects for one shot: those of the plan, with the shot's weather if it has any.
 Effects effectsOf(const SensorPlan& plan, const Shot& shot);
-/// Returns whether a scan simulates that instances move. They stand still in a scan whose motions would take no time,
-/// because all its beams fire at its start.
+/// Returns whether a scan simulates that instances move. Instances stand still if all beams fire at the start of the
+/// scan, because a motion would take no time.
 bool instancesMove(const SensorPlan& plan, const Shot& shot);
 /// Throws Error(invalidArgument), whose message begins with `which`, if the weather is not planned or a value is out of
 /// range.

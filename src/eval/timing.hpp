@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the reports have in common: the settings of their simulators, and the times of rows that take turns.
+// The parts that the reports share: the settings of their simulators, and the times of rows that take turns.
 #pragma once
 
 #include <functional>

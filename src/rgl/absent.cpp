@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions that are not implemented, and say so. They exist so that programs which link them start.
+// Functions that are not implemented, and say so. Without them, programs that link them would not start.
 #include <rgl/api/extensions/pcl.h>
 #include <rgl/api/extensions/ros2.h>
 

@@ -74,7 +74,7 @@ Values valuesAt(const Track& track, double time) {
   return result;
 }
 
-/// What a clip can change of a node.
+/// The properties of a node that a clip can change.
 struct Local {
   Vec3 translation;
   Quaternion rotation;

@@ -67,7 +67,7 @@ std::vector<double> readVertices(std::string_view text, const Source& source, bo
   return coordinates;
 }
 
-/// What the lines `mtllib`, `l` and `p` of an OBJ file state.
+/// The content of the lines `mtllib`, `l` and `p` of an OBJ file.
 struct OtherLines {
   std::vector<std::string> libraries;  ///< what the `mtllib` lines name, in order, each once
   uint64_t linesAndPoints = 0;         ///< lines `l` and `p`

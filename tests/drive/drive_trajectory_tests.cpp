@@ -335,7 +335,7 @@ TEST_CASE("waypoints without times of their own are told once each, and nothing 
 }
 
 TEST_CASE("a vehicle whose stamps are far apart has the rates of its poses, and none where it stands") {
-  // It goes 100 m in ten seconds, in which it turns by a quarter, and stands for as long.
+  // The vehicle goes 100 m in ten seconds, in which it turns by a quarter, and stands for as long.
   const Pose there = {{100, 0, 0}, {0, 0, kHalf, kHalf}};
   const drive::Trajectory way({{0, {}}, {10, there}, {20, there}});
   for (const double time : {0.0, 1.0, 5.0, 9.4, 10.6, 15.0, 20.0}) {
@@ -346,7 +346,7 @@ TEST_CASE("a vehicle whose stamps are far apart has the rates of its poses, and 
     CHECK_THAT(lengthOf(rates.acceleration), WithinAbs(0, 1e-9));
     CHECK_THAT(lengthOf(rates.turnRate - Vec3{0, 0, drives ? M_PI / 20 : 0.0}), WithinAbs(0, 1e-9));
   }
-  // It brakes within the second around the stamp: the acceleration rises and falls evenly, by 10 m/s in all.
+  // The vehicle brakes within the second around the stamp: the acceleration rises and falls evenly, by 10 m/s in all.
   CHECK_THAT(way.ratesAt(10).velocity.x, WithinAbs(5, 1e-9));
   CHECK_THAT(way.ratesAt(10).acceleration.x, WithinAbs(-20, 1e-9));
 }
