@@ -88,6 +88,11 @@ bool isText(const json& value, std::string_view text) {
   return value.is_string() && value.get_ref<const std::string&>() == text;
 }
 
+std::string textIn(const json& object, const std::string& key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
 std::string shown(const json& value) {
   constexpr size_t kShown = 40;
   const std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);

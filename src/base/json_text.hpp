@@ -39,6 +39,9 @@ std::string jsonText(const Json& value, int indent = -1);
 /// if there is no memory.
 bool isText(const nlohmann::json& value, std::string_view text);
 
+/// Returns a member that is text; an empty text if the object has no such member.
+std::string textIn(const nlohmann::json& object, const std::string& key);
+
 /// Returns the JSON text of a value, shortened if it is long.
 std::string shown(const nlohmann::json& value);
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sensor/files/source.hpp"
+#include "base/json_text.hpp"
 
 namespace gnosphere {
 namespace {

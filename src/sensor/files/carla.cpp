@@ -6,6 +6,7 @@
 #include <iterator>
 #include <set>
 
+#include "base/json_text.hpp"
 #include "base/lasting.hpp"
 #include "sensor/carla_lidars.hpp"
 #include "sensor/files/source.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/json_text.hpp"
 #include "base/lasting.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 
+#include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 #include "base/vector.hpp"
 #include "sensor/files/source.hpp"

@@ -219,9 +219,4 @@ std::vector<double> numbersIn(const SensorSource& source, const json& object, co
   return list;
 }
 
-std::string textIn(const json& object, const std::string& key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 }  // namespace gnosphere

@@ -97,10 +97,9 @@ double numberOf(const SensorSource& source, std::string_view text, const std::st
 /// A number for a message, as short as it can be.
 std::string shownNumber(double value);
 
-/// Members of a JSON object. Every message names the key.
+/// Numbers that are members of a JSON object. Every message names the key.
 double numberIn(const SensorSource& source, const nlohmann::json& object, const std::string& key);
 double numberIn(const SensorSource& source, const nlohmann::json& object, const std::string& key, double otherwise);
 std::vector<double> numbersIn(const SensorSource& source, const nlohmann::json& object, const std::string& key);
-std::string textIn(const nlohmann::json& object, const std::string& key);
 
 }  // namespace gnosphere
