@@ -26,7 +26,7 @@ class StillImage {
 
   /// Decides what the next scan of the sensor does. May not be called while inMaking().
   Use next(const Shot& shot, const InstanceTable& instances);
-  /// Notes that something has changed what the image needs. May not be called while the scan that makes it runs.
+  /// Notes that the next scan must make the image anew. May not be called while the scan that makes the image runs.
   void forget() { state_ = State::missing; }
   /// Returns the instances that a scan places which next() has given `use`.
   Selection selection(Use use) const;

@@ -82,7 +82,7 @@ RGL_API rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t s
   return status;
 }
 
-/// RGL 0.15 and 0.16 had this function.
+/// This function is part of RGL 0.15 and 0.16 alone.
 RGL_API rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene,
                                                        const rgl_vec3f* linear_velocity,
                                                        const rgl_vec3f* angular_velocity) {

@@ -35,7 +35,7 @@ struct RowGrid {
   uint32_t columnAt(uint32_t place) const { return clockwise ? taken - 1 - place : place; }
   /// Entries of the table of moments before those of the columns, for rows with a lag below 0.
   uint32_t before() const;
-  /// Entries behind those of the columns, for rows with a lag above 0.
+  /// Entries of the table of moments behind those of the columns, for rows with a lag above 0.
   uint32_t after() const;
   /// Whether the rows look in different directions at one place.
   bool between() const { return beside > 0; }

@@ -296,7 +296,7 @@ TEST_CASE("a finished drive has no files of processes that were killed on other 
   left("elsewhere-3-4", 25);
   CHECK(drive::run(drive, optionsFor(folder / "out")).finished);
   CHECK(parts().size() == 2);
-  // Of these two the first is of another machine, although its name begins as that of this one.
+  // The first of the next two files is of another machine, although its name begins with the name of this one.
   left(os::machineName() + "-2-7-8", 1);
   left(os::machineName() + "-7-8", 1);
   CHECK(drive::run(drive, optionsFor(folder / "out")).finished);

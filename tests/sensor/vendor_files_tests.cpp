@@ -172,7 +172,7 @@ TEST_CASE("Ouster metadata: every mode, and windows of columns are masked beams"
   CHECK_FALSE(std::binary_search(wrapped.begin(), wrapped.end(), 511u));
   CHECK(std::binary_search(wrapped.begin(), wrapped.end(), 10u));
   CHECK(windowed("[128, 255]", {.mode = "1024x10"}).size() == 2 * 768);
-  // Of 512 columns only number 25 looks where a column of the window does, which are 100 and 101 of 2048.
+  // The window has the columns 100 and 101 of 2048, and only column 25 of 512 looks into the window.
   std::string wide = replaced(kOusterNested, "512x20", "2048x10");
   wide =
       replaced(replaced(wide, "[0, 511]", "[100, 101]"), "\"columns_per_frame\": 512", "\"columns_per_frame\": 2048");

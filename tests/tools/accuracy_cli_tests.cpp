@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere accuracy and scan --max-error as command lines.
+// Runs gnosphere accuracy and gnosphere scan --max-error as programs.
 #include <nlohmann/json.hpp>
 
 #include "bench/xml.hpp"

@@ -39,8 +39,8 @@ std::string printable(const std::string& text);
 
 /// Returns the width of text for people in columns: that of the terminal, but from 40 to 120; without a terminal 80.
 size_t textColumns();
-/// Breaks lines at blanks so that each has at most `columns` characters. All lines but the first begin with `indent`
-/// blanks, which count. A longer word stays whole.
+/// Returns the text with line breaks at blanks, so that each line has at most `columns` characters. All lines but the
+/// first begin with `indent` blanks, which count. A word that is longer than a line stays whole.
 std::string wrapped(const std::string& text, size_t columns, size_t indent = 0);
 
 /// Prints a line of a summary, with the label in its own column.
