@@ -20,11 +20,12 @@ from . import _text as _text
 from . import _values as _values
 
 if _typing.TYPE_CHECKING:
-    from . import helios as helios, patterns as patterns, pictures as pictures, robotics as robotics
+    from . import adapter as adapter, helios as helios, patterns as patterns, pictures as pictures
+    from . import primitives as primitives, robotics as robotics, ros2 as ros2
 else:
 
     def __getattr__(name):
         """Imports a module of the package that is named for the first time."""
-        if name in ("helios", "patterns", "pictures", "robotics"):
+        if name in ("adapter", "helios", "patterns", "pictures", "primitives", "robotics", "ros2"):
             return _importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,6 +3,8 @@
 
 import enum
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -118,3 +120,11 @@ def test_import_of_all_names_brings_no_names_of_others():
     names = {}
     exec("from gnosphere import *", names)
     assert "Scan" in names and not {"importlib", "TYPE_CHECKING", "sys", "numpy"} & set(names)
+
+
+@pytest.mark.parametrize("module", "adapter drive helios patterns pictures primitives robotics ros2".split())
+def test_a_module_that_needs_no_other_package_is_there_by_its_name(module):
+    """In a process of its own: once a module is imported anywhere, the package has it."""
+    code = f"import gnosphere; print(gnosphere.{module}.__doc__[:9])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.strip(), done.stderr
