@@ -1083,6 +1083,8 @@ def test_the_command(arm, tmp_path):
         assert sentence in said.stderr and bool(said.stderr) == bool(sentence)
     wrong = subprocess.run([*command, arm, "--joint", "knee=1"], capture_output=True, text=True)
     assert wrong.returncode == 1 and "there is no joint 'knee'" in wrong.stderr
+    wrong = subprocess.run([*command, arm, "--joint", "slide"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "--joint slide states no position" in wrong.stderr
 
 
 def test_the_page(tmp_path, monkeypatch):

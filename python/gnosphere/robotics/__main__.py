@@ -19,11 +19,26 @@ from .robot_scene import Matrix, RobotScene
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m gnosphere.robotics", description=__doc__)
     parser.add_argument("file", help="URDF, SDF, MJCF or USD")
-    parser.add_argument("--joint", action="append", default=[], metavar="NAME=POSITION", help="radians or metres")
-    parser.add_argument("--search", action="append", default=[], metavar="FOLDER", help="of packages and models")
-    parser.add_argument("--collisions", action="store_true", help="what collides in place of what is seen")
-    parser.add_argument("-o", "--output", metavar="FILE.glb", help="writes the scene as it is with these joints")
+    parser.add_argument(
+        "--joint",
+        action="append",
+        default=[],
+        metavar="NAME=POSITION",
+        help="position of a joint, in radians or metres; may be given more than once",
+    )
+    parser.add_argument(
+        "--search",
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="folder of packages and models; may be given more than once",
+    )
+    parser.add_argument("--collisions", action="store_true", help="take what collides in place of what is seen")
+    parser.add_argument("-o", "--output", metavar="FILE.glb", help="write the scene as it is with these joints")
     given = parser.parse_args()
+    for joint in given.joint:
+        if "=" not in joint:
+            parser.error(f"--joint {shown(joint)} states no position; NAME=POSITION does, as {shown(joint)}=0.5")
     try:
         joints: dict[str, Any] = {name: value for name, _, value in (joint.rpartition("=") for joint in given.joint)}
         with warnings.catch_warnings():
