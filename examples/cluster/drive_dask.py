@@ -20,6 +20,8 @@ def make(shard, shards, arguments):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        sys.exit(__doc__)
     scheduler, count, arguments = sys.argv[1], int(sys.argv[2]), sys.argv[3:]
     with Client(scheduler) as client:
         shards = client.map(make, range(count), shards=count, arguments=arguments, retries=2, pure=False)
