@@ -2,8 +2,11 @@
 """Skins, flexes, materials, names and rays of MuJoCo models, against MuJoCo's own and closed forms. Skipped without the
 package mujoco."""
 
+import re
+
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 
 from test_mujoco import write_png
 
@@ -337,3 +340,25 @@ def test_what_robots_of_mjcf_lack_is_told(tmp_path):
     )
     with pytest.warns(UserWarning, match=r"leaves out flexes and skins, which gnosphere.mujoco has \(1\)$"):
         assert not robotics.load(file).frames
+
+
+def test_the_page(tmp_path, monkeypatch, recwarn):
+    """The blocks of docs/mujoco.md run one after the other, without a warning, on a robot of 50 steps a turn; with fewer
+    worlds and seconds than there."""
+    body = '<freejoint/><geom size=".2"/><site name="lidar" pos="0 0 .5"/>'
+    walls = '<geom name="floor" type="plane" size="0 0 1"/><geom name="wall east" type="box" size=".1 3 1" pos="5 0 1"/>'
+    robot = f'<mujoco><worldbody>{walls}<body name="torso" pos="0 0 .5">{body}</body></worldbody></mujoco>'
+    (tmp_path / "robot.xml").write_text(robot)
+    monkeypatch.chdir(tmp_path)
+    page = (REPOSITORY / "docs" / "mujoco.md").read_text()
+    assert page.count("data.time < 10:") == 1 and page.count("1024") >= 3
+    page = page.replace("data.time < 10:", "data.time < 0.01:").replace("1024", "3")
+    first, moving, worlds = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
+    names: dict = {}
+    exec(compile(first, "docs/mujoco.md", "exec"), names)
+    assert set(names["geoms"]) == {-1, 0, 1} and set(names["scan"]["class"]) == {0, 1, 2}
+    exec(compile(moving, "docs/mujoco.md", "exec"), names)
+    assert names["scan"].skewed
+    exec(compile(worlds, "docs/mujoco.md", "exec"), names)
+    assert names["batch"].ranges.shape == (3, 28800) and set(names["geoms"].ravel()) == {-1, 0, 1}
+    assert not recwarn.list
