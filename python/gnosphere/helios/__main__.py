@@ -17,13 +17,13 @@ def main() -> int:
     parser.add_argument(
         "--assets", action="append", default=[], metavar="FOLDER", help="where paths such as data/platforms.xml start"
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="writes leg-000.json and so on, for gnosphere drive")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="write leg-000.json and so on, for gnosphere drive")
     parser.add_argument(
         "--epoch",
         type=float,
         default=315964800,
         metavar="SECONDS",
-        help="Unix time of the start, for LAS; default 1980",
+        help="Unix time of the start, for LAS; 315964800 if not given, the epoch of GPS in 1980",
     )
     given = parser.parse_args()
     try:
