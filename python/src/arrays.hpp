@@ -42,9 +42,9 @@ class ArrayIn {
 void checkNumbers(nb::handle array, const std::string& name, const char* type, bool integers, double largest);
 /// Rows of any one width.
 inline constexpr size_t kAnyWidth = std::numeric_limits<size_t>::max();
-/// Makes a NumPy array. Throws Error(invalidArgument), "<name> cannot be made an array<wanted>: ...".
+/// Makes a NumPy array of any object, or throws Error(invalidArgument), "<name> cannot be made an array<wanted>: ...".
 nb::object arrayOrRefuse(nb::handle object, const std::string& name, const std::string& wanted);
-/// Makes a NumPy array of shape (n,), or (n, width) if width is not 0. Throws Error(invalidArgument).
+/// Makes a NumPy array of shape (n,), or (n, width) if width is not 0, or throws Error(invalidArgument).
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width);
 nb::object contiguous(nb::handle array, const char* type);
 
@@ -110,7 +110,7 @@ std::vector<T> entriesOf(nb::handle argument, const std::string& name) {
 using TransformsLike = SequenceOrArray<Transform>;
 /// Throws Error(invalidArgument), or a TypeError, that begins with `name`.
 std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name);
-/// One map, of shape (3, 4) or (4, 4). Throws as transformsOf() does.
+/// One map, of shape (3, 4) or (4, 4); the errors are those of transformsOf().
 Transform transformOf(const ArrayLike& argument, const std::string& name);
 
 /// An argument that is one map: a Transform, or an array of shape (3, 4) or (4, 4).
@@ -124,12 +124,12 @@ MapLike mapLikeOf(nb::handle argument);
 /// `name` and names the first entry that is not a rotation and a shift.
 std::vector<Pose> posesOfMaps(const nb::object& array, const std::string& name);
 
-/// Makes maps, or an array of poses of shape (n, 7), an array of shape (n, 12) or (n, 7). Throws as transformsOf()
-/// does.
+/// Makes maps, or an array of poses of shape (n, 7), an array of shape (n, 12) or (n, 7); the errors
+/// are those of transformsOf().
 nb::object transformRows(const TransformsLike& argument, const std::string& name);
 bool isFloat32(nb::handle array);
 
-/// Views, as NumPy arrays of shape (n,) and (n, width). `const` makes them read-only.
+/// Views, as NumPy arrays of shape (n,) and (n, width), which are read-only if `T` is const.
 template <typename T>
 using Column = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
 template <typename T, size_t width>

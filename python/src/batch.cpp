@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/batch.hpp.
+// Binds the declarations of gnosphere/batch.hpp.
 #include "batch.hpp"
 
 #include "arrays.hpp"
@@ -8,8 +8,8 @@
 namespace gnosphere::python {
 namespace {
 
-/// An array of shape (views, beams[, returns][, components]) whose memory is that of the batch. It is not read-only,
-/// because DLPack knows no such arrays.
+/// An array of shape (views, beams[, returns][, components]) whose memory is that of the batch. The array is not
+/// read-only, because DLPack knows no such arrays.
 template <typename T>
 nb::object arrayOf(const SharedBatch& self, const T* data, size_t components) {
   const Batch& batch = *self.value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/batch_stream.hpp.
+// Binds the declarations of gnosphere/batch_stream.hpp.
 #include <algorithm>
 
 #include "fields.hpp"
@@ -49,7 +49,7 @@ Streamed wait(nb::handle self, const Whole& batch) {
   return result;
 }
 
-/// Where arrays are.
+/// The memory that has an array.
 enum class Where { host, cuda };
 
 void requireCurrent(const Streamed& self) {

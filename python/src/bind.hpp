@@ -54,7 +54,7 @@ inline std::string typeName(nb::handle type) {
   return nb::cast<std::string>(type.attr("__name__"));
 }
 
-/// What an object of a class of ours, or of one derived from it, holds. Throws a TypeError if it was not made.
+/// Returns the value in an object of a class of ours, or of one derived from it. Throws a TypeError if it was not made.
 template <typename T>
 const T& complete(nb::handle object) {
   if (nb::inst_ready(object)) return nb::cast<const T&>(object);
@@ -80,7 +80,7 @@ Tuple<T> makeTuple(size_t size, Element&& element) {
   return Tuple<T>(nb::tuple(list));
 }
 
-/// A tuple of copies.
+/// Returns copies of the values as a tuple.
 template <typename T>
 Tuple<T> tupleOf(const std::vector<T>& values) {
   return makeTuple<T>(values.size(), [&](size_t i) { return nb::cast(values[i], nb::rv_policy::copy); });

@@ -17,7 +17,7 @@ using Progress = std::function<void(uint64_t, uint64_t)>;
 
 namespace {
 
-/// What Python gives for `progress`. What it returns does not matter.
+/// The function that Python gives for `progress`, whose result does not matter.
 using ProgressFunction = nb::typed<nb::callable, nb::object(uint64_t, uint64_t)>;
 
 /// The Python function of options; none if they have none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extension module. What gnosphere/gnosphere.hpp declares is in it under the same names in snake_case.
+// The extension module, in which the declarations of gnosphere/gnosphere.hpp have the same names in snake_case.
 #include <atomic>
 
 #include "bind.hpp"
@@ -36,9 +36,9 @@ NB_MODULE(_gnosphere, m) {
 }
 #undef PyInit__gnosphere
 
-/// What Python calls for an import. The types live as long as the process does, so they cannot be made again: neither
-/// after the module was deleted from sys.modules nor in another interpreter of the process. This refuses it before
-/// nanobind replaces what the module in use has.
+/// The function that Python calls for an import. The types live as long as the process does, so they cannot be made
+/// again: neither after the module was deleted from sys.modules nor in another interpreter of the process. The function
+/// refuses a second import before nanobind replaces what the module in use has.
 extern "C" NB_EXPORT PyObject* PyInit__gnosphere(void) {
   static std::atomic<bool> imported = false;
   if (!imported.exchange(true)) return initialiseGnosphere();

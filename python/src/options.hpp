@@ -17,7 +17,7 @@
 
 namespace gnosphere::python {
 
-/// Calls a Python function. Copies share it, so they can be made and destroyed without the GIL.
+/// Calls a Python function that all copies share, so they can be made and destroyed without the GIL.
 class Warn {
  public:
   explicit Warn(nb::object function)
@@ -37,7 +37,7 @@ class Warn {
       error.discard_as_unraisable("SimulatorOptions.warn");
     }
   }
-  /// Not valid after clear().
+  /// The function; clear() takes it away.
   const nb::object& function() const { return *function_; }
   /// Takes the function away from all copies.
   void clear() const { const nb::object last = std::move(*function_); }

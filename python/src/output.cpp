@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/output.hpp and gnosphere/layout.hpp.
+// Binds the declarations of gnosphere/output.hpp and gnosphere/layout.hpp.
 #include <string_view>
 
 #include "field_list.hpp"

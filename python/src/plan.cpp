@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/plan.hpp.
+// Binds the declarations of gnosphere/plan.hpp.
 #include "bind.hpp"
 
 namespace gnosphere::python {

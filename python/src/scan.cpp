@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/scan.hpp.
+// Binds the declarations of gnosphere/scan.hpp.
 #include "scan.hpp"
 
 #include <nanobind/stl/array.h>

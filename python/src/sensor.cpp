@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binds gnosphere/sensor.hpp.
+// Binds the declarations of gnosphere/sensor.hpp.
 #include "arrays.hpp"
 #include "base/limits.hpp"
 #include "rows.hpp"

@@ -31,7 +31,7 @@ SharedScan scan(Self& self, const Pose& pose, const Whole& sensor) {
   return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(chosen, number); }))};
 }
 
-/// What a call takes out of a result and gives back.
+/// The result that a call takes out of an object and gives back.
 template <typename Result>
 class Taken {
  public:

@@ -39,7 +39,7 @@ using NumbersLike = std::variant<uint32_t, ArrayLike>;
 /// A list of indices for each of several, as an array of shape (n, m) or a sequence of n arrays; none if it is empty.
 using IndexListsLike = SequenceOrArray<ArrayLike>;
 
-/// What completes poses to shots. Frame numbers count up from the first one.
+/// The arguments that complete poses to shots. Frame numbers count up from the first one.
 struct PoseArguments {
   const Whole& sensor;
   const NumbersLike& worlds;

@@ -40,7 +40,7 @@ inline nanobind::object listOf(PyObject* source) {
 }
 
 /// Reads the numbers of a sequence. Returns how many it has, or -1 for anything else. If it has not `size` of them,
-/// the function reads none. It throws only exceptions that isNoFault() is true for.
+/// the function reads none, and it throws only exceptions that isNoFault() is true for.
 inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers) {
   const Py_ssize_t count = PySequence_Size(source);
   if (count < 0) forgetFault();
@@ -55,7 +55,7 @@ inline Py_ssize_t readNumbers(PyObject* source, Py_ssize_t size, double* numbers
   return count;
 }
 
-/// What readVector() returns for an array with masked entries.
+/// The result of readVector() for an array with masked entries.
 inline constexpr Py_ssize_t kMasked = PY_SSIZE_T_MAX;
 
 /// As readNumbers(), of a sequence or an array. A Series of pandas is a sequence whose indices are labels of its own,
@@ -73,7 +73,7 @@ struct Color {
   std::array<float, 4> rgba = {};
 };
 
-/// What the numbers of a vector are, for messages.
+/// The names of the numbers of a vector, for messages.
 inline const char* namesOf(const Vec3*) {
   return "x, y, z";
 }
