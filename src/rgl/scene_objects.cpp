@@ -141,7 +141,8 @@ RGL_API rgl_status_t rgl_entity_create(rgl_entity_t* out_entity, rgl_scene_t sce
 RGL_API rgl_status_t rgl_entity_destroy(rgl_entity_t entity) {
   return call(__func__, taped(entity), [&] {
     RGL_CHECK(entity != nullptr);
-    scene().remove(scene().entities.remove(entity));
+    scene().remove(std::shared_ptr(scene().entities.at(entity)));  // if it throws, the entity is there as before
+    scene().entities.remove(entity);
   });
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // libgnosphere_rgl as a plug-in uses it: against the C++ interface with the same rays, and against closed forms. Tests
 // run on the device "reference" unless GNOSPHERE_RGL_DEVICE says another.
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
@@ -150,6 +152,22 @@ TEST_CASE("RGL: a plug-in's frames have the points of the C++ interface, whateve
     ++row;
   }
   CHECK(row == size_t(count));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: an entity that cannot be destroyed, because the process was forked, is there as before") {
+  const rgl_entity_t entity = place(squareMesh(3), matrix(0, 0, 4));
+  Lidar lidar({matrix(0, 0, 0)}, kBasic);
+  lidar.run();
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(100);
+    const rgl_status_t first = rgl_entity_destroy(entity), second = rgl_entity_destroy(entity);
+    _exit(first == RGL_SUCCESS || second != first);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
   OK(rgl_cleanup());
 }
 
