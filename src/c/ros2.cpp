@@ -127,8 +127,12 @@ using namespace gnosphere::c;
 extern "C" {
 
 const char* gno_ros2_unavailable(void) {
-  static const auto& why = *new std::string(ros2::unavailable());  // also for threads that outlive static objects
-  return why.c_str();
+  try {
+    static const auto& why = *new std::string(ros2::unavailable());  // also for threads that outlive static objects
+    return why.c_str();
+  } catch (...) {  // the next call tries again
+    return "there is not enough memory";
+  }
 }
 
 gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,

@@ -24,6 +24,7 @@ struct RecorderObject {
   gno_simulator simulator;
   vulkan::Recorder recorder;
   std::vector<gno_vulkan_recorded_scan> results;  ///< of the last recording
+  size_t mostShots = 0;                           ///< of any recording
 };
 
 }  // namespace
@@ -179,19 +180,16 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
       wanted.push_back({shotOf(shot.shot), rangeOf(shot.records), rangeOf(shot.header)});
     });
     WithSimulator locked(recorder);
-    auto& results = locked->results;
+    // The room is made before, because what became of earlier scans is told once: of those of one recording at most.
+    std::vector<gno_vulkan_recorded_scan> results;
+    results.reserve(locked->mostShots);
     const auto made = locked->recorder.record(commands, frame_in_flight, wanted);
-    try {
-      results.reserve(made.size());
-    } catch (...) {
-      locked->recorder.abandon(frame_in_flight);
-      throw;
-    }
-    results.clear();
+    locked->mostShots = std::max(locked->mostShots, wanted.size());
     for (const vulkan::RecordedScan& scan : made)
       results.push_back({scan.sensor, scan.frame, scan.complete, scan.nonFinite, scan.degenerate, scan.unplaced});
-    if (before) *before = results.data();
-    if (before_count) *before_count = results.size();
+    locked->results = std::move(results);
+    if (before) *before = locked->results.data();
+    if (before_count) *before_count = locked->results.size();
   });
 }
 

@@ -3,6 +3,7 @@
 // Functions that read or write JSON are left out. The destructor of nlohmann::json needs memory, and without any the
 // process ends.
 #include <gnosphere.h>
+#include <gnosphere_ros2.h>
 
 #include <array>
 #include <cstring>
@@ -99,6 +100,20 @@ void each(const char* name, Subject& subject, const std::function<gno_status()>&
 }
 
 }  // namespace
+
+TEST_CASE("C: without memory gno_ros2_unavailable() says so") {
+  bool fails = true;
+  for (long n = 1; fails; ++n) {
+    const char* why = nullptr;
+    {
+      const Injection injection(Fails::memory, n);
+      why = gno_ros2_unavailable();
+      fails = injection.fired();
+    }
+    REQUIRE(why);
+    if (fails) CHECK(std::string(why) == "there is not enough memory");
+  }
+}
 
 TEST_CASE("C: without memory batches fail, and many instances come and move together or not at all", "[combinations]") {
   Subject subject;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recordings that fail late, for lack of memory of the host or of the device, or that the caller drops.
+#include <gnosphere_vulkan.h>
+
 #include <catch2/matchers/catch_matchers.hpp>
 
+#include "c/wall.hpp"
 #include "engine/recorded.hpp"
 #include "failure/injection.hpp"
 
@@ -93,6 +96,73 @@ TEST_CASE("a recording that is abandoned loses no upload, and only the last one 
   recordings.recorder().abandon(1);
   CHECK_THROWS_WITH(recordings.recorder().abandon(1), "frame 1 has no recording that could be abandoned");
   recordings.check(0);
+}
+
+TEST_CASE("C: a recording that fails for lack of memory leaves it to the next one what became of the scans before") {
+  needVulkan();
+  const VulkanApp app;
+  gno_vulkan_requirements enabled = gno_vulkan_requirements_init();
+  gno_vulkan_adopted_device device = gno_vulkan_adopted_device_init();
+  device.get_instance_proc_addr = app.adopted().getInstanceProcAddr;
+  device.instance = app.adopted().instance;
+  device.physical_device = app.adopted().physicalDevice;
+  device.device = app.adopted().device;
+  device.queue_family = app.adopted().queueFamily;
+  device.enabled = &enabled;
+  REQUIRE(gno_vulkan_get_requirements(device.get_instance_proc_addr, device.instance, device.physical_device,
+                                      &enabled) == GNO_OK);
+  gno_options options = gno_options_init();
+  options.adopted = &device;
+  options.cache = "off";
+  const gno_layout_value range = {GNO_FIELD_RANGE, 0, 0, GNO_F32, 0};
+  gno_layout layout = gno_layout_init();
+  layout.values = &range;
+  layout.value_count = 1;
+  layout.stride = 4;
+  gno_request request = gno_request_init();
+  request.layout = &layout;
+  REQUIRE(gno_sensor_from_json(toJson(gridSensor(24, 4, -20, 20)).c_str(), &request.sensor) == GNO_OK);
+  REQUIRE(gno_effects_preset("clean", &request.effects) == GNO_OK);
+  gno_scene scene = sceneWithWall();
+  gno_simulator simulator = nullptr;
+  gno_vulkan_recorder recorder = nullptr;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  REQUIRE(gno_vulkan_recorder_create(simulator, 1, &recorder) == GNO_OK);
+  {
+    VulkanApp::Frame frame(app);
+    const VulkanApp::Buffer records(app, 4 * 24 * 4), header(app, sizeof(gno_record_header));
+    gno_shot shot = gno_shot_init();
+    const gno_vulkan_recorded_shot recorded = {
+        &shot, {records.range().address, records.range().bytes}, {header.range().address, header.range().bytes}};
+    const gno_vulkan_recorded_scan* before = nullptr;
+    size_t count = 0;
+    uint64_t last = 0;
+    for (long n = 0, failed = 0;; ++n) {
+      INFO("allocation " << n);
+      const VkCommandBuffer commands = frame.begin();
+      ++shot.frame;
+      const Injection injection(Fails::memory, n);
+      const gno_status status = gno_vulkan_record(recorder, commands, 0, &recorded, 1, &before, &count);
+      if (status != GNO_OK) {
+        REQUIRE(status == GNO_OUT_OF_MEMORY);
+        ++failed;
+        frame.end();
+        continue;
+      }
+      REQUIRE(count == (n == 0 ? 0 : 1));
+      if (n > 0) CHECK(before[0].frame == last);
+      last = shot.frame;
+      frame.submit();
+      if (n == 0 || injection.fired()) continue;
+      CHECK(failed > 3);
+      break;
+    }
+  }
+  CHECK(gno_vulkan_recorder_destroy(recorder) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+  CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
+  CHECK(gno_effects_destroy(request.effects) == GNO_OK);
 }
 
 TEST_CASE("a recording that fails for lack of memory loses no upload", "[combinations]") {
