@@ -559,11 +559,13 @@ typedef struct gno_layout_value {
   size_t offset;       /* bytes from the start of the row */
   gno_value_type type; /* the field's own, or one that holds all of its values */
   /* 0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte `offset` of
-   * the buffer, a multiple of 4, with a value every `stride` bytes: the size of the type, or a larger multiple of 4.
-   * Only results that stay on a device may have columns. */
+   * the buffer, a multiple of 4, with a value every `stride` bytes: the size of the type, or a larger multiple of 4,
+   * where a value of 1 or 2 bytes takes a word of 4, in which 0 follows. Only results that stay on a device may have
+   * columns. */
   size_t stride;
 } gno_layout_value;
-/* How the results of a scan lie in memory. */
+/* How the results of a scan lie in memory. The bytes of a row that no value has become 0 on a device, and
+ * gno_scan_pack() leaves them as they are. */
 typedef struct gno_layout {
   size_t struct_size;
   const gno_layout_value* values;

@@ -7,7 +7,8 @@
 
 namespace gnosphere {
 
-/// Describes how a row lies in memory: which values it has, and where each of them is.
+/// Describes how a row lies in memory: which values it has, and where each of them is. The bytes of a row that no value
+/// has become 0 on a device, and pack() leaves them as they are.
 struct RecordLayout {
   struct Value {
     Field field = Field::x;
@@ -18,7 +19,8 @@ struct RecordLayout {
     ValueType type = ValueType::f32;
     /// 0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte `offset`
     /// of the buffer, a multiple of 4, with a value every `stride` bytes: the size of the type, or a larger multiple
-    /// of 4. Only results that stay on a device may have columns; a Scan has Scan::column().
+    /// of 4, where a value of 1 or 2 bytes takes a word of 4, in which 0 follows. Only results that stay on a device
+    /// may have columns; a Scan has Scan::column().
     size_t stride = 0;
   };
   std::vector<Value> values;

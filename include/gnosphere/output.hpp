@@ -24,10 +24,10 @@ GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring 
 GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);
 
 /// Writes the rows of the scan to the start of `out` and returns their number; ranges.size() * stride bytes always
-/// suffice. ring, beam, returnNumber and returnCount are available even if they were not requested for the scan. Throws
-/// Error(invalidArgument), before anything is written, for a field that the scan does not have, a type that does not
-/// hold the field, values that overlap or reach beyond the stride, and a buffer that is too small (the message states
-/// the bytes needed).
+/// suffice. The bytes of a row that no value has stay as they are. ring, beam, returnNumber and returnCount are
+/// available even if they were not requested for the scan. Throws Error(invalidArgument), before anything is written,
+/// for a field that the scan does not have, a type that does not hold the field, values that overlap or reach beyond
+/// the stride, and a buffer that is too small (the message states the bytes needed).
 GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out);
 
 /// The options of a cloud file.

@@ -68,8 +68,9 @@ void bindLayout(nb::module_& m) {
           "and an unsigned integer holds shorter unsigned integers.")
       .def_ro("stride", &RecordLayout::Value::stride,
               "0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte "
-              "`offset` of the records, with a value every `stride` bytes. Only results that stay on a device have "
-              "columns.");
+              "`offset` of the records, with a value every `stride` bytes; if these are more than the value's own, one "
+              "of 1 "
+              "or 2 bytes takes 4, in which 0 follows. Only results that stay on a device have columns.");
   layout
       .def(
           "__init__",

@@ -103,9 +103,12 @@ RecordLayout columnLayout(const std::vector<Field>& fields, uint64_t rows) {
 uint64_t RecordLayout::bytesFor(uint64_t rows) const {
   uint64_t widest = stride;
   for (const Value& value : values) widest = std::max<uint64_t>(widest, value.stride);
-  if (widest > 0 && rows > static_cast<uint64_t>(INT64_MAX) / 2 / widest)
+  constexpr uint64_t kMost = static_cast<uint64_t>(INT64_MAX) / 2;
+  if (widest > 0 && rows > kMost / widest)
     throw Error(ErrorCode::invalidArgument,
                 std::to_string(rows) + " rows of " + std::to_string(widest) + " bytes have no size in 64 bits");
+  for (const Value& value : values)
+    if (value.stride > 0 && value.offset > kMost) refuse(placeOf(value) + " has no place in 64 bits");
   uint64_t bytes = roundedToWords(rows * stride);
   for (const Value& value : values)
     if (value.stride > 0 && rows > 0)

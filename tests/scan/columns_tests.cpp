@@ -283,6 +283,14 @@ TEST_CASE("rows as in a numpy structured array: no padding, and wider types") {
   }
 }
 
+TEST_CASE("a column beyond half of what 64 bits number makes no layout small") {
+  RecordLayout layout;
+  layout.values = {{Field::range, 0, ~size_t{0} - 3, ValueType::f32, 4}};  // the sum of place and bytes would be 4
+  CHECK_THAT(problemOf([&] { layout.bytesFor(2); }), ContainsSubstring("has no place in 64 bits"));
+  layout.values[0].offset = size_t{1} << 40;
+  CHECK(layout.bytesFor(2) == (uint64_t{1} << 40) + 8);
+}
+
 TEST_CASE("the layout of fields is that of the rows of a binary file") {
   const std::vector<Field> fields = {Field::ring, Field::x, Field::y, Field::z, Field::tie, Field::beam};
   const RecordLayout layout = layoutOf(fields);
