@@ -165,9 +165,9 @@ TEST_CASE("RGL: an entity that cannot be destroyed, because the process was fork
     const rgl_status_t first = rgl_entity_destroy(entity), second = rgl_entity_destroy(entity);
     _exit(first == RGL_SUCCESS || second != first);
   }
-  int status = -1;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  CHECK(status == 0);
+  int ended = -1;
+  REQUIRE(waitpid(child, &ended, 0) == child);
+  CHECK(ended == 0);
   OK(rgl_cleanup());
 }
 
