@@ -179,7 +179,7 @@ MapLike mapLikeOf(nb::handle argument) {
   if (nb::isinstance<Transform>(argument)) return {complete<Transform>(argument)};
   if (!isSequenceOfObjects(argument) && !nb::hasattr(argument, "shape") && !isArray(argument.ptr()))
     throw nb::type_error(
-        ("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not a " + typeName(argument.type()))
+        ("a transform is a Transform, or an array of shape (3, 4) or (4, 4), and not " + aTypeName(argument.type()))
             .c_str());
   return {transformOf({nb::borrow(argument)}, "transform")};
 }

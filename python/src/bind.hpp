@@ -54,6 +54,13 @@ inline std::string typeName(nb::handle type) {
   return nb::cast<std::string>(type.attr("__name__"));
 }
 
+/// Returns the name of a type behind its article, for messages: "a set", "an int".
+inline std::string aTypeName(nb::handle type) {
+  const std::string name = typeName(type);
+  const bool vowel = std::string_view("aeioAEIO").find(name.front()) != std::string_view::npos;
+  return (vowel ? "an " : "a ") + name;
+}
+
 /// Returns the value in an object of a class of ours, or of one derived from it. Throws a TypeError if it was not made.
 template <typename T>
 const T& complete(nb::handle object) {

@@ -25,7 +25,7 @@ FieldList fieldListOf(nb::handle argument) {
     return list;
   }
   if (!PySequence_Check(argument.ptr()) || nb::isinstance<nb::bytes>(argument))
-    throw nb::type_error(("fields is a " + typeName(argument.type()) +
+    throw nb::type_error(("fields is " + aTypeName(argument.type()) +
                           "; it must be a sequence of Field or of their names, or a text such as 'intensity,class'")
                              .c_str());
   for (const nb::handle item : nb::borrow<nb::object>(argument)) {
@@ -36,7 +36,7 @@ FieldList fieldListOf(nb::handle argument) {
       list.fields.push_back(field);
     } else {
       throw nb::type_error(
-          ("fields holds a " + typeName(item.type()) + "; it must hold Field or names of fields, such as 'intensity'")
+          ("fields holds " + aTypeName(item.type()) + "; it must hold Field or names of fields, such as 'intensity'")
               .c_str());
     }
   }
@@ -55,7 +55,7 @@ std::optional<Field> findFieldOf(nb::handle object) {
   if (nb::isinstance<nb::str>(object)) return findField(textOf(object));
   if (nb::isinstance<Field>(object)) return nb::cast<Field>(object);
   throw nb::type_error(
-      ("a field is a Field or the name of one, such as 'intensity', and not a " + typeName(object.type())).c_str());
+      ("a field is a Field or the name of one, such as 'intensity', and not " + aTypeName(object.type())).c_str());
 }
 
 }  // namespace gnosphere::python

@@ -186,7 +186,7 @@ nb::object addInstances(Self& self, const NumbersLike& meshes, const TransformsL
 std::vector<Pose> posesOf(const nb::object& given, const std::string& name) {
   if (firstIs<Pose>(given)) return entriesOf<Pose>(given, name + ": shots");
   if (!isSequenceOfObjects(given) && !nb::hasattr(given, "shape") && !isArray(given.ptr()))
-    throw nb::type_error((name + ": shots is a " + typeName(given.type()) +
+    throw nb::type_error((name + ": shots is " + aTypeName(given.type()) +
                           "; it must be a sequence, such as a list, of Shot or of Pose, or an array of shape (n, 7)")
                              .c_str());
   const nb::object array = arrayOrRefuse(given, name + ": shots", " of shape (n, 7)");

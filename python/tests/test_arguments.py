@@ -121,7 +121,7 @@ def test_fields_are_names_or_a_sequence():
         with refused(ErrorCode.invalid_argument, "'rnge'; the nearest are range, "):
             target.fields = ["rnge"]
         assert target.fields == (Field.intensity,)
-    for wrong, culprit in [(3, "fields is a int"), ({"x"}, "fields is a set"), (b"x", "fields is a bytes")]:
+    for wrong, culprit in [(3, "fields is an int"), ({"x"}, "fields is a set"), (b"x", "fields is a bytes")]:
         with pytest.raises(TypeError, match=culprit):
             gnosphere.SensorRequest(sensor, fields=wrong)
     with pytest.raises(TypeError, match="fields holds a float; it must hold Field or names"):
@@ -459,7 +459,7 @@ def test_values_of_the_wrong_type_name_the_property():
         (gnosphere.Shot(), "pose", 3, "^Shot: pose must be of the type Pose, not 3$"),
         (gnosphere.Scene(), "animation", None, "^Scene: animation must be of the type SceneAnimation, not None$"),
         (mesh, "origin", (1, 2), r"^Mesh: origin: a vector of 3 numbers \(x, y, z\) is wanted, not one of 2$"),
-        (gnosphere.CloudOptions(), "fields", 3, "^fields is a int; it must be"),
+        (gnosphere.CloudOptions(), "fields", 3, "^fields is an int; it must be"),
         (
             gnosphere.drive.RunOptions("out"),
             "progress",

@@ -317,7 +317,7 @@ def test_fields_have_either_spelling(reference):
         with pytest.raises(gnosphere.Error, match="no field is called 'rnge'; the nearest are range"):
             result.column("rnge")
         with pytest.raises(
-            TypeError, match="a field is a Field or the name of one, such as 'intensity', and not a int"
+            TypeError, match="a field is a Field or the name of one, such as 'intensity', and not an int"
         ):
             result[0]
         assert result._ipython_key_completions_() == list(result.keys())
