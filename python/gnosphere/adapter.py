@@ -475,7 +475,7 @@ def load_mesh(file: Union[str, Path], scale: Union[float, Sequence[float]] = 1.0
 
 
 def joined(parts: Iterable[primitives.Triangles], name: str) -> primitives.Triangles:
-    """The triangles of several meshes in one. Raises ValueError with the name if there are none."""
+    """The triangles of several meshes in one. Raises ValueError with the name if they have no corner."""
     vertices, faces, count = [], [], 0
     for corners, triangles in parts:
         vertices.append(corners)

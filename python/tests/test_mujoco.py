@@ -524,7 +524,8 @@ def test_a_motion_that_is_not_simulated_leaves_its_part_as_at_the_end(device, se
     assert lidar.scan(data).ranges == pytest.approx(18 + speed * (0.1 - times), abs=2e-5)
 
 
-def test_each_sensor_scans_with_the_records(device):
+def approaching_wall():
+    """A wall whose front is 19.5 m before the sensor and comes at 5 m/s."""
     model = mujoco.MjModel.from_xml_string(
         """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
         <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 9 9"/>
@@ -532,6 +533,11 @@ def test_each_sensor_scans_with_the_records(device):
     )
     data = mujoco.MjData(model)
     data.joint("wall").qvel = -5
+    return model, data
+
+
+def test_each_sensor_scans_with_the_records(device):
+    model, data = approaching_wall()
     sensor, times = forward_beams()
     lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
     assert lidar.add(sensor, site="roof") == 1
@@ -551,13 +557,7 @@ def test_each_sensor_scans_with_the_records(device):
 
 def test_a_sensor_that_fires_at_once_leaves_the_records_to_the_others(device):
     """The wall comes nearer in the first half of the turn alone."""
-    model = mujoco.MjModel.from_xml_string(
-        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
-        <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 9 9"/>
-        </body><site name="roof"/></worldbody></mujoco>"""
-    )
-    data = mujoco.MjData(model)
-    data.joint("wall").qvel = -5
+    model, data = approaching_wall()
     sensor, times = forward_beams()
     lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
     flash = gnosphere.Sensor(range_max=100, patterns=[gnosphere.BeamList([[1.0, 0, 0]])])
@@ -638,9 +638,10 @@ def test_what_a_sensor_carries_stands_still_however_long_the_records_are(device,
             assert scan.ranges == pytest.approx(39.9 - 6 - end + 10 * (0.1 - times), abs=2e-5)
 
 
-def test_maps_between_two_maps():
+@pytest.mark.parametrize("angle", [1.2, 3.0, np.pi - 1e-9])
+def test_maps_between_two_maps(angle):
     """A body that turns about an axis of its own, at a third of the way, at both ends and beyond."""
-    axis, angle = np.array([1.0, 2.0, -2.0]) / 3, 1.2
+    axis = np.array([1.0, 2.0, -2.0]) / 3
 
     def at(share):
         x, y, z = axis
@@ -652,6 +653,18 @@ def test_maps_between_two_maps():
         assert gm.lidar.between(at(0), at(1), share) == pytest.approx(at(share), abs=1e-12)
     for same in (np.eye(4)[None, :3], at(0.3)):
         assert gm.lidar.between(same, same, 0.7) == pytest.approx(same, abs=1e-12)
+
+
+def test_half_a_turn_goes_about_its_axis():
+    """Whether forwards or back is open, so the turn at half of the way is one that makes the whole when done twice."""
+    for axis in (*np.eye(3), np.array([1.0, 2.0, -2.0]) / 3):
+        whole = 2 * np.outer(axis, axis) - np.eye(3)
+        maps = np.zeros((2, 1, 3, 4))
+        maps[0, 0, :, :3], maps[1, 0, :, :3] = np.eye(3), whole
+        half = gm.lidar.between(maps[0], maps[1], 0.5)[0, :, :3]
+        assert half @ axis == pytest.approx(axis, abs=1e-12)
+        assert half @ half == pytest.approx(whole, abs=1e-12)
+        assert np.trace(half) == pytest.approx(1, abs=1e-12)
 
 
 def test_lists_of_beams_with_times_see_motion(device):

@@ -233,7 +233,8 @@ def test_what_hangs_from_the_world_is_not_of_its_tree():
 
 
 def test_worlds_have_scenes_and_warnings_of_their_own(device):
-    """Two models in turn, whose meshes have the same numbers and other shapes; only the first has what is left out."""
+    """Two models in turn, whose meshes have the same numbers and other shapes; only the first has what is left out. A
+    warning counts what each model lacks, however many worlds have the model."""
     mesh = '<asset><mesh name="m" vertex="{0} -1 -1 {0} 1 -1 {0} 0 1 {1} 0 0"/></asset>'
     rope = """<body name="end" pos="9 9 9"><flexcomp name="rope" type="grid" count="4 1 1" spacing=".2 .2 .2" dim="1"
         radius=".01"/>
@@ -247,6 +248,9 @@ def test_worlds_have_scenes_and_warnings_of_their_own(device):
     batch = worlds.scan([*datas, datas[1]])
     assert batch.points.shape[-1] == 3
     np.testing.assert_allclose(batch.points[:, 0, 0], [3, 5, 5], rtol=1e-5)
+    two, _ = model_of(texts[1].format(rope + rope.replace('"end"', '"other end"').replace('"rope"', '"cord"')))
+    with pytest.warns(UserWarning, match=r"gnosphere.mujoco leaves out flexes of one dimension \(3\)$"):
+        gm.Worlds([models[0], two, models[0]], listed([[1.0, 0, 0]]), effects=NONE, options=options)
 
 
 RAIL = """<worldbody><geom type="plane" size="0 0 .1" pos="0 0 -1"/><geom type="box" size=".5 9e3 9" pos="20 0 0"/>

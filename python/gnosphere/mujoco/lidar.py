@@ -69,9 +69,15 @@ def between(first: Rows, last: Rows, share: float) -> Rows:
     # The vector of the part without symmetry is the axis of the turn by the sine of its angle.
     skew = (turn - turn.transpose(0, 2, 1)) / 2
     vector = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
-    sine = np.linalg.norm(vector, axis=1)
-    angle = share * np.arctan2(sine, (np.trace(turn, axis1=1, axis2=2) - 1) / 2)
-    x, y, z = (vector / np.maximum(sine, 1e-300)[:, None]).T
+    cosine = (np.trace(turn, axis1=1, axis2=2) - 1) / 2
+    angle = share * np.arctan2(np.linalg.norm(vector, axis=1), cosine)
+    # Near half a turn that part vanishes, but in the other one each column is a multiple of the axis.
+    axes = (turn + turn.transpose(0, 2, 1)) / 2 - cosine[:, None, None] * np.eye(3)
+    longest = np.argmax(np.diagonal(axes, axis1=1, axis2=2), axis=1)
+    column = np.take_along_axis(axes, longest[:, None, None], axis=2)[:, :, 0]
+    column *= np.where(np.sum(column * vector, axis=1) < 0, -1, 1)[:, None]
+    vector = np.where((cosine < 0)[:, None], column, vector)
+    x, y, z = (vector / np.maximum(np.linalg.norm(vector, axis=1), 1e-300)[:, None]).T
     cross = np.stack([0 * x, -z, y, z, 0 * x, -x, -y, x, 0 * x], axis=1).reshape(-1, 3, 3)
     part = np.eye(3) + np.sin(angle)[:, None, None] * cross + (1 - np.cos(angle))[:, None, None] * (cross @ cross)
     origins = first[:, :, 3] + share * (last[:, :, 3] - first[:, :, 3])

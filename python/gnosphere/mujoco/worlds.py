@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any, Optional, Union
@@ -69,14 +70,16 @@ class Worlds(adapter.Lidar):
             raise ValueError("gnosphere.mujoco.Worlds: there is no model")
         self._mounts = [self._mounts_of(site, pose)]
         self._worlds: list[ModelShapes] = []
-        left_out: dict[str, int] = {}
+        left_out, counted = Counter[str](), set[int]()  # a model that stands in several worlds counts once
         for number, model in enumerate(self.models):
             made = ModelShapes(
                 model, geomgroup, flg_static, classes, tessellation or Tessellation(), deformables, number + 1,
                 self._worlds[0] if self._worlds else None,
             )  # fmt: skip
             self._worlds.append(made)
-            left_out.update(made.left_out)
+            if id(model) not in counted:
+                left_out.update(made.left_out)
+            counted.add(id(model))
         adapter.warn_left_out("gnosphere.mujoco", left_out, stacklevel=2)
         shapes = self._worlds[0].shapes
         ignore = self._instances_of(bodyexclude, treeexclude)
