@@ -270,6 +270,12 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(lists(file.assumed, "the first of the pulse rates 18750,300"));
   CHECK(lists(file.ignored, "wavelength_nm"));
   CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
+  std::string fromZero = text;
+  fromZero.replace(text.find("<channel id=\"1\""), 15, "<channel id=\"1\" rangeMin_m=\"0\"");
+  const Sensor near = readSensorFile(fromZero, "scanners.xml").sensor;
+  CHECK(rangeWindowOf(near, 0).least == 0.01);
+  CHECK(rangeWindowOf(near, 937).least == 0);
+  CHECK((rangeWindowOf(near, 0).most == 100 && rangeWindowOf(near, 937).most == 100));
   const Sensor faster = readSensorFile(text, "scanners.xml", {.mode = "vlp16:300"}).sensor;
   CHECK(faster.columns == 15);
   CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "vlp16:fast"}),

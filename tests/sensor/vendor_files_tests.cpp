@@ -290,6 +290,14 @@ TEST_CASE("Hesai angle correction: a flash lidar has a row per pixel") {
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,1,27"), "ft.csv"), ContainsSubstring("was there before"));
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "3,2,27"), "ft.csv"), ContainsSubstring("lists 4 pixels, but has 3"));
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,5000,27"), "ft.csv"), ContainsSubstring("expected is 1 to 4096"));
+  CHECK(sensor.scanPeriod == 0);
+  CHECK(readSensorFile(text, "ft.csv", {.scanRate = 8}).sensor.scanPeriod == 0.125);
+  const auto refuses = [&](const SensorFileOptions& options) {
+    return problemOf(text, "ft.csv", options).find("does not apply to a flash lidar") != std::string::npos;
+  };
+  CHECK(refuses({.columns = 9}));
+  CHECK(refuses({.mode = "x"}));
+  CHECK(refuses({.fireTimes = "times.csv"}));
 }
 
 TEST_CASE("RoboSense's angles are clockwise, and rings are numbered from below") {
@@ -426,6 +434,10 @@ TEST_CASE("Hesai binary: AT128 has a pattern per mirror face, whose corrections 
   CHECK_THAT(azimuthDeg(sensor, 1200), WithinAbs(90 - (30 - 0.65), 1e-9));
   CHECK_THAT(azimuthDeg(sensor, 0, 1), WithinAbs(90 - (30 + 2.4), 1e-9));
   CHECK_THAT(timeOf(sensor, 2), WithinAbs(0.1 / 1200, 1e-15));  // 0.1 degrees of the head's 1200 per second
+  CHECK(sensor.scanPeriod == 0.1);                              // a third of a turn
+  CHECK(readSensorFile(hesaiMirrors(), "at.dat", {.scanRate = 20}).sensor.scanPeriod == 0.05);
+  CHECK_THAT(problemOf(hesaiMirrors(), "at.dat", {.fireTimes = "times.csv"}),
+             ContainsSubstring("--fire-times does not apply to this angle correction"));
   const std::string bytes = hesaiMirrors();
   CHECK_THAT(problemOf(std::string_view(bytes).substr(0, 100), "at.dat"), ContainsSubstring("ends after 100 bytes"));
   CHECK_THAT(problemOf(std::string_view(bytes).substr(0, bytes.size() - 1), "at.dat"),
@@ -476,6 +488,7 @@ TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
   CHECK_THAT(azimuthDeg(sensor, 5), WithinAbs(90 - 142, 1e-9));
   CHECK_THAT(elevationDeg(sensor, 4), WithinAbs(30, 1e-9));
   CHECK(ringOf(sensor, 4) == 2);
+  CHECK(readSensorFile(bytes, "ft.dat", {.scanRate = 8}).sensor.scanPeriod == 0.125);
   CHECK_THAT(problemOf(bytes.substr(0, 20), "ft.dat"), ContainsSubstring("ends after 20 bytes"));
 }
 

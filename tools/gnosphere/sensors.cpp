@@ -224,7 +224,7 @@ Action addSensors(CLI::App& app) {
                  "A lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner (HELIOS++, with :RATE for "
                  "its pulses a second if wanted) or lidar (CARLA), an operational state (firing times of Hesai)");
   app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them")
-      ->check(CLI::Range(0.0001, 1e6));
+      ->check(CLI::PositiveNumber);
   app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them")
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")

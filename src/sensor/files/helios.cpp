@@ -169,17 +169,24 @@ void readSpinning(SensorSource& source, const Scanner& scanner) {
     source.refuse("'pulseFreqs_Hz' gives " + shownNumber(columns) + " columns in a turn");
   Sensor& sensor = source.file.sensor;
   setHeadTurn(sensor, columns, scanner.pulseRate, turns);
-  for (const pugi::xml_node& beam : scanner.beams()) {
+  const std::vector<pugi::xml_node> beams = scanner.beams();
+  const bool hasOwn = std::ranges::any_of(
+      beams, [](const pugi::xml_node& beam) { return beam.attribute("rangeMin_m") || beam.attribute("rangeMax_m"); });
+  bool fromZero = false;  // whether a channel measures from 0 m, which stands for the sensor's least range
+  for (const pugi::xml_node& beam : beams) {
     const pugi::xml_node origin = scanner.originOf(beam);
     Channel channel = channelAlong(turned(source, origin, {0, 1, 0}), positionOf(source, origin));
-    if (beam.attribute("rangeMin_m") || beam.attribute("rangeMax_m")) {
-      channel.rangeMin = attributeOf(source, beam, "rangeMin_m", sensor.rangeMin);
+    const double least = attributeOf(source, beam, "rangeMin_m", sensor.rangeMin);
+    fromZero |= least == 0;
+    if (hasOwn) {
+      channel.rangeMin = least;
       channel.rangeMax = attributeOf(source, beam, "rangeMax_m", sensor.rangeMax);
     }
     ignoreOthers(source, beam, {"id", "rangeMin_m", "rangeMax_m"},
                  " of the channel '" + std::string(beam.attribute("id").value()) + "'");
     sensor.channels.push_back(channel);
   }
+  if (fromZero) sensor.rangeMin = 0;  // the other channels have their own
 }
 
 /// A pulse of a mirror's period: when it fires, and where it goes before the beam's origin turns it.

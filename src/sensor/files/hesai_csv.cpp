@@ -46,6 +46,10 @@ Places placesOf(const std::vector<std::string_view>& header) {
 
 /// A flash lidar, FT120: a row per pixel, with its channel and column, whose azimuths are 90 degrees straight ahead.
 void readPixels(SensorSource& source, const std::vector<std::string_view>& lines, size_t header) {
+  constexpr const char* kFlash = "a flash lidar, whose file has a row per pixel";
+  source.refuseOption(source.columnsAsked, "--columns", kFlash);
+  source.refuseOption(!source.options.mode.empty(), "--mode", kFlash);
+  source.refuseOption(!source.options.fireTimes.empty(), "--fire-times", kFlash);
   struct Pixel {
     size_t row, column;
     double elevation, azimuth;
@@ -92,6 +96,7 @@ void readPixels(SensorSource& source, const std::vector<std::string_view>& lines
     list.rings.push_back(static_cast<uint16_t>(pixel->row));
   }
   source.file.sensor.patterns.push_back(std::move(list));
+  source.takeAskedRate();
   assumeRange(source, 200);
 }
 

@@ -114,6 +114,7 @@ void readMirrors(SensorSource& source, Bytes& bytes, bool fine) {
       list.times.push_back(kStepDeg / 2 * column / headSpeed);
     });
   }
+  source.file.sensor.scanPeriod = period;  // of which the beams of a face take about half
   if (source.options.scanRate == 0)
     source.assume("10 scans per second, three to a turn; `gnosphere sensors --rate` sets another number");
 }
@@ -227,7 +228,10 @@ void readHesaiDat(SensorSource& source) {
   if (bytes.next<uint8_t>() != 0xee || bytes.next<uint8_t>() != 0xff)
     source.refuse("does not start with EE FF, as Hesai's angle corrections do");
   const int major = bytes.next<uint8_t>(), minor = bytes.next<uint8_t>();
-  const bool flash = minor <= 2 && major != 3 && major != 4;
+  const bool flash = minor <= 2 && major != 3 && major != 4;  // the vendor's decoder looks at the minor version alone
+  source.refuseOption(!source.options.fireTimes.empty() && major != 4, "--fire-times",
+                      "this angle correction; of the binary ones it is for those of an ATX");
+  source.takeAskedRate();
   if (flash)
     readFlash(source, bytes, minor);
   else if (major == 1 && (minor == 3 || minor == 5))
@@ -238,7 +242,8 @@ void readHesaiDat(SensorSource& source) {
     readParity(source, bytes, minor);
   else
     source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", known are 1.3 and 1.5 (AT128), 3.1 and 3.2 (ET25), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
+                  ", known are 1.3 and 1.5 (AT128), 3.1 and 3.2 (ET25), 4.1 to 4.3 (ATX) and 0 to 2 behind the dot of "
+                  "others (FT120)");
   if (!flash) bytes.checkHash();
   if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
   assumeRange(source, 200);

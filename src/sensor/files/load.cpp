@@ -355,6 +355,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   if (completes && settings.scanRate == 0 && period > 0)
     settings.scanRate = (turns && from.isGrid() ? std::abs(from.azimuthSpanDeg) / 360 : 1) / period;
   source.rateAsked = options.scanRate > 0;
+  source.columnsAsked = options.columns > 0;
   family.read(source, root);
   checkBeamCount(source, file.sensor.columns, file.sensor.channels.size());
   if (completes)

@@ -19,7 +19,8 @@ struct SensorSource {
   std::string name;  ///< of the file, as messages give it
   const SensorFileOptions& options;
   SensorFile& file;
-  bool rateAsked = false;  ///< whether the caller states the scan rate, rather than the head that completes the file
+  bool rateAsked = false;     ///< whether the caller states the scan rate, rather than the head that completes the file
+  bool columnsAsked = false;  ///< the same of the columns
 
   /// Throws Error(format) with the name of the file. The reason may quote the file, which may have any bytes.
   [[noreturn]] void refuse(const std::string& why) const {
@@ -27,6 +28,14 @@ struct SensorSource {
   }
   void assume(const std::string& what) { file.assumed.push_back(what); }
   void ignore(const std::string& what) { file.ignored.push_back(what); }
+  /// Throws Error(invalidArgument) if an option was given that does not apply to `what` the file is.
+  void refuseOption(bool given, const char* option, const char* what) const {
+    if (given) throw Error(ErrorCode::invalidArgument, name + ": " + option + " does not apply to " + what);
+  }
+  /// Starts the scans of a file that states no rate as often as the caller says.
+  void takeAskedRate() {
+    if (rateAsked) file.sensor.scanPeriod = 1 / options.scanRate;
+  }
 };
 
 /// The readers, one per family. Each fills in source.file.sensor but for its name, and throws Error(format).
