@@ -57,7 +57,7 @@ Incidence incidenceOf(const View& view, const Line& line, const Triangle& triang
   const double longest = std::max(
       {lengthOf(corners[1] - corners[0]), lengthOf(corners[2] - corners[1]), lengthOf(corners[0] - corners[2])});
   const double height = lengthOf(cross(corners[1] - corners[0], corners[2] - corners[0])) / longest;
-  const CornerError& error = view.errors[triangle.instance];
+  const CornerError error = errorOf(view, line, triangle.instance);
   const double farthest = std::max({lengthOf(corners[0]), lengthOf(corners[1]), lengthOf(corners[2])});
   const double tilt = (2 * (error.relative * farthest + error.absolute) + 10 * kUnitRoundoff * longest) / height +
                       kDirectionError + line.astray;

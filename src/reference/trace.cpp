@@ -17,14 +17,13 @@ bool isPane(const View& view, const Triangle& triangle) {
   return !view.panes.empty() && view.panes[materialOf(view.scene, triangle)] != 0;
 }
 
-/// The error of a corner as the laser of the line sees it.
+}  // namespace
+
 CornerError errorOf(const View& view, const Line& line, uint32_t instance) {
   CornerError error = view.errors[instance];
   error.absolute += kCornerError * line.reach;
   return error;
 }
-
-}  // namespace
 
 View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& places, const Sensor& sensor,
             const Pose& pose, Counters& counters) {

@@ -42,6 +42,9 @@ struct Line {
   double astray = 0;  ///< bound in radians on an error of its direction in single precision, besides kDirectionError
 };
 
+/// The error of a corner of an instance as the laser of the line sees it.
+CornerError errorOf(const View& view, const Line& line, uint32_t instance);
+
 inline constexpr uint32_t kNobody = kNoTriangle;
 
 struct Hit {
