@@ -65,12 +65,14 @@ inline std::string numberText(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
 }
 
-/// Returns a number of bytes as "1.5 MiB".
+/// Returns a number of bytes as "1.5 MiB", or as "9.5 KiB" or "95 bytes" where it would be 0.0 of the larger unit.
 inline std::string mebibytes(uint64_t bytes) {
+  if (bytes < 52) return std::to_string(bytes) + " bytes";
+  const bool small = bytes < 52 * 1024;
   char buffer[32];
-  const double value = static_cast<double>(bytes) / (1 << 20);
+  const double value = static_cast<double>(bytes) / (small ? 1 << 10 : 1 << 20);
   char* const end = std::to_chars(buffer, buffer + sizeof(buffer), value, std::chars_format::fixed, 1).ptr;
-  return std::string(buffer, end) + " MiB";
+  return std::string(buffer, end) + (small ? " KiB" : " MiB");
 }
 
 }  // namespace gnosphere

@@ -14,6 +14,7 @@
 #include "base/file.hpp"
 #include "base/os.hpp"
 #include "base/path.hpp"
+#include "base/text.hpp"
 #include "folder.hpp"
 
 using namespace gnosphere;
@@ -180,4 +181,13 @@ TEST_CASE("a library that is not there has a reason, and the process a number") 
   CHECK(!os::libraryProblem().empty());
   CHECK(os::processNumber() > 0);
   CHECK(!os::machineName().empty());
+}
+
+TEST_CASE("no number of bytes is told as 0.0 of a unit") {
+  CHECK(mebibytes(0) == "0 bytes");
+  CHECK(mebibytes(51) == "51 bytes");
+  CHECK(mebibytes(52) == "0.1 KiB");
+  CHECK(mebibytes(4096) == "4.0 KiB");
+  CHECK(mebibytes(52 * 1024) == "0.1 MiB");
+  CHECK(mebibytes(3 << 20) == "3.0 MiB");
 }
