@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <locale>
 #include <optional>
 #include <sstream>
 
@@ -50,6 +51,7 @@ std::string textOf(const Scan& scan) {
     farthest = std::max(farthest, range);
   }
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text << "<Scan of " << (scan.sensor.empty() ? "a sensor" : scan.sensor) << ": " << scan.channels << " x "
        << scan.columns << " beams, " << returned << " returns";
   if (returned) text << " from " << nearest << " to " << farthest << " m";

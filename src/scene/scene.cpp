@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <sstream>
 
 #include "base/finite.hpp"
@@ -128,6 +129,7 @@ void validate(const Material& material, const std::string& name) {
   const auto check = [&](const char* what, float value, float most) {
     if (value >= 0 && value <= most) return;
     std::ostringstream text;
+    text.imbue(std::locale::classic());
     text << name << ": its " << what << " must be 0.." << most << ", is " << value;
     fail(text.str());
   };

@@ -4,6 +4,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <functional>
+#include <locale>
 
 #include "scene/readers.hpp"
 #include "scene_text.hpp"
@@ -280,6 +281,12 @@ TEST_CASE("validate refuses factors of a material outside 0..1, and NaN") {
   refused([](Material& m) { m.baseColor[3] = std::nanf(""); }, "base colour must be 0..1, is nan");
   refused([](Material& m) { m.retro = 2e6f; }, "retro-reflection must be 0..1e+06, is 2e+06");
   refused([](Material& m) { m.retro = std::nanf(""); }, "retro-reflection must be 0..1e+06, is nan");
+  struct Commas : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
+  refused([](Material& m) { m.metallic = 1.5f; }, "metallic factor must be 0..1, is 1.5");
+  std::locale::global(before);
 }
 
 TEST_CASE("validate refuses invalid images and coordinates") {
