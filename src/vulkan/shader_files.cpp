@@ -115,8 +115,9 @@ std::string ShaderFiles::problem() const {
 void removeOldest(const fs::path& folder, size_t most) {
   std::error_code ignored;
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    files.emplace_back(entry.last_write_time(ignored), entry.path());
+  // An error ends the list; a loop over the folder would throw it.
+  for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
+    files.emplace_back(entry->last_write_time(ignored), entry->path());
   if (files.size() <= most) return;
   std::sort(files.begin(), files.end());
   for (size_t i = 0; i < files.size() - most * 3 / 4; ++i) fs::remove(files[i].second, ignored);
