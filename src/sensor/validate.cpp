@@ -168,8 +168,10 @@ void validate(const Sensor& sensor) {
   if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
     refuse(sensor, "max returns must be within 1.." + std::to_string(limits::kReturns.most) + ", is " +
                        std::to_string(sensor.maxReturns));
-  if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
-    refuse(sensor, "rotation period must be within 0..10 s, is " + numberText(sensor.rotationPeriod) +
+  constexpr double kShortest = 1e-9;  // of a turn, in seconds: speeds within shorter ones have no number
+  const double turn = sensor.rotationPeriod;
+  if (!(turn == 0 || turn >= kShortest) || !limits::kSeconds.holds(turn))
+    refuse(sensor, "rotation period must be 0 or within 1e-9..10 s, is " + numberText(turn) +
                        "; of a scanner that stands and turns longer leave it out: then all beams fire at once");
   checkScanPeriod(sensor);
 }

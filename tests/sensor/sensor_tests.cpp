@@ -428,6 +428,17 @@ TEST_CASE("validate refuses invalid sensors") {
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
 }
 
+TEST_CASE("validate refuses turns so short that the speed of what moves meanwhile has no number") {
+  Sensor sensor = small();
+  for (const double period : {5e-324, 1e-300, 9e-10}) {
+    sensor.rotationPeriod = period;
+    CHECK_THAT(test::problemOf([&] { validate(sensor); }, ErrorCode::invalidArgument),
+               ContainsSubstring("rotation period must be 0 or within 1e-9..10 s, is "));
+  }
+  sensor.rotationPeriod = 1e-9;
+  CHECK_NOTHROW(validate(sensor));
+}
+
 TEST_CASE("validate refuses channels that measure nothing or fire in another turn") {
   const auto mistake = [](double least, double most, double time) {
     Sensor sensor = small();  // of 10 m
