@@ -7,6 +7,7 @@
 
 #include "base/vector.hpp"
 #include "bits.hpp"
+#include "drive/formats/cdr.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/ros.hpp"
 #include "drive_support.hpp"
@@ -317,4 +318,10 @@ TEST_CASE("MCAP: the messages of an inertial unit, as many as the metadata say")
   CHECK(at<double>(cdr, numbers + 8 * 3) == wanted.orientation.w);
   CHECK(at<double>(cdr, numbers + 8 * (4 + 9)) == wanted.angularVelocity.x);
   CHECK(at<double>(cdr, numbers + 8 * (4 + 9 + 3 + 9 + 2)) == wanted.linearAcceleration.z);
+}
+
+TEST_CASE("the size of a list in a message is refused rather than cut to 32 bits") {
+  CHECK(drive::cdrSize(UINT32_MAX) == UINT32_MAX);
+  CHECK_THROWS_WITH(drive::cdrSize(uint64_t{1} << 32),
+                    ContainsSubstring("a list of 4294967296 bytes does not fit into a message of ROS 2"));
 }

@@ -7,8 +7,18 @@
 
 #include "base/nanoseconds.hpp"
 #include "drive/bytes.hpp"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere::drive {
+
+/// Returns the size of a list as messages state it, in 32 bits. Throws Error(invalidArgument) for a longer list.
+inline uint32_t cdrSize(uint64_t size) {
+  if (size > UINT32_MAX)
+    throw Error(ErrorCode::invalidArgument, "a list of " + std::to_string(size) +
+                                                " bytes does not fit into a message of ROS 2; write fewer fields, or "
+                                                "scan fewer beams");
+  return static_cast<uint32_t>(size);
+}
 
 class CdrWriter {
  public:
@@ -36,7 +46,7 @@ class CdrWriter {
     number(uint32_t{0});
     const size_t start = bytes_.size();
     appendBytes(bytes_);
-    const auto count = static_cast<uint32_t>(bytes_.size() - start);
+    const uint32_t count = cdrSize(bytes_.size() - start);
     std::memcpy(bytes_.data() + start - sizeof(count), &count, sizeof(count));
     return *this;
   }
