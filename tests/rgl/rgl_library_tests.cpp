@@ -9,6 +9,7 @@
 #include <atomic>
 #include <chrono>
 #include <clocale>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -61,6 +62,30 @@ TEST_CASE("RGL: a tape makes the calls again") {
   std::ofstream(folder / "bad.yaml") << "[1, 2";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
   CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));
+}
+
+TEST_CASE("RGL: a tape that is played makes the scene that was recorded") {
+  const Folder folder;
+  const std::string path = (folder / "tape").string();
+  OK(rgl_tape_record_begin(path.c_str()));
+  const rgl_entity_t entity = place(squareMesh(2), matrix(0, 0.5, 3));
+  OK(rgl_entity_set_id(entity, 9));
+  OK(rgl_entity_set_laser_retro(entity, -2.5f));
+  OK(rgl_tape_record_end());
+  OK(rgl_cleanup());
+  const auto distanceOf = [&] {
+    Lidar lidar({matrix(1.5, 2.25, 0)}, {RGL_FIELD_DISTANCE_F32, RGL_FIELD_ENTITY_ID_I32, RGL_FIELD_LASER_RETRO_F32});
+    lidar.run();
+    const float distance = lidar.get<float>(RGL_FIELD_DISTANCE_F32)[0];
+    if (std::isinf(distance)) return distance;
+    CHECK(lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32)[0] == 9);
+    CHECK(lidar.get<float>(RGL_FIELD_LASER_RETRO_F32)[0] == -2.5f);
+    return distance;
+  };
+  CHECK(std::isinf(distanceOf()));
+  OK(rgl_tape_play(path.c_str()));
+  CHECK(distanceOf() == 3);
+  OK(rgl_cleanup());
 }
 
 namespace {
@@ -226,6 +251,94 @@ TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence
   }
   CHECK(failed(rgl_configure_logging(RGL_LOG_LEVEL_INFO, "/no/such/folder/log", false), RGL_LOGGING_ERROR, "/no/such"));
   OK(rgl_cleanup());  // a failure leaves the library usable
+}
+
+TEST_CASE("RGL: objects are alive until they are destroyed, whatever still uses them") {
+  const auto check = [](auto isAlive, auto object, bool expected) {
+    bool alive = !expected;
+    OK(isAlive(object, &alive));
+    CHECK(alive == expected);
+  };
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_entity_t entity = place(mesh, matrix(0, 0, 3));
+  const uint8_t texel = 1;
+  rgl_texture_t texture = nullptr;
+  OK(rgl_texture_create(&texture, &texel, 1, 1));
+  OK(rgl_entity_set_intensity_texture(entity, texture));
+  const Lidar lidar({matrix(0, 0, 0)}, kBasic);
+  check(rgl_mesh_is_alive, mesh, true);
+  check(rgl_texture_is_alive, texture, true);
+  OK(rgl_mesh_destroy(mesh));
+  OK(rgl_texture_destroy(texture));
+  check(rgl_mesh_is_alive, mesh, false);
+  check(rgl_texture_is_alive, texture, false);
+  check(rgl_entity_is_alive, entity, true);
+  check(rgl_node_is_alive, lidar.yield, true);
+  check(rgl_node_is_alive, reinterpret_cast<rgl_node_t>(entity), false);
+  check(rgl_entity_is_alive, rgl_entity_t{nullptr}, false);
+  CHECK(failed(rgl_entity_is_alive(entity, nullptr), RGL_INVALID_ARGUMENT, "out_alive != nullptr"));
+  OK(rgl_cleanup());
+  check(rgl_entity_is_alive, entity, false);
+  check(rgl_node_is_alive, lidar.yield, false);
+}
+
+/// Functions of earlier levels and of closed extensions, which the headers do not declare.
+extern "C" {
+rgl_status_t rgl_entity_set_pose(rgl_entity_t entity, const rgl_mat3x4f* transform);
+rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
+                                         const rgl_vec3f* angular_velocity, bool apply_distortion);
+rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
+                                               const rgl_vec3f* angular_velocity);
+rgl_status_t rgl_graph_node_set_active(rgl_node_t node, bool active);
+rgl_status_t rgl_node_configure_agnocast(rgl_node_t node);
+rgl_status_t rgl_node_points_simulate_fog(rgl_node_t* node);
+rgl_status_t rgl_node_points_simulate_rain(rgl_node_t* node);
+rgl_status_t rgl_node_points_udp_publish(rgl_node_t* node);
+rgl_status_t rgl_node_publish_ros2_radartracks(rgl_node_t* node);
+}
+
+TEST_CASE("RGL: functions of earlier levels do what their followers do") {
+  const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 9));
+  const rgl_mat3x4f nearer = matrix(0, 0, 5);
+  OK(rgl_entity_set_pose(entity, &nearer));
+  Lidar lidar({matrix(0, 0, 0), matrix(0, 0, 0)}, kBasic);
+  rgl_node_t offsets = nullptr;
+  const float times[] = {0, 500};
+  OK(rgl_node_rays_set_time_offsets(&offsets, times, 2));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, offsets));
+  OK(rgl_graph_node_add_child(offsets, lidar.pose));
+  const rgl_vec3f velocity = {{4, 0, 0}}, still = {{0, 0, 0}};  // the second ray is 2 m beside the square
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto check = [&](float second) {
+    lidar.run();
+    CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32) == std::vector<float>{5, second});
+  };
+  check(5);
+  OK(rgl_node_raytrace_with_distortion(&lidar.raytrace, nullptr, &velocity, &still));
+  check(infinity);
+  OK(rgl_node_raytrace_in_motion(&lidar.raytrace, nullptr, &velocity, &still, false));
+  check(5);
+  OK(rgl_node_raytrace_in_motion(&lidar.raytrace, nullptr, &velocity, &still, true));
+  check(infinity);
+  CHECK(failed(rgl_node_raytrace_in_motion(nullptr, nullptr, &velocity, &still, true), RGL_INVALID_ARGUMENT, "node"));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: functions that are not implemented say so, and what to do instead") {
+  const auto refused = [](rgl_status_t status, const std::string& name, const char* instead) {
+    CHECK(failed(status, RGL_NOT_IMPLEMENTED, name + " is not implemented by GnoSphere: "));
+    CHECK(lastError().find(instead) != std::string::npos);
+  };
+  rgl_node_t node = nullptr;
+  refused(rgl_node_points_visualize(&node, "window", 10, 10, false), "rgl_node_points_visualize", "write_pcd_file");
+  refused(rgl_graph_node_set_active(node, false), "rgl_graph_node_set_active", "rgl_graph_node_remove_child");
+  refused(rgl_node_configure_agnocast(node), "rgl_node_configure_agnocast", "ROS 2");
+  refused(rgl_node_points_simulate_fog(&node), "rgl_node_points_simulate_fog", "own interface has weather");
+  refused(rgl_node_points_simulate_rain(&node), "rgl_node_points_simulate_rain", "own interface has weather");
+  refused(rgl_node_points_udp_publish(&node), "rgl_node_points_udp_publish", "closed extension");
+  refused(rgl_node_publish_ros2_radartracks(&node), "rgl_node_publish_ros2_radartracks", "laser scans are published");
+  CHECK(node == nullptr);
 }
 
 TEST_CASE("RGL: a graph is walked once, however many ways lead through it") {

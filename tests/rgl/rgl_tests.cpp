@@ -269,6 +269,68 @@ TEST_CASE("RGL: surfaces give intensity by texture and angle, normals, retro and
   OK(rgl_cleanup());
 }
 
+TEST_CASE("RGL: a surface without a texture has the default intensity, and a reflectivity by the factor that is set") {
+  place(squareMesh(), matrix(0, 0, 3, 0, std::numbers::pi / 3));
+  Lidar lidar({matrix(0, 0, 0)}, {RGL_FIELD_INTENSITY_F32, RGL_FIELD_REFLECTIVITY_F32});
+  const auto check = [&](double intensity, double reflectivity) {
+    lidar.run();
+    CHECK(lidar.get<float>(RGL_FIELD_INTENSITY_F32)[0] == Approx(intensity).epsilon(1e-5));
+    CHECK(lidar.get<float>(RGL_FIELD_REFLECTIVITY_F32)[0] == Approx(reflectivity).epsilon(1e-5));
+  };
+  check(0, 0);
+  OK(rgl_node_raytrace_configure_default_intensity(lidar.raytrace, 80));
+  check(80 * 0.5, 0.1 * 40 * 9);  // by the cosine of 60 degrees, at 3 m
+  OK(rgl_node_raytrace_configure_reflectivity_alpha(lidar.raytrace, 0.25f));
+  check(40, 0.25 * 40 * 9);
+  CHECK(failed(rgl_node_raytrace_configure_default_intensity(lidar.raytrace, -1), RGL_INVALID_ARGUMENT,
+               "default_intensity >= 0"));
+  CHECK(failed(rgl_node_raytrace_configure_reflectivity_alpha(lidar.raytrace, -1), RGL_INVALID_ARGUMENT,
+               "reflectivity_alpha >= 0"));
+  check(40, 0.25 * 40 * 9);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: the strongest return of a wide beam is that of its brightest sample, and no nearer or farther one") {
+  const rgl_vec2f uvs[] = {{{0, 0}}, {{1, 0}}, {{1, 1}}, {{0, 1}}};
+  const auto shaded = [&](float half, double z, uint8_t shade) {
+    const rgl_mesh_t mesh = squareMesh(half);
+    rgl_texture_t texture = nullptr;
+    OK(rgl_mesh_set_texture_coords(mesh, uvs, 4));
+    OK(rgl_texture_create(&texture, &shade, 1, 1));
+    OK(rgl_entity_set_intensity_texture(place(mesh, matrix(0, 0, z)), texture));
+  };
+  shaded(0.3f, 5, 10);  // only the middle of the beam meets the small one
+  shaded(30, 8, 200);
+  Lidar lidar({matrix(0, 0, 0)}, {RGL_FIELD_DISTANCE_F32, RGL_FIELD_INTENSITY_F32});
+  OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.6f, 0.6f));
+  const auto check = [&](rgl_return_mode_t mode, const std::vector<std::pair<double, double>>& returns) {
+    OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, mode));
+    lidar.run();
+    const auto distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+    const auto intensities = lidar.get<float>(RGL_FIELD_INTENSITY_F32);
+    REQUIRE(distances.size() == returns.size());
+    for (size_t k = 0; k < returns.size(); ++k) {
+      CHECK(distances[k] == Approx(returns[k].first).epsilon(1e-4));
+      CHECK(intensities[k] == Approx(returns[k].second).epsilon(1e-4));
+    }
+  };
+  // The three ellipses of samples are 0.1, 0.2 and 0.3 rad from the middle.
+  const auto wall = [](double angle) { return std::pair(8 / std::cos(angle), 200 * std::cos(angle)); };
+  check(RGL_RETURN_FIRST, {{5, 10}});
+  check(RGL_RETURN_LAST, {wall(0.3)});
+  check(RGL_RETURN_STRONGEST, {wall(0.1)});
+  check(RGL_RETURN_FIRST_STRONGEST, {{5, 10}, wall(0.1)});
+  check(RGL_RETURN_LAST_STRONGEST, {wall(0.3), wall(0.1)});
+  CHECK(failed(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_UNKNOWN), RGL_INVALID_ARGUMENT,
+               "return_mode != RGL_RETURN_UNKNOWN"));
+  rgl_node_t poses = nullptr;
+  const rgl_field_t pose = RGL_FIELD_RAY_POSE_MAT3x4_F32;
+  OK(rgl_node_points_yield(&poses, &pose, 1));
+  lidar.append(poses);
+  CHECK(failed(rgl_graph_run(lidar.rays), RGL_INVALID_PIPELINE, "one return per ray only"));
+  OK(rgl_cleanup());
+}
+
 TEST_CASE("RGL: velocities follow from the scene's last two times") {
   const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 5));
   Lidar lidar({matrix(0, 0, 0)},
@@ -349,6 +411,19 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
   CHECK(rgl_entity_set_pose_world(moving, broken, 2) == RGL_INVALID_ARGUMENT);
   CHECK(rgl_mesh_set_restposes(mesh, broken, 2) == RGL_INVALID_ARGUMENT);
   CHECK(rgl_entity_set_transform(moving, &broken[1]) == RGL_INVALID_ARGUMENT);
+  CHECK(distances()[0] == Approx(5.5));
+
+  // What does not suit the mesh is refused, and changes nothing.
+  CHECK(failed(rgl_entity_set_pose_world(moving, pose, 1), RGL_INVALID_ARGUMENT, "bones_count == restposes_count"));
+  weights[3].bone_indexes[2] = 2;
+  OK(rgl_mesh_set_bone_weights(mesh, weights, 4));
+  CHECK(failed(rgl_entity_set_pose_world(moving, pose, 2), RGL_INVALID_ARGUMENT, "belongs to bone 2, but there are 2"));
+  CHECK(
+      failed(rgl_mesh_set_bone_weights(mesh, weights, 3), RGL_INVALID_ARGUMENT, "bone_weights_count == vertex_count"));
+  CHECK(failed(rgl_entity_apply_external_animation(moving, vertices, 3), RGL_INVALID_ARGUMENT,
+               "the mesh has 4, 3 were given"));
+  const rgl_entity_t boneless = place(squareMesh(), matrix(9, 0, 5));
+  CHECK(failed(rgl_entity_set_pose_world(boneless, pose, 2), RGL_INVALID_ARGUMENT, "no bone weights or no rest poses"));
   CHECK(distances()[0] == Approx(5.5));
   OK(rgl_cleanup());
 }
