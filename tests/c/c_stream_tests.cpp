@@ -67,6 +67,62 @@ TEST_CASE("C: triangles that face away, and those that are not in sight, are cou
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
 }
 
+TEST_CASE("C: a simulator tells its device, plan, memory, clusters and times as in C++") {
+  needVulkan();
+  gno_options options = gno_options_init();
+  options.cache = "off";
+  REQUIRE(gno_options_set(&options, "tuning.stage_times=true") == GNO_OK);
+  const gno_simulator simulator = simulatorWith(options);
+  SimulatorOptions same;
+  same.cache = "off";
+  same.tuning.stageTimes = true;
+  MeshBuilder wall;
+  wall.quad({5, -20, -20}, {0, 40, 0}, {0, 0, 40});
+  const SensorRequest request(gridSensor(30, 3, -5, 5), Effects::none(), {Field::instance});
+  Simulator expected(sceneOf(wall.take()), request, same);
+
+  gno_device_info device = gno_device_info_init();
+  REQUIRE(gno_simulator_get_device(simulator, &device) == GNO_OK);
+  CHECK((device.name == expected.device().name && device.usable != 0));
+  const char* plan = nullptr;
+  REQUIRE(gno_simulator_get_plan(simulator, 0, &plan) == GNO_OK);
+  CHECK(plan == toJson(expected.plan(0)));
+  CHECK(refused(gno_simulator_get_plan(simulator, 1, &plan), "sensor 1"));
+  CHECK(refused(gno_simulator_get_plan(simulator, 0, nullptr), "json is null"));
+  size_t clusters = 0;
+  REQUIRE(gno_simulator_get_cluster_count(simulator, &clusters) == GNO_OK);
+  CHECK(clusters == expected.clusterCount());
+  CHECK(clusters > 0);
+  gno_memory_use memory = gno_memory_use_init();
+  REQUIRE(gno_simulator_get_memory(simulator, &memory) == GNO_OK);
+  CHECK((memory.scene > 0 && memory.sensor > 0));
+  CHECK((memory.scene == expected.memory().scene && memory.sensor == expected.memory().sensor));
+  CHECK(memory.work == expected.memory().work);
+
+  const gno_shot shots[2] = {gno_shot_init(), gno_shot_init()};
+  gno_scan scan = nullptr;
+  gno_batch batch = nullptr;
+  REQUIRE(gno_simulator_scan(simulator, shots, &scan) == GNO_OK);
+  REQUIRE(gno_simulator_scan_batch(simulator, shots, 2, nullptr, 0, &batch) == GNO_OK);
+  const Timings times[2] = {expected.scan({}).timings, expected.scanBatch(std::vector<Shot>(2)).timings};
+  gno_timings told[2] = {gno_timings_init(), gno_timings_init()};
+  REQUIRE(gno_scan_get_timings(scan, &told[0]) == GNO_OK);
+  REQUIRE(gno_batch_get_timings(batch, &told[1]) == GNO_OK);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(told[i].wall_ms > 0);
+    CHECK((told[i].gpu_ms > 0) == (times[i].gpuMs > 0));
+    REQUIRE(told[i].stage_count == times[i].stages.size());
+    for (size_t k = 0; k < told[i].stage_count; ++k) {
+      CHECK(told[i].stages[k].name == times[i].stages[k].name);
+      CHECK((told[i].stages[k].ms >= 0 && told[i].stages[k].ms < 1000 * told[i].wall_ms));
+    }
+  }
+  CHECK(told[0].stage_count > 0);
+  CHECK(gno_batch_destroy(batch) == GNO_OK);
+  CHECK(gno_scan_destroy(scan) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+}
+
 TEST_CASE("C: streamed batches have the values of batches on the host, also after the simulator's handle is gone") {
   needVulkan();
   gno_options options = gno_options_init();
