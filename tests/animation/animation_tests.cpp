@@ -449,6 +449,19 @@ TEST_CASE("an animation that does not fit its scene is refused") {
           "track 1: another track of the clip moves the same property of node 2");
   refused([](Scene& s) { s.animation.clips[0].tracks[0].values.pop_back(); }, "2 keys of 4 numbers need 8");
   refused([](Scene& s) { s.animation.clips[0].tracks[0].node = 5; }, "node 5 does not exist");
+  refused([](Scene& s) { s.animation.clips[0].tracks[0].times = s.animation.clips[0].tracks[0].values = {}; },
+          "it has no keys");
+  refused([](Scene& s) { s.animation.clips[0].tracks[0].values[5] = NAN; }, "a value is not finite");
+  refused([](Scene& s) { s.animation.nodes[2].matrix = Transform(); }, "has a matrix, so nothing moves it");
+  refused([](Scene& s) { s.animation.nodes[1].rotation = {0, 0, 0, 0}; }, "its rotation is a quaternion of length 0");
+  refused([](Scene& s) { s.animation.skins[0].inverseBinds[1].rows[3] = NAN; }, "inverse bind map is not finite");
+  refused([](Scene& s) { s.animation.root.rows[3] = INFINITY; }, "the transform above all nodes is not finite");
+  refused([](Scene& s) { s.animation.instances[0].node = 3; }, "node 3 does not exist, there are 3");
+  refused([](Scene& s) { s.animation.instances[0].skin = 1; }, "skin 1 does not exist, there are 1");
+  refused([](Scene& s) { s.animation.instances.push_back(s.animation.instances[0]); },
+          "another one is instance 0, too");
+  refused([](Scene& s) { s.animation.nodes[s.animation.instances[0].node].morphWeights = {1}; },
+          "its node has 1 morph weights, its mesh has 0 targets");
   refused([](Scene& s) { s.animation.clips[0].duration = -1; }, "its duration is not 0 or more");
   refused(
       [](Scene& s) {

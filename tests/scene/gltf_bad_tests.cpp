@@ -25,6 +25,29 @@ TEST_CASE("glTF that is empty, of another format or cut off is an error") {
   CHECK_THAT(loadFailure("a.gltf", std::string(100'000, '[')), ContainsSubstring("nests deeper than 64 levels"));
 }
 
+TEST_CASE("a GLB of another version, or whose chunks do not fit, is an error, and unknown chunks are skipped") {
+  GltfFileMaker file = triangleFile();
+  const std::string glb = file.glb();
+  const auto edited = [&](size_t place, uint32_t word) {
+    return std::string(glb).replace(place, 4, bytesOf(Indices{word}));
+  };
+  const auto failure = [&](size_t place, uint32_t word) { return loadFailure("a.glb", edited(place, word)); };
+  CHECK_THAT(failure(4, 1), ContainsSubstring("it is GLB version 1; convert it to version 2"));
+  CHECK_THAT(failure(4, 3), ContainsSubstring("it is GLB version 3"));
+  CHECK_THAT(failure(12, 100'000), ContainsSubstring("cut off in a chunk of 100000 bytes"));
+  CHECK_THAT(failure(16, 0x12345678), ContainsSubstring("the GLB file has no JSON chunk"));
+  // An unknown chunk between the two that glTF has.
+  uint32_t jsonBytes = 0;
+  std::memcpy(&jsonBytes, &glb[12], 4);
+  const std::string unknown = bytesOf(Indices{4, 0x12345678, 9});
+  std::string longer = edited(8, static_cast<uint32_t>(glb.size() + unknown.size()));
+  longer.insert(20 + jsonBytes, unknown);
+  CHECK(loadText("a.glb", longer).meshes.at(0).indices == Indices{0, 1, 2});
+  // Without its binary chunk a buffer has no bytes.
+  const uint32_t binary = 20 + jsonBytes;
+  CHECK_THAT(loadFailure("a.glb", edited(8, binary).substr(0, binary)), ContainsSubstring("buffer 0 has no uri"));
+}
+
 TEST_CASE("every prefix of a GLB ends in an Error") {
   GltfFileMaker file = triangleFile();
   const std::string glb = file.glb();
@@ -99,6 +122,8 @@ TEST_CASE("properties of a wrong type or size are errors that name them") {
   CHECK_THAT(failure("/bufferViews/0/byteLength", "x"), ContainsSubstring("bufferViews[0]: byteLength must be"));
   CHECK_THAT(failure("/nodes/0/mesh", "tri"), ContainsSubstring("nodes[0]: mesh must be a whole number"));
   CHECK_THAT(failure("/nodes/0/matrix", {1, 2}), ContainsSubstring("nodes[0]: matrix must be 16 numbers"));
+  CHECK_THAT(failure("/materials/0/doubleSided", "yes"),
+             ContainsSubstring("materials[0]: doubleSided must be true or false"));
   CHECK_THAT(failure("/nodes/0", 3), ContainsSubstring("nodes[0] must be an object"));
   CHECK_THAT(failure("/meshes", 3), ContainsSubstring("the file: meshes must be an array"));
   CHECK_THAT(failure("/accessors/0", Json::object()), ContainsSubstring("accessors[0]: componentType is missing"));
@@ -207,6 +232,10 @@ TEST_CASE("sparse indices out of range are errors") {
   CHECK_THAT(file.failure(), ContainsSubstring("accessor 0 (sparse): index 3 is out of range, there are 3"));
   file.json["accessors"][0]["sparse"]["count"] = 2;
   CHECK_THAT(file.failure(), ContainsSubstring("(sparse), indices: 2 elements of 1 bytes"));
+  for (const int type : {5120, 5122, 5126}) {
+    file.json["accessors"][0]["sparse"]["indices"]["componentType"] = type;
+    CHECK_THAT(file.failure(), ContainsSubstring("(sparse): its indices are not unsigned integers"));
+  }
 }
 
 TEST_CASE("a small file cannot allocate much more memory than its size") {

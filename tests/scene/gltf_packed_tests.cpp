@@ -6,6 +6,7 @@
 
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <tuple>
 
 #include "scene_text.hpp"
 
@@ -99,7 +100,70 @@ TEST_CASE("EXT_meshopt_compression is decoded in every mode, with a fallback buf
     CHECK(same);
   }
   file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteLength"] = packed.size() / 2;
-  CHECK_THAT(loadFailure("made.gltf", file.json.dump()), ContainsSubstring("bufferView 0 (meshopt)"));
+  CHECK_THAT(loadFailure("made.gltf", file.json.dump()),
+             ContainsSubstring("bufferView 0 (meshopt): its data is invalid"));
+}
+
+// The decoders assert what the extension promises.
+TEST_CASE("EXT_meshopt_compression of sizes, modes and filters that the extension does not have is an error") {
+  const auto failure = [](size_t bytes, size_t count, size_t stride, const char* mode, const char* filter = "NONE") {
+    GltfFileMaker file = triangleFile();
+    Json& view = file.json["bufferViews"][0];
+    view["byteLength"] = bytes;
+    view["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},    {"byteLength", 36}, {"byteStride", stride},
+                                                     {"count", count}, {"mode", mode},     {"filter", filter}};
+    return file.failure();
+  };
+  const std::string who = "mesh 0 'tri', primitive 0: accessor 0, bufferView 0 (meshopt): ";
+  CHECK_THAT(failure(40, 3, 12, "ATTRIBUTES"), ContainsSubstring(who + "count times byteStride is not its byteLength"));
+  for (const auto& [count, stride, mode] :
+       {std::tuple{3, 12, "FACES"}, std::tuple{3, 12, "TRIANGLES"}, std::tuple{4, 4, "TRIANGLES"},
+        std::tuple{3, 1, "INDICES"}, std::tuple{3, 260, "ATTRIBUTES"}, std::tuple{3, 6, "ATTRIBUTES"}}) {
+    const std::string text = "mode '" + std::string(mode) + "' with " + std::to_string(count) + " elements of " +
+                             std::to_string(stride) + " bytes is not one of the extension's";
+    CHECK_THAT(failure(static_cast<size_t>(count) * static_cast<size_t>(stride), static_cast<size_t>(count),
+                       static_cast<size_t>(stride), mode),
+               ContainsSubstring(who + text));
+  }
+  for (const auto& [stride, mode, filter] :
+       {std::tuple{12, "ATTRIBUTES", "OCTAHEDRAL"}, std::tuple{4, "ATTRIBUTES", "QUATERNION"},
+        std::tuple{12, "ATTRIBUTES", "SMOOTH"}, std::tuple{4, "TRIANGLES", "EXPONENTIAL"}})
+    CHECK_THAT(failure(3 * static_cast<size_t>(stride), 3, static_cast<size_t>(stride), mode, filter),
+               ContainsSubstring("filter '" + std::string(filter) + "' does not fit elements of " +
+                                 std::to_string(stride) + " bytes"));
+}
+
+TEST_CASE("the rotations of instances may be packed as quaternions") {
+  // The filter stores the three components other than the greatest, and which that is.
+  const Floats turns = {0, 0, 0, 1, 0, 0, std::sqrt(0.5f), std::sqrt(0.5f), 0.6f, 0, 0, 0.8f};
+  std::vector<int16_t> filtered(turns.size());
+  meshopt_encodeFilterQuat(filtered.data(), 3, 8, 16, turns.data());
+  std::string packed(meshopt_encodeVertexBufferBound(3, 8), '\0');
+  packed.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()), packed.size(),
+                                           filtered.data(), 3, 8));
+  GltfFileMaker file = triangleFile();
+  const int view = file.view(packed);
+  Json& json = file.json["bufferViews"][static_cast<size_t>(view)];
+  json["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},
+                                                   {"byteOffset", json["byteOffset"]},
+                                                   {"byteLength", packed.size()},
+                                                   {"byteStride", 8},
+                                                   {"count", 3},
+                                                   {"mode", "ATTRIBUTES"},
+                                                   {"filter", "QUATERNION"}};
+  json["byteLength"] = 24;
+  json.erase("byteOffset");
+  const int rotations =
+      file.push("accessors",
+                {{"bufferView", view}, {"componentType", 5122}, {"type", "VEC4"}, {"count", 3}, {"normalized", true}});
+  file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"ROTATION", rotations}};
+  const Scene scene = file.load();
+  REQUIRE(scene.instances.size() == 3);
+  const std::array<double, 3> expected[] = {{1, 2, 3}, {-2, 1, 3}, {1, 2 * 0.28 - 3 * 0.96, 2 * 0.96 + 3 * 0.28}};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto found = at(scene.instances[i].transform, 1, 2, 3);
+    for (size_t axis = 0; axis < 3; ++axis) CHECK(std::abs(found[axis] - expected[i][axis]) < 1e-3);
+  }
 }
 
 TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
@@ -147,6 +211,11 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
   REQUIRE(read.indices.size() == indices.size());
   for (size_t i = 0; i < indices.size(); ++i)
     for (size_t c = 0; c < 3; ++c) CHECK(read.positions[3 * read.indices[i] + c] == positions[3 * indices[i] + c]);
+
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 77;
+  CHECK_THAT(file.failure(), ContainsSubstring("its Draco data has no positions under attribute 77"));
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] =
+      mesh->attribute(attribute)->unique_id();
 
   GltfFileMaker skinned = file;
   Json& primitive = skinned.json["meshes"][0]["primitives"][0];

@@ -482,6 +482,24 @@ TEST_CASE("invalid PLY is an error") {
              ContainsSubstring("a list longer than the file"));
   CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"),
              ContainsSubstring("have no y"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + "0 0 0\n1 0 0\n"),
+             ContainsSubstring("cut off in its vertices"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("binary_little_endian", "float", "int") + std::string(47, '\0')),
+             ContainsSubstring("cut off in its vertices"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + "0 0 0\n1 a 0\n"),
+             ContainsSubstring("the PLY file has 'a' where its vertices need a number"));
+  const auto header = [](const std::string& lines, const char* format = "ascii") {
+    return loadFailure("a.ply", std::string("ply\nformat ") + format + " 1.0\n" + lines + "end_header\n1 2 3\n");
+  };
+  CHECK_THAT(header("", "utf8"), ContainsSubstring("the PLY format 'utf8' does not exist"));
+  CHECK_THAT(header("element tristrips 1\nproperty list int int vertex_indices\n"),
+             ContainsSubstring("it holds triangle strips; convert it to faces"));
+  for (const char* count : {"x", "-1", "1.5", "nan"})
+    CHECK_THAT(header(std::string("element vertex ") + count + "\n"),
+               ContainsSubstring("the PLY header gives no valid count for element 'vertex'"));
+  CHECK_THAT(header("property float x\n"), ContainsSubstring("a property before the first element"));
+  CHECK_THAT(header("element face 1\nproperty list float int vertex_indices\n"),
+             ContainsSubstring("a list whose count is no integer"));
 }
 
 TEST_CASE("PLY is read with a mark of UTF-8, and with lines that end with carriage returns") {
@@ -587,7 +605,10 @@ TEST_CASE("an STL corner that is nan is not merged with others") {
 TEST_CASE("invalid STL is an error") {
   const std::string binary = std::string(80, 'x') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0});
   CHECK_THAT(loadFailure("a.stl", binary), ContainsSubstring("its header claims 2 triangles, it has room for 1"));
-  CHECK_THAT(loadFailure("a.stl", "hello"), ContainsSubstring("it is not STL"));
+  CHECK_THAT(loadFailure("a.stl", "hello"),
+             ContainsSubstring("it is not STL: it is too short and does not begin with 'solid'"));
+  CHECK_THAT(loadFailure("a.stl", "solid\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\nendsolid\n"),
+             ContainsSubstring("facet 0 of the STL file has more than 3 vertices"));
   CHECK_THAT(loadFailure("a.stl", "solid\nfacet\nvertex 1 2 3\n"), ContainsSubstring("it has no endsolid"));
   CHECK_THAT(loadFailure("a.stl", "solid\nvertex 1 2 z\n"), ContainsSubstring("triangle 0 of the STL file has 'z'"));
   CHECK_THAT(loadFailure("a.stl", "solid\nvertex 1 2 3\nendfacet\nendsolid\n"),

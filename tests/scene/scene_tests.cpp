@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <random>
+#ifndef _WIN32
+#include <sys/stat.h>
+#endif
 
 #include "fuzz/readers.hpp"
 #include "problem.hpp"
@@ -174,6 +178,47 @@ TEST_CASE("an origin that is not finite and an instance of no mesh are errors th
   CHECK_THAT(problemOf([&] { worldBounds(scene); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
 }
 
+TEST_CASE("meshes whose numbers do not fit each other are errors that name them") {
+  const auto refused = [](const std::function<void(Mesh&)>& change, const std::string& why) {
+    Scene scene = sampleScene();
+    change(scene.meshes[1]);
+    CHECK_THAT(problemOf([&] { validate(scene); }), ContainsSubstring("mesh 1 ('far'): " + why));
+  };
+  refused([](Mesh& m) { m.positions.pop_back(); }, "positions must come in threes");
+  refused([](Mesh& m) { m.indices.pop_back(); }, "indices must come in threes");
+  refused([](Mesh& m) { m.indices[4] = 4; }, "index 4 is out of range, the mesh has 4 vertices");
+  refused([](Mesh& m) { m.uvs.resize(6); }, "4 vertices need two texture coordinates each or none, there are 6");
+  refused([](Mesh& m) { m.parts[0].firstTriangle = 1; }, "its parts must follow each other without a gap");
+  refused([](Mesh& m) { m.parts = {{0, 2, 1}, {1, 1, 0}}; }, "its parts must follow each other without a gap");
+  refused([](Mesh& m) { m.parts[0].triangleCount = 2; }, "its parts cover 2 of 3 triangles");
+  refused([](Mesh& m) { m.parts[0].triangleCount = 4; }, "its parts cover 4 of 3 triangles");
+  refused([](Mesh& m) { m.parts.clear(); }, "its parts cover 0 of 3 triangles");
+  refused([](Mesh& m) { m.parts[0].material = 3; }, "material 3 does not exist, the scene has 3");
+  refused([](Mesh& m) { m.morphTargets = {Floats(11)}; }, "morph target 0 has 11 numbers, the positions have 12");
+  const auto addJoints = [](Mesh& m) {
+    m.jointCount = 2;
+    m.influences = 1;
+    m.joints.assign(4, 1);
+    m.jointWeights.assign(4, 1);
+    m.morphTargets = {Floats(12)};
+    m.deformation = {std::vector<Transform>(2), {0}};
+  };
+  Scene scene = sampleScene();
+  addJoints(scene.meshes[1]);
+  validate(scene);
+  const auto refusedWithJoints = [&](const std::function<void(Mesh&)>& change, const std::string& why) {
+    refused([&](Mesh& m) { addJoints(m), change(m); }, why);
+  };
+  refusedWithJoints([](Mesh& m) { m.joints.pop_back(); },
+                    "4 vertices with 1 influences each need 4 joints and weights, there are 3 and 4");
+  refusedWithJoints([](Mesh& m) { m.joints[2] = 2; }, "a vertex follows joint 2, the mesh has 2");
+  refusedWithJoints([](Mesh& m) { m.jointWeights[3] = 0.5f; }, "the joints' weights of vertex 3 sum to 0.5, not to 1");
+  refusedWithJoints([](Mesh& m) { m.deformation.joints.pop_back(); },
+                    "its deformation has 1 joints and 1 morph weights, the mesh has 2 and 1");
+  refusedWithJoints([](Mesh& m) { m.deformation.morphWeights[0] = std::nanf(""); },
+                    "the weight of morph target 0 is not finite");
+}
+
 TEST_CASE("vertices that no triangle uses are not within the bounds") {
   const Folder folder;
   put(folder / "a.ply",
@@ -241,7 +286,22 @@ TEST_CASE("missing files, folders and unknown endings are errors that name them"
   CHECK_THAT(failure("a.fbx", ErrorCode::invalidArgument),
              ContainsSubstring("unknown ending '.fbx' for a scene; known are .gltf, .glb, .obj, .ply and .stl"));
   put(folder / "a.obj", "v 0 0 0\n");
-  CHECK_THROWS_AS(loadScene(folder / "a.obj", {UpAxis::z, 0}), Error);
+  for (const double scale : {0.0, -1.0, std::nan(""), double{INFINITY}})
+    CHECK_THROWS_WITH(loadScene(folder / "a.obj", {UpAxis::z, scale}), "the scale must be a positive number");
+#ifndef _WIN32
+  REQUIRE(mkfifo((folder / "pipe.obj").c_str(), 0600) == 0);  // whose reading would never end
+  CHECK_THAT(failure("pipe.obj", ErrorCode::file), ContainsSubstring("pipe.obj': it is not a regular file"));
+#endif
+  GltfFileMaker far = triangleFile();
+  far.json["nodes"][0]["translation"] = {1e300, 0, 0};
+  put(folder / "far.gltf", far.text());
+  CHECK(loadScene(folder / "far.gltf").instances.size() == 1);
+  CHECK_THAT(problemOf(
+                 [&] {
+                   loadScene(folder / "far.gltf", {UpAxis::z, 1e10});
+                 },
+                 ErrorCode::format),
+             ContainsSubstring("far.gltf': instance 0 is out of bounds at this scale"));
 }
 
 TEST_CASE("buffers and libraries are found beside the file, whatever its name") {
