@@ -6,6 +6,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "gnosphere/ros2.hpp"
 #include "gnosphere/sensor.hpp"
@@ -87,6 +88,32 @@ TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan t
   CHECK_THAT(elevationDeg(solid, 0, 1), WithinAbs(-11.75, 1e-12));
 }
 
+TEST_CASE("Isaac Sim: lines of a solid-state lidar are rings, and rows of its cloud if they are equally long") {
+  const std::string four = replaced(
+      replaced(replaced(kIsaacRotary, "rotary", "solidState"), "\"numberOfEmitters\": 2", "\"numberOfEmitters\": 4"),
+      "\"azimuthDeg\": [6.5, -6.5], \"elevationDeg\": [-11.75, 3.5], \"fireTimeNs\": [0, 2665],\n    "
+      "\"vertOffsetM\": [0.066, 0.066], \"horOffsetM\": [0, 0.01], \"rangeId\": [0, 1], \"bank\": [1, 0]",
+      "\"azimuthDeg\": [1, 2, 3, 4], \"elevationDeg\": [5, 5, 6, 6]");
+  const auto lines = [&](const std::string& list) {
+    return replaced(four, "\"wavelengthNm\"", "\"numRaysPerLine\": " + list + ", \"wavelengthNm\"");
+  };
+  const Sensor equal = readSensorFile(lines("[2, 2]"), "i.json").sensor;
+  CHECK((equal.width() == 2 && equal.height() == 2));
+  CHECK((ringOf(equal, 1) == 0 && ringOf(equal, 2) == 1));
+  CHECK_THAT(elevationDeg(equal, 2), WithinAbs(6, 1e-12));
+  const Sensor unequal = readSensorFile(lines("[1, 3]"), "i.json").sensor;
+  CHECK((unequal.width() == 4 && unequal.height() == 1));
+  CHECK((ringOf(unequal, 0) == 0 && ringOf(unequal, 1) == 1 && ringOf(unequal, 3) == 1));
+  const Sensor unstated = readSensorFile(four, "i.json").sensor;
+  CHECK((unstated.width() == 4 && ringOf(unstated, 3) == 0));
+  for (const char* list : {"[2, 1]", "[2, 3]", "[]", "[1e300, 4]"})
+    CHECK_THAT(problemOf(lines(list), "i.json"),
+               ContainsSubstring("'numRaysPerLine' does not add up to the 4 emitters"));
+  for (const auto& [list, shown] : {std::pair{"[-2, 4]", "-2"}, std::pair{"[2.5, 2.5]", "2.5"}})
+    CHECK_THAT(problemOf(lines(list), "i.json"),
+               ContainsSubstring("'numRaysPerLine' has " + std::string(shown) + ", which is no number of rays"));
+}
+
 TEST_CASE("Isaac Sim: mistakes are named with their keys") {
   const auto edited = [](const std::string& from, const std::string& to) {
     return problemOf(replaced(kIsaacRotary, from, to), "i.json");
@@ -99,6 +126,13 @@ TEST_CASE("Isaac Sim: mistakes are named with their keys") {
   CHECK_THAT(edited("\"emitterStateCount\": 1", "\"emitterStateCount\": 9"), ContainsSubstring("has 1 entries"));
   CHECK_THAT(edited("\"rangeId\": [0, 1]", "\"rangeId\": [0, 2]"), ContainsSubstring("'ranges' has 2 entries"));
   CHECK_THAT(edited("\"bank\"", "\"channelId\": [0, 65536], \"bank\""), ContainsSubstring("no ring from 0 to 65535"));
+  for (const char* ranges : {"7", "[7, 8]"})
+    CHECK_THAT(edited("[{\"min\": 0.5, \"max\": 200}, {\"min\": 2, \"max\": 50}]", ranges),
+               ContainsSubstring("'ranges' is no list of 'min' and 'max'"));
+  CHECK_THAT(edited("\"maxReturns\": 2", "\"maxReturns\": 16"),
+             ContainsSubstring("'maxReturns' is 16, expected is 1..15"));
+  CHECK_THAT(problemOf(R"({"profile": {"scanType": "rotary", "farRangeM": 9, "emitterStates": []}})", "i.json"),
+             ContainsSubstring("'emitterStates' has no entry"));
   CHECK_THAT(edited("\"rotary\"", "\"spinning\""), ContainsSubstring("expected is rotary or solidState"));
   CHECK_THAT(edited("3333", "5"), ContainsSubstring("firings and turns per second"));
   CHECK_THAT(edited("-11.75", "-98"), ContainsSubstring("elevation of channel 0"));
@@ -142,6 +176,10 @@ TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of
   CHECK_THAT(problemOf(text, "model.sdf", {.mode = "back"}), ContainsSubstring("no lidar 'back', but front, round"));
   CHECK_THAT(problemOf(replaced(text, "<samples>5", "<samples>x"), "model.sdf"), ContainsSubstring("<samples> is 'x'"));
   CHECK_THAT(problemOf(replaced(text, "<max>10.5</max>", ""), "model.sdf"), ContainsSubstring("<max> of <range>"));
+  CHECK_THAT(problemOf(replaced(text, "<resolution>1<", "<resolution>0.1<"), "model.sdf"),
+             ContainsSubstring("<samples> times <resolution> is 0, expected is 1 to 1000000"));
+  CHECK_THAT(problemOf(replaced(text, "<max_angle>0.78", "<max_angle>-0.79"), "model.sdf"),
+             ContainsSubstring("<max_angle> is less than <min_angle>"));
 }
 
 namespace {
@@ -298,6 +336,15 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
           .sensor;
   CHECK_THAT(elevationDeg(local, 937), WithinAbs(0, 1e-9));
   CHECK_THAT(azimuthDeg(local, 937), WithinAbs(90, 1e-9));
+  // About y, which points forward, the beam that was tilted up turns to the right.
+  const Sensor rolled = readSensorFile(changed(R"(z="0.3"><rot axis="x" angle_deg="1"/><rot axis="z" angle_deg="30"/>)",
+                                               R"(z="0"><rot axis="x" angle_deg="30"/><rot axis="y" angle_deg="90"/>)"),
+                                       "s.xml")
+                            .sensor;
+  CHECK_THAT(elevationDeg(rolled, 937), WithinAbs(0, 1e-9));
+  CHECK_THAT(azimuthDeg(rolled, 937), WithinAbs(-30, 1e-9));
+  CHECK_THAT(problemOf(changed(R"(axis="z")", R"(axis="w")"), "s.xml"),
+             ContainsSubstring("the axis of <rot> is 'w', expected is x, y or z"));
   const SensorFile own = readSensorFile(
       changed(R"(<channel id="1">)", R"(<channel id="1" rangeMin_m="7" beamDivergence_rad="0.001">)"), "s.xml");
   CHECK(rangeWindowOf(own.sensor, 0).least == 0.01);
@@ -379,6 +426,12 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
   CHECK_THAT(elevationDeg(across, 2), WithinAbs(90, 1e-6));
   checkOrigin(originOf(across, 2), {0.085, 0, 0.06});
 
+  CHECK_THAT(problemOf(heliosScanner("optics='rotating' headRotatePerSecMax_deg='360'", "<channels/>"), "s.xml"),
+             ContainsSubstring("'s' has no <channel>"));
+  CHECK_THAT(problemOf(heliosScanner("optics='rotating' scanAngleMax_deg='90' scanFreqMax_Hz='250' "
+                                     "scanAngleEffectiveMax_deg='-1'"),
+                       "s.xml"),
+             ContainsSubstring("no pulse of the scanner 's' is within 'scanAngleEffectiveMax_deg'"));
   CHECK_THAT(problemOf(heliosScanner("optics='risley'"), "s.xml"),
              ContainsSubstring("'s' has risley optics; read are rotating, oscillating and conic ones"));
   CHECK_THAT(problemOf(heliosScanner("optics='conic' scanFreqMax_Hz='250'"), "s.xml"),

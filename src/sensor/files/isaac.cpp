@@ -188,13 +188,17 @@ void placeSolidState(SensorSource& source, const json& profile, const std::vecto
   std::vector<uint16_t> lineOf;
   if (profile.contains("numRaysPerLine")) {
     const std::vector<double> lines = numbersIn(source, profile, "numRaysPerLine");
-    for (size_t line = 0; line < lines.size(); ++line)
-      if (lines[line] >= 0 && lines[line] <= 1e9 && line <= 65535 && lineOf.size() <= states[0].azimuths.size())
-        lineOf.resize(lineOf.size() + std::min(static_cast<size_t>(lines[line]), states[0].azimuths.size() + 1),
+    const size_t count = states[0].azimuths.size();
+    for (size_t line = 0; line < lines.size(); ++line) {
+      const double rays = lines[line];
+      if (!(rays >= 0) || rays != std::floor(rays))
+        source.refuse("'numRaysPerLine' has " + shownNumber(rays) + ", which is no number of rays");
+      if (line <= 65535 && lineOf.size() <= count)
+        lineOf.resize(lineOf.size() + static_cast<size_t>(std::min(rays, static_cast<double>(count + 1))),
                       static_cast<uint16_t>(line));
-    if (lineOf.size() != states[0].azimuths.size())
-      source.refuse("'numRaysPerLine' does not add up to the " + std::to_string(states[0].azimuths.size()) +
-                    " emitters");
+    }
+    if (lineOf.size() != count)
+      source.refuse("'numRaysPerLine' does not add up to the " + std::to_string(count) + " emitters");
     if (std::all_of(lines.begin(), lines.end(), [&](double n) { return n == lines[0]; })) {
       width = static_cast<uint32_t>(lines[0]);
       height = static_cast<uint32_t>(lines.size());
