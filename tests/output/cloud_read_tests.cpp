@@ -294,6 +294,74 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
   CHECK_THAT(problemOf(folder / "d.csv"), ContainsSubstring("empty"));
 }
 
+TEST_CASE("a header of PCD, PLY or NPY that cannot be is refused with what is wrong in it") {
+  const Folder folder;
+  const auto edited = [&](const char* name, const std::string& good, const std::string& from, const std::string& to) {
+    put(folder / name, good);
+    readCloud(folder / name);
+    std::string text = good;
+    REQUIRE(text.find(from) != text.npos);
+    put(folder / name, text.replace(text.find(from), from.size(), to));
+    return problemOf(folder / name);
+  };
+  const auto pcd = [&](const char* from, const char* to) {
+    return edited("a.pcd",
+                  "FIELDS x y z range\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 2 3\n",
+                  from, to);
+  };
+  CHECK_THAT(pcd("TYPE F F F F", "TYPE F F F X"), ContainsSubstring("TYPE must be F, U or I, is 'X'"));
+  CHECK_THAT(pcd("SIZE 4 4 4 4", "SIZE 4 4 4 2"), ContainsSubstring("'range' cannot be of type F and 2 bytes"));
+  CHECK_THAT(pcd("SIZE 4 4 4 4\nTYPE F F F F", "SIZE 4 4 4 3\nTYPE F F F U"),
+             ContainsSubstring("'range' cannot be of type U and 3 bytes"));
+  CHECK_THAT(pcd("SIZE 4 4 4 4", "SIZE 4 4 4"), ContainsSubstring("SIZE has 3 entries, FIELDS has 4"));
+  CHECK_THAT(pcd("FIELDS x y z range\nSIZE 4 4 4 4\nTYPE F F F F\n", ""),
+             ContainsSubstring("its header has no FIELDS"));
+  CHECK_THAT(pcd("z range", "z x"), ContainsSubstring("has the field 'x' twice"));
+  CHECK_THAT(pcd("HEIGHT 1", "HEIGHT 4294967296"), ContainsSubstring("WIDTH or HEIGHT is beyond 32 bits"));
+  CHECK_THAT(pcd("HEIGHT 1", "HEIGHT one"), ContainsSubstring("WIDTH or HEIGHT must be a count, is 'one'"));
+  CHECK_THAT(pcd("POINTS 1", "POINTS -1"), ContainsSubstring("POINTS must be a count, is '-1'"));
+  CHECK_THAT(pcd("POINTS", "SPOTS"), ContainsSubstring("its header has a line 'SPOTS 1'"));
+  CHECK_THAT(pcd("DATA ascii", "DATA zip"), ContainsSubstring("ascii, binary or binary_compressed, is 'zip'"));
+  CHECK_THAT(pcd("DATA ascii\n", ""), ContainsSubstring("a line '1 2 2 3'"));
+  CHECK_THAT(pcd("DATA ascii\n1 2 2 3\n", ""), ContainsSubstring("its header has no DATA"));
+  CHECK_THAT(pcd("DATA ascii\n1 2 2 3\n", "DATA binary_compressed\n1"),
+             ContainsSubstring("cut short after its header"));
+
+  const auto ply = [&](const char* from, const char* to) {
+    return edited("a.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face 0\nproperty list uchar int vertex_indices\nend_header\n1 2 2\n",
+                  from, to);
+  };
+  CHECK_THAT(ply("ply\n", "plx\n"), ContainsSubstring("is not a PLY file"));
+  CHECK_THAT(ply("ascii", "binary_big_endian"), ContainsSubstring("little_endian, is 'binary_big_endian'"));
+  CHECK_THAT(ply("float z", "text z"), ContainsSubstring("a list or a property of no known type"));
+  CHECK_THAT(ply("property float z", "property list uchar float z"), ContainsSubstring("a list or a property of no"));
+  CHECK_THAT(ply("vertex 1", "vertex"), ContainsSubstring("an element needs a name and a count"));
+  CHECK_THAT(ply("vertex 1", "vertex -1"), ContainsSubstring("element must be a count, is '-1'"));
+  CHECK_THAT(ply("element vertex 1", "element camera 1\nproperty float f\nelement vertex 1"),
+             ContainsSubstring("'camera' comes before the vertices, which must be first"));
+  CHECK_THAT(ply("element vertex 1", "hello"), ContainsSubstring("a line starts with 'hello'"));
+  CHECK_THAT(ply("end_header\n1 2 2\n", ""), ContainsSubstring("PLY header is cut short"));
+  CHECK_THAT(ply("float z", "float x"), ContainsSubstring("has the field 'x' twice"));
+
+  const std::string xyz = "[('x', '<f4'), ('y', '<f4'), ('z', '<f4')]";
+  const auto npy = [&](const std::string& type, const std::string& shape, size_t bytes) {
+    put(folder / "a.npy", npyHeaderOf(type, shape) + std::string(bytes, '\0'));
+    return problemOf(folder / "a.npy");
+  };
+  CHECK_THAT(npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f2')]", "(1,)", 10),
+             ContainsSubstring("field 'z' has the type '<f2', which is not read"));
+  CHECK_THAT(npy("[]", "(1,)", 12), ContainsSubstring("NPY header names no field"));
+  CHECK_THAT(npy(xyz, "(4294967296,)", 12), ContainsSubstring("NPY shape is beyond 32 bits"));
+  CHECK_THAT(npy(xyz, "()", 12), ContainsSubstring("one to three dimensions"));
+  std::string columns = npyHeaderOf(xyz, "(1, 2)");
+  put(folder / "a.npy", columns.replace(columns.find("False, "), 7, "True,  ") + std::string(24, '\0'));
+  CHECK_THAT(problemOf(folder / "a.npy"), ContainsSubstring("in Fortran order; save it in C order"));
+  put(folder / "a.npy", "\x93NUMPX" + std::string(20, '\0'));
+  CHECK_THAT(problemOf(folder / "a.npy"), ContainsSubstring("is not an NPY file"));
+}
+
 TEST_CASE("a CSV cloud may begin with the mark of UTF-8, and one in UTF-16 is refused") {
   const Folder folder;
   std::ofstream(folder / "a.csv") << "\xef\xbb\xbfx,y,z,range\n1,2,2,9\n";

@@ -88,6 +88,8 @@ TEST_CASE("every head of the catalogue is valid in every mode and names its sour
     }
   }
   CHECK(isRefused("Puck:7Hz"));
+  CHECK_THROWS_WITH(builtinSensor("Puck:7Hz"), "the sensor Puck has no mode '7Hz', but 10Hz, 5Hz, 15Hz, 20Hz");
+  CHECK_THROWS_WITH(builtinSensor("VLP-16:10Hz"), ContainsSubstring("ideal head of the paper and has no modes"));
 }
 
 TEST_CASE("every list of a head has only numbers, which repeat a whole number of times over the elevations") {

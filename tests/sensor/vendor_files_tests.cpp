@@ -52,6 +52,7 @@ TEST_CASE("Velodyne YAML: mistakes are named with their lines") {
   CHECK_THAT(edited("num_lasers: 2", "num_lasers: 3"), ContainsSubstring("'num_lasers' is 3, but 'lasers' lists 2"));
   CHECK_THAT(edited("vert_correction: -0.1", "vert_correction: -1.7"), ContainsSubstring("elevation of channel 0"));
   CHECK_THAT(edited("lasers:", "lasers: ["), ContainsSubstring("is not YAML"));
+  CHECK_THAT(problemOf("lasers: [7]", "none.yml"), ContainsSubstring("line 1: a laser is a map of its corrections"));
   CHECK_THAT(problemOf("lasers: []", "none.yml"), ContainsSubstring("there is no laser"));
   CHECK_THAT(problemOf("a: 1", "none.yml"), ContainsSubstring("no list 'lasers'"));
 }
@@ -72,6 +73,8 @@ TEST_CASE("VeloView XML: degrees and centimetres, lasers that are not enabled ar
   CHECK_THAT(problemOf(replaced(kVeloViewXml, "-7.5", "x"), "db.xml"),
              ContainsSubstring("'vertCorrection_' is 'x'") && ContainsSubstring("line "));
   CHECK_THAT(problemOf("<boost_serialization/>", "db.xml"), ContainsSubstring("boost_serialization/DB/points_"));
+  CHECK_THAT(problemOf(replaced(kVeloViewXml, "<points_><count>3", "<points_><count>4"), "db.xml"),
+             ContainsSubstring("'count' is 4, but 3 lasers follow"));
   CHECK_THAT(problemOf("<a/>", "db.xml"), ContainsSubstring("is XML of <a>, not of a lidar"));
   CHECK_THAT(problemOf("<a", "db.xml"), ContainsSubstring("is not XML"));
 }
@@ -236,6 +239,7 @@ TEST_CASE("Ouster metadata: mistakes are named with their keys") {
     return problemOf(replaced(kOusterNested, from, to), "os.json");
   };
   CHECK_THAT(edited("[4, -4]", "[4]"), ContainsSubstring("has 1 entries, 'beam_azimuth_angles' 2"));
+  CHECK_THAT(edited("[4, -4]", "[]"), ContainsSubstring("'beam_altitude_angles' is empty"));
   CHECK_THAT(edited("[4, -4]", "[0, 0]"), ContainsSubstring("all 'beam_altitude_angles' are 0"));
   CHECK_THAT(edited("[4, -4]", "[4, \"x\"]"), ContainsSubstring("'beam_altitude_angles' has \"x\" at place 1"));
   CHECK_THAT(edited("[4, -4]", "[4, [[[]]]]"), ContainsSubstring("has a list at place 1"));
@@ -263,7 +267,7 @@ TEST_CASE("Hesai angle correction: rows in any order, clockwise azimuths, a chec
   CHECK(file.sensor.channels[0].elevationDeg == 14.25);
   CHECK_THAT(azimuthDeg(file.sensor, 360), WithinAbs(1.042, 1e-12));
   CHECK(file.sensor.rotationPeriod == 0.05);
-  CHECK(file.assumed.size() == 2);  // the largest range, and that at 10 %  // the range
+  CHECK(file.assumed.size() == 2);  // the largest range, and that at 10 %
   CHECK_THAT(readSensorFile("EEFF,1,1\nLaser id,Azimuth,Elevation\n1,2,3\n", "q.csv").sensor.channels[0].elevationDeg,
              WithinAbs(3, 0));
 }
@@ -362,6 +366,11 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     const Sensor sensor = read("EEFF,1,1\nChannel num,2,Loop num,2\nID,us,ID,us\n1,4,2,8\n2,6,1,10\n").sensor;
     CHECK_THAT(timeOf(sensor, 0), WithinAbs(4e-6, 1e-15));
     CHECK_THAT(timeOf(sensor, 360 + 1), WithinAbs(0.1 / 360 + 8e-6, 1e-15));
+    for (const char* loops : {"0", "17", "nan"})
+      CHECK_THROWS_WITH(read("EEFF,1,1\nChannel num,2,Loop num," + std::string(loops) + "\nID,us,ID,us\n1,4,2,8\n"),
+                        ContainsSubstring("line 2") && ContainsSubstring("loop number"));
+    CHECK_THROWS_WITH(read("EEFF,1,1\nChannel num,2\n"), ContainsSubstring("ends before the names of its columns"));
+    CHECK_THROWS_WITH(read("EEFF,1,1\nChannel num,2\nID,us\n1,4\n"), ContainsSubstring("expected is 'Channel num, N"));
   }
   SECTION("surplus cells") {
     CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,2,5\n2,3,0\n"), ContainsSubstring("line 2 has 3 cells"));
@@ -406,6 +415,7 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     CHECK_THAT(timeOf(file.sensor, 0), WithinAbs(9e-6, 1e-15));
     CHECK_THAT(timeOf(file.sensor, 1), WithinAbs(0.1 / 360 + 11e-6, 1e-15));
     CHECK(lists(file.ignored, "near surfaces"));
+    CHECK_THROWS_WITH(read(text, "1"), ContainsSubstring("no operational state '1', but 0, 2 and 3"));
   }
   SECTION("mistakes") {
     CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,2\n"), ContainsSubstring("channel 2 of the angle correction"));
