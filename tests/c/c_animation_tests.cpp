@@ -8,7 +8,10 @@
 #include <gnosphere/animation.hpp>
 #include <gnosphere/gnosphere.hpp>
 
+#include "c/fails.hpp"
+
 using namespace gnosphere;
+using namespace gnosphere::test;
 
 namespace {
 
@@ -164,12 +167,6 @@ gno_scene sceneInC(const Scene& from) {
   }
   addAnimation(scene, from.animation);
   return scene;
-}
-
-bool fails(gno_status status, const char* words) {
-  INFO(status << ": " << gno_last_error());
-  CHECK(std::strstr(gno_last_error(), words) != nullptr);
-  return status == GNO_INVALID_ARGUMENT && std::strstr(gno_last_error(), words);
 }
 
 }  // namespace

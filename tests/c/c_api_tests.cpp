@@ -379,8 +379,7 @@ TEST_CASE("C: a function that receives warnings must not call the simulator that
     gno_simulator simulator = nullptr;
     int count = 0, refused = 0;
   } warned;
-  gno_options options = gno_options_init();
-  options.device = "reference";
+  gno_options options = onReference();
   options.user = &warned;
   options.warn = [](const char*, void* user) {
     auto& to = *static_cast<Warned*>(user);

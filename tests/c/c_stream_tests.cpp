@@ -9,6 +9,7 @@
 #include <future>
 #include <thread>
 
+#include "c/fails.hpp"
 #include "c/wall.hpp"
 #include "support.hpp"
 
@@ -22,26 +23,9 @@ gno_simulator simulatorWith(const gno_options& options) {
   REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_from_json(toJson(gridSensor(30, 3, -5, 5)).c_str(), &sensor) == GNO_OK);
-  gno_effects effects = nullptr;
-  REQUIRE(gno_effects_preset("clean", &effects) == GNO_OK);
-  const gno_field fields[] = {GNO_FIELD_INSTANCE};
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  request.effects = effects;
-  request.fields = fields;
-  request.field_count = 1;
-  gno_simulator simulator = nullptr;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_effects_destroy(effects) == GNO_OK);
+  const gno_simulator simulator = simulatorOf(scene, sensor, "clean", {GNO_FIELD_INSTANCE}, options);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
   return simulator;
-}
-
-bool refused(gno_status status, const char* words) {
-  INFO(gno_last_error());
-  CHECK(std::strstr(gno_last_error(), words) != nullptr);
-  return status == GNO_INVALID_ARGUMENT;
 }
 
 }  // namespace
@@ -87,8 +71,8 @@ TEST_CASE("C: a simulator tells its device, plan, memory, clusters and times as 
   const char* plan = nullptr;
   REQUIRE(gno_simulator_get_plan(simulator, 0, &plan) == GNO_OK);
   CHECK(plan == toJson(expected.plan(0)));
-  CHECK(refused(gno_simulator_get_plan(simulator, 1, &plan), "sensor 1"));
-  CHECK(refused(gno_simulator_get_plan(simulator, 0, nullptr), "json is null"));
+  CHECK(fails(gno_simulator_get_plan(simulator, 1, &plan), "sensor 1"));
+  CHECK(fails(gno_simulator_get_plan(simulator, 0, nullptr), "json is null"));
   size_t clusters = 0;
   REQUIRE(gno_simulator_get_cluster_count(simulator, &clusters) == GNO_OK);
   CHECK(clusters == expected.clusterCount());
@@ -134,7 +118,7 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   many.views = 3;
   many.to_host = 1;
   gno_batch_stream stream = nullptr;
-  CHECK(refused(gno_batch_stream_create(host, &many, &stream), "results_on_device"));
+  CHECK(fails(gno_batch_stream_create(host, &many, &stream), "results_on_device"));
   REQUIRE(gno_batch_stream_create(device, &many, &stream) == GNO_OK);
 
   gno_shot shots[3] = {gno_shot_init(), gno_shot_init(), gno_shot_init()};
@@ -181,9 +165,9 @@ TEST_CASE("C: streamed batches have the values of batches on the host, also afte
   uint64_t address = 0;
   CHECK(gno_batch_stream_get_cuda_address(stream, 0, &address, nullptr) != GNO_OK);
   CHECK(std::strstr(gno_last_error(), "CUDA cannot have the results") != nullptr);
-  CHECK(refused(gno_batch_stream_wait(stream, 1, &streamed), "no batch 1"));
+  CHECK(fails(gno_batch_stream_wait(stream, 1, &streamed), "no batch 1"));
   shots[2].pose.position[1] = std::nan("");
-  CHECK(refused(gno_batch_stream_submit(stream, shots, 3, &number), "shot 2"));
+  CHECK(fails(gno_batch_stream_submit(stream, shots, 3, &number), "shot 2"));
   CHECK(gno_batch_destroy(batch) == GNO_OK);
   CHECK(gno_batch_stream_destroy(stream) == GNO_OK);
   CHECK(gno_batch_stream_destroy(stream) == GNO_INVALID_ARGUMENT);

@@ -92,8 +92,7 @@ TEST_CASE("C: structs of an older header are taken with defaults for what they l
   gno_scene scene = makeScene();
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  gno_options options = gno_options_init();
-  options.device = "reference";
+  gno_options options = onReference();
   gno_request request = gno_request_init();
   request.sensor = sensor;
   Older<gno_options> olderOptions(options, offsetof(gno_options, validation));
@@ -178,8 +177,7 @@ TEST_CASE("C: an error in an array says which entry it is about") {
   gno_scene scene = makeScene();
   gno_sensor sensor = nullptr;
   REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  gno_options options = gno_options_init();
-  options.device = "reference";
+  gno_options options = onReference();
   gno_request requests[2] = {gno_request_init(), gno_request_init()};
   requests[0].sensor = sensor;
   gno_simulator simulator = nullptr;
@@ -212,8 +210,7 @@ TEST_CASE("C: an error in an array says which entry it is about") {
 }
 
 TEST_CASE("C: options are set by their names") {
-  gno_options options = gno_options_init();
-  options.device = "reference";
+  gno_options options = onReference();
   CHECK(gno_options_set(&options, "accuracy=exact") == GNO_OK);
   CHECK(gno_options_set(&options, "faces=front") == GNO_OK);
   const std::string both = options.assignments;

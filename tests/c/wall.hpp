@@ -31,9 +31,16 @@ inline gno_scene sceneWithWall() {
   return sceneWithSquare(kWall);
 }
 
-/// Makes a simulator on the reference for a sensor, whose handle is destroyed.
+inline gno_options onReference() {
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  return options;
+}
+
+/// Makes a simulator for a sensor, whose handle is destroyed.
 inline gno_simulator simulatorOf(gno_scene scene, gno_sensor sensor, const char* effects,
-                                 const std::vector<gno_field>& fields = {}) {
+                                 const std::vector<gno_field>& fields = {},
+                                 const gno_options& options = onReference()) {
   gno_effects ofRequest = nullptr;
   REQUIRE(gno_effects_preset(effects, &ofRequest) == GNO_OK);
   gno_request request = gno_request_init();
@@ -41,8 +48,6 @@ inline gno_simulator simulatorOf(gno_scene scene, gno_sensor sensor, const char*
   request.effects = ofRequest;
   request.fields = fields.data();
   request.field_count = fields.size();
-  gno_options options = gno_options_init();
-  options.device = "reference";
   gno_simulator simulator = nullptr;
   REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
   CHECK(gno_sensor_destroy(sensor) == GNO_OK);

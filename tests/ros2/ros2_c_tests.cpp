@@ -2,15 +2,12 @@
 // The C interface to messages of ROS 2: what arrives, and an error for every wrong argument.
 #include <gnosphere_ros2.h>
 
+#include "c/fails.hpp"
 #include "ros2/listening.hpp"
 
 using namespace gnosphere::test;
 
 namespace {
-
-bool failed(gno_status status, const char* sentence) {
-  return status == GNO_INVALID_ARGUMENT && std::string(gno_last_error()).find(sentence) != std::string::npos;
-}
 
 gno_ros2_publisher latched(gno_ros2_type type) {
   loopbackDomain();
@@ -32,7 +29,7 @@ std::string received(gno_ros2_publisher publisher, const char* type) {
   CHECK(counts.published == 1);
   CHECK(counts.sent == 1);
   REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);
-  CHECK(failed(gno_ros2_publisher_destroy(publisher), "there is no publisher"));
+  CHECK(fails(gno_ros2_publisher_destroy(publisher), "there is no publisher"));
   return lines.size() == 1 ? lines[0] : "";
 }
 
@@ -102,22 +99,22 @@ TEST_CASE("ROS 2 from C: messages arrive") {
 TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   loopbackDomain();
   gno_ros2_publisher publisher = nullptr;
-  CHECK(failed(gno_ros2_publisher_create(7, "a", nullptr, &publisher), "none of 0..6"));
-  CHECK(failed(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
-  CHECK(failed(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
-  CHECK(failed(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));
+  CHECK(fails(gno_ros2_publisher_create(7, "a", nullptr, &publisher), "none of 0..6"));
+  CHECK(fails(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));
   gno_ros2_options options = {};
-  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "struct_size"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a", &options, &publisher), "struct_size"));
   options = gno_ros2_options_init();
   options.reliability = 2;
-  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "reliability"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a", &options, &publisher), "reliability"));
   options = gno_ros2_options_init();
   options.domain = -2;
-  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "domain is -2"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a", &options, &publisher), "domain is -2"));
   options.domain = -1;
   options.localhost_only = 2;
-  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "localhost_only is 2"));
-  CHECK(failed(gno_ros2_publish_clock(nullptr, 0), "the handle of the publisher is null"));
+  CHECK(fails(gno_ros2_publisher_create(0, "a", &options, &publisher), "localhost_only is 2"));
+  CHECK(fails(gno_ros2_publish_clock(nullptr, 0), "the handle of the publisher is null"));
   // A publisher that is not to stay on this machine is on its networks, whatever the environment says of others.
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
   options = gno_ros2_options_init();
@@ -131,13 +128,13 @@ TEST_CASE("ROS 2 from C: wrong arguments are errors") {
   REQUIRE(gno_ros2_publisher_create(GNO_ROS2_POINT_CLOUD2, "a", nullptr, &publisher) == GNO_OK);
   gno_ros2_cloud cloud = gno_ros2_cloud_init();
   cloud.bytes = 3;
-  CHECK(failed(gno_ros2_publish_cloud(publisher, &cloud), "data is null"));
-  CHECK(failed(gno_ros2_publish_cloud(publisher, nullptr), "gno_ros2_cloud is null"));
-  CHECK(failed(gno_ros2_publish_clock(publisher, 0), "another type"));
-  CHECK(failed(gno_ros2_publish_scan(publisher, nullptr, nullptr, 0, "c", 0), "scan"));
-  CHECK(failed(gno_ros2_publish_driver_scan(publisher, nullptr, GNO_ROS2_OUSTER, "c", 0, nullptr), "scan"));
-  CHECK(failed(gno_ros2_publish_livox_custom(publisher, nullptr, "c", 0, nullptr), "scan"));
-  CHECK(failed(gno_ros2_publish_channel(publisher, nullptr, nullptr, 0, "c", 0), "sensor"));
-  CHECK(failed(gno_ros2_publisher_flush(publisher, 1, nullptr), "done is null"));
+  CHECK(fails(gno_ros2_publish_cloud(publisher, &cloud), "data is null"));
+  CHECK(fails(gno_ros2_publish_cloud(publisher, nullptr), "gno_ros2_cloud is null"));
+  CHECK(fails(gno_ros2_publish_clock(publisher, 0), "another type"));
+  CHECK(fails(gno_ros2_publish_scan(publisher, nullptr, nullptr, 0, "c", 0), "scan"));
+  CHECK(fails(gno_ros2_publish_driver_scan(publisher, nullptr, GNO_ROS2_OUSTER, "c", 0, nullptr), "scan"));
+  CHECK(fails(gno_ros2_publish_livox_custom(publisher, nullptr, "c", 0, nullptr), "scan"));
+  CHECK(fails(gno_ros2_publish_channel(publisher, nullptr, nullptr, 0, "c", 0), "sensor"));
+  CHECK(fails(gno_ros2_publisher_flush(publisher, 1, nullptr), "done is null"));
   REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);
 }
