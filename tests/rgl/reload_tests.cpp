@@ -3,11 +3,13 @@
 // program is not linked with the library.
 #include <dlfcn.h>
 #include <rgl/api/core.h>
+#include <unistd.h>
 
 #include <catch2/catch_test_macros.hpp>
 #include <chrono>
 #include <filesystem>
 #include <iterator>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -56,10 +58,15 @@ ptrdiff_t threads() {
 /// until the thread ends; when the library is closed the next time, the loader may take it out.
 void scanInThread() {
   bool good = false;
-  std::thread([&] { good = scanOnce(); }).join();
+  pid_t task = 0;
+  std::thread([&] {
+    task = gettid();
+    good = scanOnce();
+  }).join();
   REQUIRE(good);
   dlclose(dlopen(GNOSPHERE_RGL_LIBRARY, RTLD_NOW | RTLD_LOCAL));
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the system may still list the thread
+  while (std::filesystem::exists("/proc/self/task/" + std::to_string(task)))  // the system still lists the thread
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 }  // namespace
