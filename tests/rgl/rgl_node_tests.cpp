@@ -426,5 +426,10 @@ TEST_CASE("RGL: radar detections are clusters, and objects keep their ids") {
   OK(rgl_scene_set_time(nullptr, 101'000'000));
   lidar.run();
   CHECK(lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32) == first);
+  // Beams without a hit are no detections.
+  rgl_node_t ofAll = nullptr;
+  OK(rgl_node_points_radar_postprocess(&ofAll, &scope, 1, 0.015f, 0.01f, 79e9f, 31, 27, 60, 0));
+  OK(rgl_graph_node_add_child(lidar.yield, ofAll));
+  CHECK(failed(rgl_graph_run(lidar.rays), RGL_INVALID_PIPELINE, "requires dense input; put a compact node before it"));
   OK(rgl_cleanup());
 }
