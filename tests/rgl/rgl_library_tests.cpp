@@ -285,6 +285,7 @@ TEST_CASE("RGL: objects are alive until they are destroyed, whatever still uses 
 /// Functions of earlier levels and of closed extensions, which the headers do not declare.
 extern "C" {
 rgl_status_t rgl_entity_set_pose(rgl_entity_t entity, const rgl_mat3x4f* transform);
+rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* vertices, int32_t vertex_count);
 rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
                                          const rgl_vec3f* angular_velocity, bool apply_distortion);
 rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
@@ -298,7 +299,8 @@ rgl_status_t rgl_node_publish_ros2_radartracks(rgl_node_t* node);
 }
 
 TEST_CASE("RGL: functions of earlier levels do what their followers do") {
-  const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 9));
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_entity_t entity = place(mesh, matrix(0, 0, 9));
   const rgl_mat3x4f nearer = matrix(0, 0, 5);
   OK(rgl_entity_set_pose(entity, &nearer));
   Lidar lidar({matrix(0, 0, 0), matrix(0, 0, 0)}, kBasic);
@@ -310,9 +312,9 @@ TEST_CASE("RGL: functions of earlier levels do what their followers do") {
   OK(rgl_graph_node_add_child(offsets, lidar.pose));
   const rgl_vec3f velocity = {{4, 0, 0}}, still = {{0, 0, 0}};  // the second ray is 2 m beside the square
   const float infinity = std::numeric_limits<float>::infinity();
-  const auto check = [&](float second) {
+  const auto check = [&](float second, float first = 5) {
     lidar.run();
-    CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32) == std::vector<float>{5, second});
+    CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32) == std::vector<float>{first, second});
   };
   check(5);
   OK(rgl_node_raytrace_with_distortion(&lidar.raytrace, nullptr, &velocity, &still));
@@ -322,6 +324,13 @@ TEST_CASE("RGL: functions of earlier levels do what their followers do") {
   OK(rgl_node_raytrace_in_motion(&lidar.raytrace, nullptr, &velocity, &still, true));
   check(infinity);
   CHECK(failed(rgl_node_raytrace_in_motion(nullptr, nullptr, &velocity, &still, true), RGL_INVALID_ARGUMENT, "node"));
+  // Other vertices are those of every entity of the mesh, also of later ones.
+  const rgl_vec3f farther[] = {{{-1, -1, 1}}, {{1, -1, 1}}, {{1, 1, 1}}, {{-1, 1, 1}}};
+  OK(rgl_mesh_update_vertices(mesh, farther, 4));
+  check(infinity, 6);
+  place(mesh, matrix(2, 0, 3));
+  check(4, 6);
+  CHECK(failed(rgl_mesh_update_vertices(mesh, farther, 3), RGL_INVALID_ARGUMENT, "vertex counts do not match"));
   OK(rgl_cleanup());
 }
 
