@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the C interface tells of the library, its lists and fields, and scenes with images, is what C++ tells.
+// The C interface tells the same as C++ of the library, its lists, fields and devices, and of scenes with images.
 #include <gnosphere.h>
 
 #include <algorithm>

@@ -413,7 +413,7 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
   CHECK(rgl_entity_set_transform(moving, &broken[1]) == RGL_INVALID_ARGUMENT);
   CHECK(distances()[0] == Approx(5.5));
 
-  // What does not suit the mesh is refused, and changes nothing.
+  // Bones and vertices that do not suit the mesh are refused, and change nothing.
   CHECK(failed(rgl_entity_set_pose_world(moving, pose, 1), RGL_INVALID_ARGUMENT, "bones_count == restposes_count"));
   weights[3].bone_indexes[2] = 2;
   OK(rgl_mesh_set_bone_weights(mesh, weights, 4));
