@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "drive/fingerprint.hpp"
 #include "drive_support.hpp"
@@ -56,6 +57,52 @@ TEST_CASE("KITTI odometry: points, times, and poses of a camera that looks ahead
   // "Tr" maps the lidar's frame to the camera's: ahead becomes z, left becomes -x, up becomes -y.
   CHECK_THAT(folder.get(sequence + "calib.txt"), Catch::Matchers::EndsWith("Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n") &&
                                                      Catch::Matchers::StartsWith("P0: 1 0 0 0"));
+}
+
+TEST_CASE("poses and calibrations are those of a lidar beside the middle of a vehicle that turns") {
+  constexpr double kTurnRate = 2;  // rad/s
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = json["actors"] = Json::array();
+  Json& waypoints = json["ego"]["trajectory"]["waypoints"] = Json::array();
+  for (int i = 0; i <= 10; ++i) {
+    waypoints.push_back(waypoint(0.1 * i, 0, 0, 0));
+    waypoints.back()["yaw_deg"] = 0.1 * i * kTurnRate * 180 / M_PI;
+  }
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["mount"] = {{"position", {1, 0, 0.5}}, {"yaw_pitch_roll_deg", {90, 0, 0}}};
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "kitti-raw"}}, {{"format", "npy"}}, {{"format", "boxes"}}};
+  REQUIRE(folder.run(json).finished);
+  const auto relative = numbersOf(folder.get("out/kitti/poses/00.txt")),
+             world = numbersOf(folder.get("out/npy/top/poses.txt"));
+  CHECK(folder.get("out/boxes/top/poses.txt") == folder.get("out/npy/top/poses.txt"));
+  CHECK(folder.get("out/kitti/sequences/00/poses.txt") == folder.get("out/kitti/poses/00.txt"));
+  REQUIRE(relative.size() == 10);
+  REQUIRE(world.size() == 11);  // the first line is a comment
+  for (size_t i = 0; i < 10; ++i) {
+    CAPTURE(i);
+    const double time = 0.1 * static_cast<double>(i), angle = kTurnRate * time, c = std::cos(angle),
+                 s = std::sin(angle);
+    const double half = (angle + M_PI / 2) / 2;
+    const double place[] = {time, c, s, 0.5, 0, 0, std::sin(half), std::cos(half)};
+    for (size_t k = 0; k < 8; ++k) CHECK_THAT(world[i + 1][k], WithinAbs(place[k], 1e-8));
+    // It turns to the left: about the y axis of the camera, which points down, and the lidar looks along its way.
+    const double moved[] = {c, 0, -s, c - 1, 0, 1, 0, 0, s, 0, c, s};
+    for (size_t k = 0; k < 12; ++k) CHECK_THAT(relative[i][k], WithinAbs(moved[k], 1e-8));
+  }
+  const auto calibration = [&](const char* file, const char* part) {
+    const std::string text = folder.get(std::string("out/kitti-raw/1970_01_01/") + file);
+    const size_t begin = text.find(std::string("\n") + part + ": ") + 4;
+    return numbersOf(text.substr(begin, text.find('\n', begin) - begin)).at(0);
+  };
+  const auto check = [](const std::vector<double>& found, const std::vector<double>& wanted) {
+    REQUIRE(found.size() == wanted.size());
+    for (size_t k = 0; k < wanted.size(); ++k) CHECK_THAT(found[k], WithinAbs(wanted[k], 1e-12));
+  };
+  check(calibration("calib_imu_to_velo.txt", "R"), {0, 1, 0, -1, 0, 0, 0, 0, 1});
+  check(calibration("calib_imu_to_velo.txt", "T"), {0, 1, -0.5});
+  check(calibration("calib_velo_to_cam.txt", "R"), {0, -1, 0, 0, 0, -1, 1, 0, 0});
+  check(calibration("calib_velo_to_cam.txt", "T"), {0, 0, 0});
 }
 
 TEST_CASE("SemanticKITTI: a label per point, with the actor above and the class below") {
@@ -186,18 +233,21 @@ TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
   CHECK_THAT(first[8], WithinAbs(4, 1e-6));
 }
 
-TEST_CASE("KITTI raw data: deskewed clouds have the time of their frame, the start of the scan") {
+TEST_CASE("KITTI raw data: clouds in the frame of the start of the scan, deskewed or without motion, have its time") {
   const DriveFolder folder;
   Json json = quietDrive();
   json["outputs"] = {{{"format", "kitti-raw"}}, {{"format", "pcd"}, {"fields", "x,y,z"}}};
   json["epoch"] = 1700000000;
-  json["sensors"][0]["effects"] = {{"sensor-motion", {{"deskew", true}}}};
-  folder.run(json, "out");
-  const std::string drive = "out/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/";
-  const std::string starts = folder.get(drive + "velodyne_points/timestamps_start.txt");
-  CHECK_THAT(starts, StartsWith("2023-11-14 22:13:20.000000000\n"));
-  CHECK(folder.get(drive + "velodyne_points/timestamps.txt") == starts);
-  CHECK(folder.get(drive + "oxts/timestamps.txt") == starts);
+  for (const auto& [out, word, value] : {std::tuple("still", "use", Json("off")), {"out", "deskew", Json(true)}}) {
+    CAPTURE(out);
+    json["sensors"][0]["effects"] = {{"sensor-motion", {{word, value}}}};
+    folder.run(json, out);
+    const std::string drive = std::string(out) + "/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/";
+    const std::string starts = folder.get(drive + "velodyne_points/timestamps_start.txt");
+    CHECK_THAT(starts, StartsWith("2023-11-14 22:13:20.000000000\n2023-11-14 22:13:20.100000000\n"));
+    CHECK(folder.get(drive + "velodyne_points/timestamps.txt") == starts);
+    CHECK(folder.get(drive + "oxts/timestamps.txt") == starts);
+  }
   // Poses have the times of the trajectory, which a joined set of files must know.
   CHECK_THAT(folder.get("out/pcd/" + json["sensors"][0]["name"].get<std::string>() + "/poses.txt"),
              StartsWith("# t x y z qx qy qz qw\n# t is Unix time less 1700000000.0 s\n0.000000000 "));
@@ -326,10 +376,11 @@ TEST_CASE(
     double x = 0, y = 0, z = 0, length = 0, width = 0, height = 0, heading = 0;
     std::string name;
     labels >> x >> y >> z >> length >> width >> height >> heading >> name;
-    CHECK_THAT(x, WithinAbs(box["sensor_frame"]["position"][0].get<double>(), 1e-4));
-    CHECK_THAT(z, WithinAbs(box["sensor_frame"]["position"][2].get<double>(), 1e-4));
-    CHECK_THAT(length, WithinAbs(box["size"][0].get<double>(), 1e-4));
-    CHECK_THAT(height, WithinAbs(box["size"][2].get<double>(), 1e-4));
+    const double found[] = {x, y, z, length, width, height};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      CHECK_THAT(found[axis], WithinAbs(box["sensor_frame"]["position"][axis].get<double>(), 1e-4));
+      CHECK_THAT(found[3 + axis], WithinAbs(box["size"][axis].get<double>(), 1e-4));
+    }
     CHECK_THAT(std::sin(heading / 2), WithinAbs(box["sensor_frame"]["orientation"][2].get<double>(), 1e-5));
     CHECK(name == box["class"].get<std::string>());
   }

@@ -79,9 +79,10 @@ class KittiRaw : public Format {
         return dateText(unixNanoseconds(drive_, scan.planned.time + share * duration)) + "\n";
       };
       starts += line(0);
-      // The points of a deskewed scan are in the frame of its start, and other ones are at their own on average
-      // halfway.
-      clouds += line(sensor.effects.sensorMotion.deskew ? 0 : 0.5);
+      // The points of a scan that is deskewed, or in which the sensor stands, are in the frame of its start, and other
+      // ones are at their own on average halfway.
+      const Effects::SensorMotion& motion = sensor.effects.sensorMotion;
+      clouds += line(motion.deskew || motion.use == EffectUse::off ? 0 : 0.5);
       ends += line(1);
     });
     const std::string day = path(date_) + "/";
