@@ -5,6 +5,8 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <tuple>
 
 #include "drive_support.hpp"
 #include "support.hpp"
@@ -235,6 +237,50 @@ TEST_CASE("LAS: the one file of a sensor that meets nothing is there, and withou
   const std::string whole = folder.get("out/las/top.las");
   CHECK(at<uint64_t>(whole, 247) == 0);
   CHECK(at<uint32_t>(whole, 96) == whole.size());
+}
+
+TEST_CASE("LAS: coordinates too far from the start of the drive have an offset of their own, or are refused") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = json["actors"] = Json::array();
+  json["scenes"].push_back({{"file", "floor.obj"}, {"pose", {{"position", {30000, 0, 0}}}}});
+  json["ego"]["trajectory"]["waypoints"] = {waypoint(0, 0, 0, 0), waypoint(0.4, 0, 0, 0), waypoint(0.5, 30000, 0, 0),
+                                            waypoint(1, 30000, 0, 0)};
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}};
+  json["outputs"] = {{{"format", "las"}, {"scale", 0.00001}}};
+  REQUIRE(folder.run(json).finished);
+  for (const auto& [scan, offsetX, offsetZ] : {std::tuple("000002", 0.0, 0.0), {"000007", 30000.0, 2.0}}) {
+    CAPTURE(scan);
+    const std::string las = folder.get("out/las/top/" + std::string(scan) + ".las");
+    CHECK((at<double>(las, 155) == offsetX && at<double>(las, 163) == 0 && at<double>(las, 171) == offsetZ));
+    size_t points = 0;
+    for (size_t p = at<uint32_t>(las, 96); p < las.size(); p += 34, ++points) {
+      CHECK(std::abs(at<int32_t>(las, p) * 0.00001) < 20.01);  // the floor around the sensor
+      CHECK_THAT(at<int32_t>(las, p + 8) * 0.00001 + offsetZ, WithinAbs(0, 1e-4));
+    }
+    CHECK(points > 300);
+  }
+  json["outputs"][0]["one_file"] = true;
+  CHECK_THROWS_WITH(folder.run(json, "one"),
+                    "outputs: with 'one_file' and a 'scale' of 1e-05 m LAS has coordinates up to 10 km from the start "
+                    "of the drive, and the vehicle goes beyond; leave 'one_file' out, or state a greater scale");
+
+  // 32 bits hold 21.5 km in such units.
+  put(folder / "far.obj", "v 25000 -9000 -90\nv 25000 9000 -90\nv 25000 9000 90\nv 25000 -9000 90\nf 1 2 3\nf 1 3 4\n");
+  json["duration"] = 0.1;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  json["scenes"] = {{{"file", "far.obj"}, {"up", "z"}}};
+  json["sensors"][0]["sensor"]["range"]["max"] = 40000;
+  json["sensors"][0]["effects"] = "clean";
+  for (const bool oneFile : {false, true}) {
+    json["outputs"][0]["one_file"] = oneFile;
+    CHECK_THROWS_WITH(folder.run(json, oneFile ? "far-one" : "far"),
+                      "outputs: LAS has no coordinates of 25000 m from their offset with a 'scale' of 1e-05 m; state "
+                      "a greater one");
+  }
+  json["outputs"][0]["scale"] = 0.0001;
+  CHECK(folder.run(json, "coarser").finished);
 }
 
 TEST_CASE("LAS: what an output of a survey must not say") {

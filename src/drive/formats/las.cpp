@@ -176,10 +176,9 @@ class Las : public Format {
 
   /// Rounds metres from the offset to units of the file. Throws Error(format) if they do not fit into 32 bits.
   Point pointOf(const Vec3& d) const {
-    const double farthest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) / output_.scale;
-    if (!(farthest < std::numeric_limits<int32_t>::max()))
-      throw Error(ErrorCode::format, "outputs: LAS has no coordinates of " +
-                                         gnosphere::numberText(farthest * output_.scale) +
+    const double farthest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    if (!(farthest / output_.scale < std::numeric_limits<int32_t>::max()))
+      throw Error(ErrorCode::format, "outputs: LAS has no coordinates of " + gnosphere::numberText(farthest) +
                                          " m from their offset with a 'scale' of " +
                                          gnosphere::numberText(output_.scale) + " m; state a greater one");
     const auto units = [&](double metres) { return static_cast<int32_t>(std::lround(metres / output_.scale)); };
