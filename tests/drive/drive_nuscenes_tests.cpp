@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tables, labels and annotations of nuScenes, as its development kit reads them.
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <numbers>
 #include <set>
+#include <utility>
 
 #include "drive_support.hpp"
 #include "npy_rows.hpp"
@@ -63,6 +67,132 @@ TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, anno
     CHECK(after < 0.1);
   }
   CHECK(car);
+}
+
+TEST_CASE("nuScenes: samples, scans and annotations are chained in the order of their times, and counted") {
+  const DriveFolder& folder = made();
+  const auto table = [&](const std::string& name) {
+    return Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json"));
+  };
+  // The chains of a table: each goes on as long as there is a next row, which names this one as its previous.
+  const auto chainsOf = [&](const std::string& name) {
+    std::map<std::string, Json> rows;
+    for (const Json& row : table(name)) rows[row["token"]] = row;
+    std::vector<std::vector<Json>> chains;
+    size_t chained = 0;
+    for (const auto& [token, row] : rows) {
+      if (row["prev"] != "") continue;
+      std::vector<Json>& chain = chains.emplace_back(std::vector{row});
+      while (chain.back()["next"] != "" && chain.size() <= rows.size()) {
+        const Json next = rows.at(chain.back()["next"]);
+        CHECK(next["prev"] == chain.back()["token"]);
+        chain.push_back(next);
+      }
+      chained += chain.size();
+    }
+    CHECK(chained == rows.size());
+    std::ranges::sort(chains, std::greater<>(), [](const auto& chain) { return chain.size(); });
+    return chains;
+  };
+  constexpr int64_t kStart = 1700000000000000;  // us
+  const auto samples = chainsOf("sample");
+  REQUIRE(samples.size() == 1);
+  REQUIRE(samples[0].size() == 2);
+  CHECK((samples[0][0]["timestamp"] == kStart && samples[0][1]["timestamp"] == kStart + 500000));
+  const Json scene = table("scene")[0];
+  CHECK((scene["nbr_samples"] == 2 && scene["first_sample_token"] == samples[0][0]["token"] &&
+         scene["last_sample_token"] == samples[0][1]["token"]));
+
+  std::map<std::string, Json> mounts, egos;
+  for (const Json& row : table("calibrated_sensor")) mounts[row["token"]] = row;
+  for (const Json& row : table("ego_pose")) egos[row["token"]] = row;
+  const auto scans = chainsOf("sample_data");
+  REQUIRE(scans.size() == 2);
+  REQUIRE((scans[0].size() == 10 && scans[1].size() == 5));
+  size_t keys = 0, ofFirst = 0;
+  for (const bool side : {false, true})
+    for (size_t i = 0; i < scans[side].size(); ++i) {
+      const Json& scan = scans[side][i];
+      const int64_t after = side ? 50000 + 200000 * int64_t(i) : 100000 * int64_t(i);
+      CHECK(scan["timestamp"] == kStart + after);
+      CHECK(scan["calibrated_sensor_token"] == scans[side][0]["calibrated_sensor_token"]);
+      CHECK_THAT(egos.at(scan["ego_pose_token"])["translation"][0].get<double>(),
+                 WithinAbs(-2 + 4e-6 * static_cast<double>(after), 1e-9));
+      keys += scan["is_key_frame"].get<bool>();
+      ofFirst += scan["sample_token"] == samples[0][0]["token"];
+    }
+  CHECK(keys == 3);     // the sensor at the side starts no scan in the frame 5
+  CHECK(ofFirst == 2);  // what follows belongs to the second sample, which is the last one, too
+  // The side: yaw by 90 degrees after pitch by 10.
+  const Json& mount = mounts.at(scans[1][0]["calibrated_sensor_token"]);
+  CHECK(mount["translation"] == Json::array({1.0, 0.5, 1.0}));
+  const double pitch = 5 * std::numbers::pi / 180,
+               wanted[] = {std::cos(pitch), -std::sin(pitch), std::sin(pitch), std::cos(pitch)};
+  for (size_t i = 0; i < 4; ++i)
+    CHECK_THAT(mount["rotation"][i].get<double>(), WithinAbs(std::sqrt(0.5) * wanted[i], 1e-12));
+
+  const auto notes = chainsOf("sample_annotation");
+  const Json instances = table("instance");
+  REQUIRE(notes.size() == 2);  // the person is there in the second sample alone
+  REQUIRE((notes[0].size() == 2 && notes[1].size() == 1 && instances.size() == 2));
+  CHECK(
+      (notes[0][0]["sample_token"] == samples[0][0]["token"] && notes[0][1]["sample_token"] == samples[0][1]["token"]));
+  for (const auto& chain : notes) {
+    const auto instance =
+        std::ranges::find_if(instances, [&](const Json& row) { return row["token"] == chain[0]["instance_token"]; });
+    REQUIRE(instance != instances.end());
+    for (const Json& note : chain) CHECK(note["instance_token"] == chain[0]["instance_token"]);
+    CHECK(((*instance)["nbr_annotations"] == chain.size() &&
+           (*instance)["first_annotation_token"] == chain.front()["token"] &&
+           (*instance)["last_annotation_token"] == chain.back()["token"]));
+  }
+}
+
+TEST_CASE("nuScenes: the visibility of an annotation is one of four bins") {
+  const DriveFolder folder;
+  Json json = quietDrive();
+  json["weather"] = json["actors"] = Json::array();
+  json["classes"] = Json::object();
+  json["duration"] = 0.1;
+  json["ego"]["trajectory"] = {{"waypoints", {waypoint(0, 0, 0, 0)}}};
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["sensor"]["columns"] = 720;
+  json["sensors"][0]["effects"] = {{"divergence", {{"use", "off"}}}};
+  json["scenes"] = {{{"file", "floor.obj"}}};
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 1}}};
+  // In each direction a car stands across, whose side is 7 m away and 4 m long; a wall 4 m away leaves a share of it.
+  const double shares[] = {0.3, 0.5, 0.7, 0.9}, half = std::atan2(2, 7);
+  for (int i = 0; i < 4; ++i) {
+    const double angle = i * std::numbers::pi / 2, c = std::cos(angle), s = std::sin(angle);
+    const double end = 4 * std::tan(half - 2 * half * shares[i]);
+    std::string wall;
+    for (const auto& [left, up] : {std::pair(-3.0, -1.0), {end, -1.0}, {end, 4.0}, {-3.0, 4.0}})
+      wall += "v " + std::to_string(4 * c - left * s) + " " + std::to_string(4 * s + left * c) + " " +
+              std::to_string(up) + "\n";
+    const std::string name = "car-" + std::to_string(i);
+    put(folder / (name + ".obj"), wall + "f 1 2 3\nf 1 3 4\n");
+    json["scenes"].push_back({{"file", name + ".obj"}});
+    json["classes"][name] = {{"id", i + 1}};
+    Json place = waypoint(0, 8 * c, 8 * s, 0.75);
+    place["yaw_deg"] = 90 * i + 90;
+    json["actors"].push_back({{"name", name},
+                              {"model", "cube"},
+                              {"class", name},
+                              {"size", {4, 2, 1.5}},
+                              {"trajectory", {{"waypoints", {place}}}}});
+  }
+  REQUIRE(folder.run(json).finished);
+  const auto table = [&](const std::string& name) {
+    std::map<std::string, Json> rows;
+    for (const Json& row : Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json")))
+      rows[row["token"]] = row;
+    return rows;
+  };
+  const auto instances = table("instance"), categories = table("category");
+  std::map<std::string, std::string> bins;
+  for (const auto& [token, note] : table("sample_annotation"))
+    bins[categories.at(instances.at(note["instance_token"])["category_token"])["name"]] = note["visibility_token"];
+  CHECK(bins == std::map<std::string, std::string>{{"car-0", "1"}, {"car-1", "2"}, {"car-2", "3"}, {"car-3", "4"}});
 }
 
 TEST_CASE("nuScenes: times of a pose file of nuScenes come back to the microsecond") {
