@@ -47,7 +47,7 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
   const DriveFolder folder;
   put(folder / "panels.gltf", panels());
   REQUIRE(folder.run(panelDrive()).finished);
-  size_t soft = 0, rigid = 0;
+  size_t soft = 0, rigid = 0, fronts = 0;
   for (int scan = 0; scan < 10; ++scan) {
     INFO("scan " << scan);
     const double start = 0.1 * scan;
@@ -67,6 +67,7 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
     while (std::getline(boxes, line)) {
       const Json box = Json::parse(line);
       ++found;
+      fronts += box["name"] == "front";
       if (box["name"] == "front") {
         CHECK_THAT(box["world_frame"]["position"][0].get<double>(),
                    WithinAbs(5 + start + box["time"].get<double>(), 1e-5));
@@ -79,6 +80,7 @@ TEST_CASE("actors show their animations, each at its own time, and boxes follow 
   }
   CHECK(soft > 100);
   CHECK(rigid > 100);
+  CHECK(fronts == 10);
 }
 
 TEST_CASE("a run warns of an animation that turns parts or limbs within a scan") {

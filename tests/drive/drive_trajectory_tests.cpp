@@ -128,6 +128,12 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
     CHECK_THROWS_WITH(read("p.txt", sheared, "kitti", times), ContainsSubstring("is no rotation and translation"));
   CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
                     ContainsSubstring("has 2 times for the 1"));
+  const std::string still = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  CHECK_THROWS_WITH(read("p.txt", still + still + still, "kitti", times), ContainsSubstring("line 3 has no time in "));
+  CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "kitti", times), ContainsSubstring("line 1 is not a matrix of 3 rows"));
+  CHECK_THROWS_WITH(read("p.txt", still, "kitti"), ContainsSubstring("needs the file of its times"));
+  route.route = "8";
+  CHECK_THROWS_WITH(read("r.xml", xml, "carla-route", route), ContainsSubstring("has no route '8'"));
   CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "euroc"), ContainsSubstring("line 1 is not t,x,y,z,qw"));
   CHECK_THROWS_WITH(read("p.txt", "99999999999999999999,1,2,3,1,0,0,0\n", "euroc"),
                     ContainsSubstring("line 1 has a time that is not nanoseconds"));
