@@ -6,6 +6,9 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "base/file.hpp"
 #include "base/limits.hpp"
@@ -54,6 +57,41 @@ std::string tableOf(const std::vector<Option<Owner>>& options) {
   for (const auto& [parameter, changes] : options)
     table += tableRow(parameter) + " | " + kChanges[static_cast<size_t>(changes)] + " |\n";
   return table;
+}
+
+/// Returns a value of a parameter other than its default.
+template <class Owner>
+nlohmann::json otherValue(const Parameter<Owner>& parameter) {
+  const Owner defaults;
+  Owner owner;
+  return std::visit(
+      Visitor{[&](const NumberParameter<Owner>& n) { return nlohmann::json(n.of(owner) == n.min ? n.max : n.min); },
+              [&](const CountParameter<Owner>& n) { return nlohmann::json(n.get(defaults) == n.min ? n.max : n.min); },
+              [&](const FlagParameter<Owner>& flag) { return nlohmann::json(!flag.of(owner)); },
+              [&](const ChoiceParameter<Owner>& choice) {
+                return nlohmann::json(choice.words[choice.get(defaults) == 0 ? 1 : 0].name);
+              },
+              [](const TextParameter<Owner>&) { return nlohmann::json("another"); },
+              [](const IndicesParameter<Owner>&) {
+                return nlohmann::json{3, 4};
+              },
+              [](const BoxesParameter<Owner>&) {
+                return nlohmann::json{{{"min", {0, 0, 0}}, {"max", {1, 1, 1}}, {"extinction", 0.5}}};
+              }},
+      parameter.kind);
+}
+
+/// Checks that each of these parameters, set to another value, changes its own text and no other one.
+template <class Owner>
+void checkAlone(const std::vector<const Parameter<Owner>*>& all) {
+  for (const Parameter<Owner>* parameter : all) {
+    Owner owner;
+    readValue(*parameter, owner, parameter->name, otherValue(*parameter));
+    for (const Parameter<Owner>* other : all) {
+      INFO(parameter->name << " and " << other->name);
+      CHECK((valueText(*other, owner) == valueText(*other, Owner())) == (other != parameter));
+    }
+  }
 }
 
 }  // namespace
@@ -121,6 +159,66 @@ TEST_CASE("a count beyond a limit is an error that names whose it is and the lim
   CHECK_NOTHROW(limits::kFrames.check(16, "it has"));
   CHECK_THROWS_MATCHES(limits::kFrames.check(17, "it has"), Error,
                        Message("it has 17 frames of a recorder, or batches of a stream, in flight; the limit is 16"));
+}
+
+TEST_CASE("every option sets the member that has its name") {
+  using S = SimulatorOptions;
+  using P = AccuracyParts;
+  struct Case {
+    const char* assignment;
+    bool (*isSet)(const S&);
+  };
+  constexpr uint64_t kMany = uint64_t{1} << 40;
+  const Case cases[] = {
+      {"accuracy=draft", [](const S& o) { return o.accuracy == Accuracy::draft; }},
+      {"accuracy_parts.bounds=corners", [](const S& o) { return o.accuracyParts->bounds == P::Bounds::corners; }},
+      {"accuracy_parts.cull=first_corner", [](const S& o) { return o.accuracyParts->cull == P::Cull::firstCorner; }},
+      {"accuracy_parts.inside=plain", [](const S& o) { return o.accuracyParts->inside == P::Inside::plain; }},
+      {"accuracy_parts.range=plane", [](const S& o) { return o.accuracyParts->range == P::Range::plane; }},
+      {"faces=front", [](const S& o) { return o.faces == ReflectingFaces::front; }},
+      {"tuning.binning=nearest", [](const S& o) { return o.tuning.binning == Binning::nearest; }},
+      {"tuning.culling.range=false", [](const S& o) { return !o.tuning.culling.range; }},
+      {"tuning.culling.rows=false", [](const S& o) { return !o.tuning.culling.rows; }},
+      {"tuning.culling.columns=false", [](const S& o) { return !o.tuning.culling.columns; }},
+      {"tuning.culling.cones=false", [](const S& o) { return !o.tuning.culling.cones; }},
+      {"tuning.culling.occlusion=always",
+       [](const S& o) { return o.tuning.culling.occlusion == Culling::Occlusion::always; }},
+      {"tuning.sub_rays=one", [](const S& o) { return o.tuning.subRays == SubRays::one; }},
+      {"tuning.keep_still=false", [](const S& o) { return !o.tuning.keepStill; }},
+      {"tuning.float64=false", [](const S& o) { return !o.tuning.float64; }},
+      {"tuning.stage_times=true", [](const S& o) { return o.tuning.stageTimes; }},
+      {"tuning.max_batch_bytes=1099511627776", [](const S& o) { return o.tuning.maxBatchBytes == kMany; }},
+      {"tuning.max_submission_work=1099511627776", [](const S& o) { return o.tuning.maxSubmissionWork == kMany; }},
+      {"tuning.max_buffer_bytes=1099511627776", [](const S& o) { return o.tuning.maxBufferBytes == kMany; }},
+      {"cache=here", [](const S& o) { return o.cache == "here"; }},
+      {"validation=true", [](const S& o) { return o.validation; }},
+      {"compile_only=true", [](const S& o) { return o.compileOnly; }},
+      {"results_on_device=true", [](const S& o) { return o.resultsOnDevice; }}};
+  std::vector<std::string> names, tried;
+  for (const auto& option : simulatorOptionTable()) names.push_back(option.parameter.name);
+  for (const Case& one : cases) {
+    INFO(one.assignment);
+    S options;
+    assign(options, one.assignment);
+    CHECK(one.isSet(options));
+    tried.push_back(std::string(one.assignment).substr(0, std::string(one.assignment).find('=')));
+  }
+  CHECK(tried == names);
+}
+
+TEST_CASE("an option, or a parameter of an effect, changes no other one") {
+  std::vector<const Parameter<SimulatorOptions>*> options;
+  for (const auto& option : simulatorOptionTable())
+    if (option.parameter.name != std::string("accuracy")) options.push_back(&option.parameter);  // it sets its parts
+  checkAlone(options);
+  std::vector<const Parameter<SensorRequest>*> requests;
+  for (const auto& option : requestOptionTable()) requests.push_back(&option.parameter);
+  checkAlone(requests);
+  std::vector<const Parameter<Effects>*> effects = {&seedParameter()};
+  for (const EffectInfo& effect : effectTable())
+    for (const Parameter<Effects>& parameter : effect.parameters) effects.push_back(&parameter);
+  CHECK(effects.size() > 40);
+  checkAlone(effects);
 }
 
 TEST_CASE("every option can be read, and every word of a choice set") {
