@@ -51,9 +51,8 @@ TEST_CASE("a town along a network is written, baked and scanned from the poses o
   // The line is "drive  FILE, 400 poses from X,Y,Z on", with the pose as scan takes it.
   const size_t at = town.out.find("from ") + 5;
   const std::string pose = town.out.substr(at, town.out.find(" on", at) - at);
-  const Result scan = place.run("scan town.glb --pose " + pose + kQuick);
-  CHECK(scan.status == 0);
-  CHECK_THAT(scan.out, ContainsSubstring("hits"));
+  const auto counters = place.runJson("scan town.glb --stats - --pose " + pose + kQuick).at("counters");
+  CHECK(counters.at("hits") > 14400);  // half of the beams look at the road and at houses
 }
 
 TEST_CASE("gnosphere town warns of roads without room") {

@@ -4,9 +4,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <random>
-#include <sstream>
 #include <tuple>
 
 #include "gnosphere/error.hpp"
@@ -23,23 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string textOf(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
+  return bytesOf(file);
 }
-
-/// A temporary file that the destructor removes.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& text) : path(fs::temp_directory_path() / name()) {
-    std::ofstream(path) << text;
-  }
-  ~TemporaryFile() { fs::remove(path); }
-  fs::path path;
-
- private:
-  static std::string name() { return "gnosphere-" + std::to_string(std::random_device{}()) + ".xodr"; }
-};
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const size_t at = text.find(from);
