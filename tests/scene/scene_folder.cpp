@@ -2,6 +2,7 @@
 // scene_folder FOLDER...: scans every scene in the folders from poses inside it with VLP-16 and HDL-64E, on the Vulkan
 // device and by the reference; prints a row per scene and fails on any difference except ties.
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>

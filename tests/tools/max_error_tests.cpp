@@ -2,6 +2,7 @@
 // The choice of scan --max-error, from measured errors and times.
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <vector>
 
 #include "max_error.hpp"
 

@@ -2,6 +2,7 @@
 #include "accuracy_report.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 #include "console.hpp"
 #include "gnosphere/options.hpp"

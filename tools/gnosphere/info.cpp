@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere info: tells what a scene holds, and what its file says that is left out.
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "base/json_text.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere devices, gnosphere effects, gnosphere options: list what can be chosen.
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "base/path.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere plan: prints which steps a scan would have, and why, without scanning.
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "commands.hpp"

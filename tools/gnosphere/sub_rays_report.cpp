@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sub_rays_report.hpp"
 
+#include <cstdio>
+
 #include "console.hpp"
 #include "json.hpp"
 #include "plot.hpp"
