@@ -167,7 +167,7 @@ def test_faults_of_an_argument_are_named(reference):
 
 def test_numbers_and_other_enumerators_are_no_choices(reference):
     for odd in (1, True, gnosphere.Label.solid, gnosphere.Cause.weak, np.int64(1), Field.y, 1.0):
-        with pytest.raises(TypeError, match="Fog: use must be of the type EffectUse | str"):
+        with pytest.raises(TypeError, match=r"Fog: use must be of the type EffectUse \| str"):
             Effects.Fog(use=odd)
         with pytest.raises(TypeError, match="incompatible function arguments"):
             gnosphere.AccuracyParts(cull=odd)
