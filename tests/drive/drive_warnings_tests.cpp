@@ -129,6 +129,19 @@ TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is w
         Warnings{"ego.trajectory.file: has no pose from 0.5 s to 0.9 s, 40 times as long as between most poses, so the "
                  "vehicle goes straight"});
   CHECK(recorded(1, 0.39, 0).empty());  // it stood
+  std::string twice;
+  for (int i = 0; i <= 100; ++i) {
+    const double lost = (i > 30 ? 0.2 : 0) + (i > 60 ? 0.4 : 0);
+    twice +=
+        std::to_string(0.01 * i + lost) + " " + std::to_string(0.02 * std::min(i, 90) + 2 * lost) + " 0 0 0 0 0 1\n";
+  }
+  put(folder / "ego.tum", twice);
+  Json json = quietDrive();
+  json["actors"] = Json::array();
+  json["ego"]["trajectory"] = {{"file", "ego.tum"}};
+  CHECK(folder.read(json).warnings ==
+        Warnings{"ego.trajectory.file: has no pose from 0.8 s to 1.21 s, 41 times as long as between most poses, so "
+                 "the vehicle goes straight (of 2 gaps this is the longest)"});
   const auto has = [](const Warnings& warnings, const std::string& text) {
     return std::ranges::find(warnings, "ego.trajectory.file: has a pose every " + text) != warnings.end();
   };

@@ -80,6 +80,15 @@ TEST_CASE("no output file is one that is read, nor another one under a second na
   }
 }
 
+TEST_CASE("a working directory that is gone is told before any work") {
+  const Workplace place;
+  const Result gone = place.run(
+      "-c \"mkdir gone; cd gone; rmdir ../gone; '" GNOSPHERE_BINARY "' scan floor.obj -o a.pcd\"", "", "/bin/sh");
+  CHECK(gone.status == 1);
+  CHECK(gone.err == "gnosphere: a.pcd: the working directory is gone: No such file or directory\n");
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+}
+
 TEST_CASE("files are written to what a link leads to, into pipes, and into devices") {
   namespace fs = std::filesystem;
   const Workplace place;
