@@ -2,6 +2,7 @@
 """Surveys of HELIOS++ become drives whose points are where the survey's geometry says."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -113,6 +114,42 @@ def test_mistakes(surveys, old, new, sentence):
     with pytest.raises(ValueError, match=r"(?s).*") as told:
         helios.read_survey(surveys / "air.xml")
     assert sentence in str(told.value) and not isinstance(told.value, Error)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ([("<part>", "<thing>"), ("</part>", "</thing>")], "the scene 'data/scene.xml#yard' has no <part>"),
+        ([('<scene id="yard">', '<scene id="yard"><part/>')], "part 0 of the scene has no file"),
+        (
+            [('type="objloader"', 'type="objloder"')],
+            "part 0 of the scene has a filter 'objloder'; objloader, scale, rotate and translate are read",
+        ),
+        ([('type="objloader"', 'type="scale"')], "part 0 of the scene has a filter 'scale' before there is a file"),
+        ([('key="filepath"', 'key="efilepath"')], "part 0 of the scene has no 'filepath'; patterns of files"),
+        ([('key="scale"', 'key="factor"')], "part 0 of the scene: the filter 'scale' has no 'scale'"),
+        ([('value="0;0;5"', 'value="0;5"')], "part 0 of the scene: the offset has 2 numbers"),
+    ],
+)
+def test_mistakes_in_scenes(surveys, changes, sentence):
+    text = SCENE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (surveys / "data" / "scene.xml").write_text(text)
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        helios.read_survey(surveys / "air.xml")
+
+
+def test_surveys_without_legs_that_scan(surveys):
+    for text, sentence in (
+        (AIRBORNE.replace("<survey ", "<plan ").replace("</survey>", "</plan>"), "air.xml has no <survey>"),
+        (re.sub("<leg>.*</leg>", "", AIRBORNE, flags=re.S), "air.xml: the survey has no <leg>"),
+        (AIRBORNE.replace('active="true"', 'active="false"'), "air.xml: no leg scans"),
+    ):
+        (surveys / "air.xml").write_text(text)
+        with pytest.raises(ValueError, match=re.escape(sentence)):
+            helios.read_survey(surveys / "air.xml")
 
 
 def test_scenes_that_are_no_triangles(surveys):
