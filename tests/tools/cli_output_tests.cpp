@@ -15,7 +15,8 @@ using namespace gnosphere::test;
 
 TEST_CASE("output that cannot be written to the standard output is a failure, also of help and of lists") {
   const Workplace place;
-  for (const std::string call : {"sensors", "--help", "scan --help", "scan floor.obj --stats - --device reference"}) {
+  for (const std::string& call : {std::string("sensors"), std::string("--help"), std::string("scan --help"),
+                                  "scan floor.obj --stats -" + kQuick}) {
     INFO(call);
     const Result full = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >/dev/full\"", "", "/bin/sh");
     CHECK(full.status == 1);
@@ -28,8 +29,8 @@ TEST_CASE("output that cannot be written to the standard output is a failure, al
 
 TEST_CASE("what is printed to a closed output is a failure, and goes to no other file") {
   const Workplace place;
-  for (const std::string call : {"sensors", "plan floor.obj --json --device reference",
-                                 "scan floor.obj --stats - -o a.pcd --device reference"}) {
+  for (const std::string& call :
+       {std::string("sensors"), "plan floor.obj --json" + kQuick, "scan floor.obj --stats - -o a.pcd" + kQuick}) {
     INFO(call);
     const Result closed = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >&-\"", "", "/bin/sh");
     CHECK(closed.status == 1);

@@ -70,7 +70,6 @@ TEST_CASE("a town that cannot be made leaves no file") {
   checkRefused("town -o town.glb --trajectory ./town.glb", 2, "./town.glb would be written twice");
   checkRefused("town -o a-car.glb --drive a.json", 2, "a-car.glb would be written twice");
   checkRefused("town -o town.glb --triangles 999", 2, "--triangles: 999 are too few for a town; the smallest has 1000");
-  checkRefused("town -o town.glb --triangles 150000000 --bake", 2, "a .glb file ends at 4294967295; bake up to");
 }
 
 TEST_CASE("a drive through a town needs a name of the town that JSON can have") {
@@ -121,6 +120,11 @@ TEST_CASE("the example drive of a town labels carriageway, sidewalk, markings an
   const std::string roads = GENERATE(std::string(), kNetwork);
   const Workplace place;
   REQUIRE(place.run("town -o town.glb --triangles 100000 --drive a.json" + roads).status == 0);
+  nlohmann::json json = place.json("a.json");
+  json["sensors"] = nlohmann::json::array({json["sensors"][0]});
+  json["sensors"][0]["effects"] = "clean";  // of geometry alone, which takes a tenth of the time
+  json["outputs"] = nlohmann::json::array({json["outputs"][0]});
+  place.put("a.json", json.dump());
   const Result drive = place.run("drive a.json -o made --frames 0:1 --device reference");
   CAPTURE(roads, drive.err);
   REQUIRE(drive.status == 0);
