@@ -108,7 +108,7 @@ TEST_CASE("rows that fire at different times find the same hits, whether silhoue
         Scan expected;
         truth.scanInto(shot, expected);
         const Differences found = differences(expected, scan, {1e-3});
-        INFO("first: " << found.first);
+        INFO(found.text());
         CHECK(found.all() == 0);
       }
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Echoes of footprints on several surfaces: foliage, panes, legs and walls, the ground.
-#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -38,7 +37,7 @@ Scene canopy() {
 // A leaf every few centimetres must not make one echo of the canopy and the soil. Of a waveform of the same light, a
 // pulse of 0.6 m, the last peak lies within 0.1 m of the soil for 98 % of such beams.
 TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays there are") {
-  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const std::string device = ON_EVERY_DEVICE;
   const uint32_t subRays = device == "reference" ? GENERATE(7, 61, 331) : GENERATE(7, 19, 61);
   const double separation = GENERATE(0.4, 0.6);
   TestOptions options = optionsOn(device);
@@ -73,7 +72,7 @@ TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays
 
 // The light that passes both panes goes one layer further than the rest, whose last hits are metres long on the ground.
 TEST_CASE("two panes before the ground at a grazing angle are two echoes") {
-  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const std::string device = ON_EVERY_DEVICE;
   const uint32_t subRays = GENERATE(7, 19);
   MeshBuilder builder;
   builder.quad({6, 1, -1}, {0, -1.008, 0}, {0, 0, 2});
@@ -104,7 +103,7 @@ TEST_CASE("two panes before the ground at a grazing angle are two echoes") {
 // A thin strip of floor joins a table leg and the wall behind it: hits in a row, none of them far from the next. In a
 // waveform of the same light, of pulses as long as the separation, the leg and the wall are two peaks.
 TEST_CASE("a leg and a wall on one floor are two echoes") {
-  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const std::string device = ON_EVERY_DEVICE;
   const uint32_t subRays = GENERATE(19, 61);
   const double angle = 5.625 * std::numbers::pi / 180;  // one of 8 x 8 zones of 45 degrees
   MeshBuilder builder;
@@ -129,7 +128,7 @@ TEST_CASE("a leg and a wall on one floor are two echoes") {
 }
 
 TEST_CASE("the ground is one echo, however long it is, on two triangles and behind an edge") {
-  const std::string device = GENERATE(Catch::Generators::as<std::string>{}, "reference", "vulkan");
+  const std::string device = ON_EVERY_DEVICE;
   const uint32_t subRays = GENERATE(7, 19, 61);
   const auto profile = GENERATE(Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian);
   const double height = GENERATE(0.3, 1.8), separation = GENERATE(0.1, 0.4);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <catch2/catch_approx.hpp>
-#include <catch2/generators/catch_generators.hpp>
 
 #include "effects/scan_support.hpp"
 
@@ -60,7 +59,5 @@ inline Scan scanned(const std::string& device, const Scene& scene, const Sensor&
   options.fields = {Field::radialSpeed, Field::velocity, Field::normal};
   return scanOn(scene, sensor, shot, options);
 }
-
-#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
 }  // namespace gnosphere::test

@@ -2,7 +2,6 @@
 // Scans of diffuse plates that tests compare with closed formulas of physics.
 #pragma once
 
-#include <catch2/generators/catch_generators.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,8 +32,6 @@ struct Setup {
   }
   Scan scan() const { return scanOn(scene, sensor, Pose{}, options()); }
 };
-
-#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
 /// A plate perpendicular to the x axis, with one (diffuse) reflectance.
 struct Plate {

@@ -3,11 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <catch2/generators/catch_generators.hpp>
 
 #include "columns.hpp"
 #include "cuda/twin.hpp"
 
 namespace gnosphere::test {
+
+/// The name of a device for optionsOn(); a test runs once with each.
+#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
 /// Options for "reference", or for the Vulkan device with the validation layer.
 inline TestOptions optionsOn(const std::string& device) {
@@ -62,22 +66,20 @@ inline void addFence(Scene& scene, Mesh plate, const Transform& placed, float al
   scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), placed});
 }
 
-/// A table with one row that states the reflectance, without the 4 % gloss of a glTF surface.
-inline MaterialTable tableOf(const std::string& name, float reflectance) {
-  MaterialTable table;
-  MaterialTable::Row row;
-  row.name = name;
-  row.reflectance905 = reflectance;
-  row.roughness = 1;
-  table.rows.push_back(row);
-  return table;
-}
-
-/// A sensor with beams in a narrow fan around the x axis: the middle columns of a fine sensor.
+/// A sensor of a full turn, whose channels look at most `degrees` up or down.
 inline Sensor fan(uint32_t columns, uint32_t channels, double degrees, double rangeMax) {
   Sensor sensor{"fan", columns, {}, 0, rangeMax};
   for (uint32_t j = 0; j < channels; ++j)
     sensor.channels.push_back({channels == 1 ? 0 : degrees * (2.0 * j / (channels - 1) - 1), 0});
+  return sensor;
+}
+
+/// The same beams of a sensor of a full turn, but for those outside of the `columns` columns round straight ahead.
+inline Sensor sector(Sensor sensor, uint32_t columns) {
+  const double share = static_cast<double>(columns) / sensor.columns;
+  sensor.azimuthStartDeg *= share;
+  sensor.azimuthSpanDeg *= share;
+  sensor.columns = columns;
   return sensor;
 }
 
@@ -174,10 +176,20 @@ inline Quaternion yaw(double angle) {
 /// Counts of differences between two scans of the same shot; doubtful beams are only counted.
 struct Differences {
   size_t beams = 0, ties = 0, causes = 0, returns = 0, owners = 0, ranges = 0, points = 0, intensities = 0, widths = 0;
-  size_t surfaces = 0, speeds = 0;
-  std::string first = "none";  ///< description of the first difference
+  size_t surfaces = 0, speeds = 0;  ///< speeds: radial ones and velocities
+  std::string first = "none";       ///< description of the first difference
 
   size_t all() const { return causes + returns + owners + ranges + points + intensities + widths + surfaces + speeds; }
+  std::string text() const {
+    std::string result;
+    const std::pair<size_t, const char*> counts[] = {{causes, "causes"}, {returns, "returns"},
+                                                     {owners, "owners"}, {ranges, "ranges"},
+                                                     {points, "points"}, {intensities, "intensities"},
+                                                     {widths, "widths"}, {surfaces, "surfaces"},
+                                                     {speeds, "speeds"}, {ties, "ties"}};
+    for (const auto& [count, name] : counts) result += std::to_string(count) + " " + name + ", ";
+    return result + "of " + std::to_string(beams) + " beams; first: " + first;
+  }
 };
 
 /// Differences allowed between two scans.
@@ -213,6 +225,7 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
              widths = bothOf(Field::width);
   const auto normals = bothOf(Field::normal), incidences = bothOf(Field::incidence);
   const auto barycentrics = bothOf(Field::barycentrics), radialSpeeds = bothOf(Field::radialSpeed);
+  const auto velocities = bothOf(Field::velocity);
   for (size_t beam = 0; beam < reference.beamCount(); ++beam) {
     ++sum.beams;
     if (ties[beam * returns]) {
@@ -263,6 +276,10 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
             note(sum.surfaces, k, "weight", barycentrics.first[k], barycentrics.second[k]);
       if (!radialSpeeds.first.empty() && !near(radialSpeeds.first[i], radialSpeeds.second[i], 1e-3))
         note(sum.speeds, i, "radial speed", radialSpeeds.first[i], radialSpeeds.second[i]);
+      if (!velocities.first.empty())
+        for (size_t k = 3 * i; k < 3 * i + 3; ++k)
+          if (!near(velocities.first[k], velocities.second[k], 5e-3))
+            note(sum.speeds, k, "velocity", velocities.first[k], velocities.second[k]);
     }
   }
   return sum;
@@ -277,7 +294,7 @@ inline void checkBesideReference(Simulator& device, Simulator& reference, const 
   reference.scanInto(shot, expected);
   CHECK(found.counters.hits > found.beamCount() / oneIn);
   const Differences result = differences(expected, found, slack);
-  INFO("first: " << result.first);
+  INFO(result.text());
   CHECK(result.all() == 0);
 }
 

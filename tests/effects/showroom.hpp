@@ -115,8 +115,7 @@ inline double requireEffects(const Sensor& sensor, size_t first, size_t second) 
     device.scanInto(shotOf(moving), found);
     const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
     INFO(sensor.name << ", " << effectNames()[first] << " and " << effectNames()[second]
-                     << (moving ? ", moving: " : ", standing: ") << result.all() << " differences, " << result.ties
-                     << " ties of " << result.beams << ", first: " << result.first);
+                     << (moving ? ", moving: " : ", standing: ") << result.text());
     CHECK(result.all() == 0);
     CHECK(result.ties <= result.beams / 20);
     least = std::min(least, static_cast<double>(found.counters.hits) / static_cast<double>(result.beams));

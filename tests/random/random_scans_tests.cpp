@@ -8,7 +8,12 @@ namespace {
 
 /// Checks that the shots together give the bytes of the single scans, and so does a batch of those of one sensor.
 void requireTogether(Simulator& device, const std::vector<Shot>& shots, const std::vector<Scan>& scans) {
-  device.scanAll(shots, [&](size_t i, const Scan& scan) { CHECK(firstBytes(scans[i], scan) == "none"); });
+  size_t seen = 0;
+  device.scanAll(shots, [&](size_t i, const Scan& scan) {
+    ++seen;
+    CHECK(firstBytes(scans[i], scan) == "none");
+  });
+  CHECK(seen == shots.size());
   std::vector<Shot> some;
   std::vector<size_t> places;
   for (size_t i = 0; i < shots.size(); ++i)
@@ -60,10 +65,7 @@ void requireRequest(uint32_t number) {
     truth.scanInto(step.shot, expected);
     device.scanInto(step.shot, scans[i]);
     const Differences found = differences(expected, scans[i], {1e-4, 2e-3, 4e-3, 2e-3});
-    INFO("beams " << found.beams << ", ties " << found.ties << ", causes " << found.causes << ", returns "
-                  << found.returns << ", owners " << found.owners << ", ranges " << found.ranges << ", points "
-                  << found.points << ", intensities " << found.intensities << ", widths " << found.widths
-                  << ", surfaces " << found.surfaces << ", speeds " << found.speeds << "; first: " << found.first);
+    INFO(found.text());
     CHECK(found.all() == 0);
     CHECK(found.ties < found.beams / 4 + 10);
   }
