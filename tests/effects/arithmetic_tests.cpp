@@ -49,6 +49,16 @@ TEST_CASE("square roots have errors of at most 3e-7, also of 0") {
   CHECK(gpu::squareRoot(-1) == 0);
 }
 
+TEST_CASE("inverse square roots have errors of at most 5e-7 over the whole range") {
+  double worst = 0;
+  const auto check = [&](float x) {
+    worst = std::max(worst, relativeError(gpu::inverseRoot(x), 1 / std::sqrt(double(x))));
+  };
+  sweep(1.01e-37, 0.99e37, 2000000, check);
+  sweep(1, 4, 1000000, check);
+  CHECK(worst < 5e-7);
+}
+
 TEST_CASE("exponentials have errors of at most 3e-7, and underflow to 0") {
   double worst = 0;
   for (int i = -870000; i <= 870000; ++i) {

@@ -72,6 +72,26 @@ TEST_CASE("a Lambertian plate's power falls with the cosine of its tilt and the 
   CHECK(hits > 100);
 }
 
+TEST_CASE("the wavelength chooses the reflectance in a material table, and the extinction of fog") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double wavelength = GENERATE(905.0, 1550.0);
+  Setup setup(device, platesOf({{50, 20, 0.3f}}), sector(fan(3600, 9, 0.2, 150), 22));
+  setup.effects.intensity.wavelength = wavelength;
+  setup.effects.fog = {EffectUse::on, 2000};
+  TestOptions options = setup.options();
+  options.materials.rows = {{"dull", 0.2f, 0.6f}};
+  const Scan scan = scanOn(setup.scene, setup.sensor, Pose{}, options);
+  // Kim's law: 2 km are in its third section, 0.16 V + 0.34.
+  const double extinction = std::log(20.0) / 2000 * std::pow(wavelength / 550, -(0.16 * 2 + 0.34));
+  const double reflectance = wavelength == 905 ? 0.2 : 0.6;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    REQUIRE(scan.hit(i));  // the wall is stronger than any echo of so thin a fog
+    const double cosine = setup.sensor.direction(i).x, range = 50 / cosine;
+    CHECK(scan.column<float>(Field::intensity)[i] ==
+          Approx(reflectance * cosine * std::exp(-2 * extinction * range)).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a target of 10 % reflectance is just detected at the stated range") {
   const std::string device = ON_EVERY_DEVICE;
   const double distance = GENERATE(99.9, 100.1);

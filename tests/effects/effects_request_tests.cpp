@@ -4,13 +4,12 @@
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/nearest_text.hpp"
 #include "cpu_time.hpp"
 #include "effects/effect_table.hpp"
+#include "folder.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/plan.hpp"
@@ -18,7 +17,7 @@
 using namespace gnosphere;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::Message;
-using gnosphere::test::cpuSeconds;
+using namespace gnosphere::test;
 
 namespace {
 
@@ -125,13 +124,12 @@ TEST_CASE("a request is found by the name of a preset, or loaded from a file") {
   CHECK_THROWS_MATCHES(effectPreset("os1-fog"), Error,
                        Message("no preset of effects is called 'os1-fog'; known are clean, auto, carla, hdl-64e, "
                                "os1-rain"));
-  const auto file = std::filesystem::temp_directory_path() / "gnosphere-request-test.json";
-  std::ofstream(file) << R"({"fog": {"visibility": 50}})";
+  const Folder folder;
+  const fs::path file = put(folder / "request.json", R"({"fog": {"visibility": 50}})");
   CHECK(loadEffects(file).fog.visibility == 50);
-  std::ofstream(file) << R"({"fig": {}})";
+  put(file, R"({"fig": {}})");
   CHECK_THROWS_MATCHES(loadEffects(file), Error,
                        Catch::Matchers::MessageMatches(ContainsSubstring(file.string() + ": no effect is called")));
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("unknown names are refused with the nearest known names") {

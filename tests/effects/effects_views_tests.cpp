@@ -77,6 +77,7 @@ void checkTogether(const Sensor& sensor, std::span<const Shot> shots, TestOption
     });
   }
   CHECK(hits > 100);
+  CHECK(ofAll > 0);
   CHECK(ofAll <= most);
 }
 

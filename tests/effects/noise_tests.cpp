@@ -81,19 +81,22 @@ TEST_CASE("angular errors have the requested sigma and are at most 4 sigma") {
   effects.angleNoise.elevation = 0.002;
   const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kAngleNoise);
   double squares[2] = {}, product = 0;
-  float widest = 0;
+  float widest = 0, highest = 0;
   for (uint32_t beam = 0; beam < kDraws; ++beam) {
     const gpu::vec2 error = gpu::angleError(p, beam);
     squares[0] += error.x * error.x;
     squares[1] += error.y * error.y;
     product += error.x * error.y;
     widest = std::max(widest, std::abs(error.x));
+    highest = std::max(highest, std::abs(error.y));
   }
   CHECK(std::sqrt(squares[0] / kDraws) == Approx(0.01).epsilon(0.005));
   CHECK(std::sqrt(squares[1] / kDraws) == Approx(0.002).epsilon(0.005));
   CHECK(std::abs(product / kDraws) < 5 * 0.01 * 0.002 / std::sqrt(kDraws));
   CHECK(widest <= 0.04f);
+  CHECK(highest <= 0.008f);
   CHECK(widest > 0.035f);  // some of a million draws would be larger and are clamped
+  CHECK(highest > 0.007f);
 }
 
 TEST_CASE("a beam with angular errors is turned by its angles and stays a unit vector, also at the poles") {
@@ -131,18 +134,33 @@ TEST_CASE("the radial speed is positive if the distance grows, whether sensor or
 }
 
 TEST_CASE("sub-rays fill the footprint evenly: their weights sum to 1 and their mean is the beam") {
-  for (const auto profile : {Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian})
+  using Profile = Effects::Divergence::Profile;
+  using Shape = Effects::Divergence::Shape;
+  // Second moment of a disc: 1/4; within the 1/e^2 radius of a Gaussian beam: (1 - 3 e^-2) / (1 - e^-2) / 4. Of a line
+  // from -1 to 1: 1/3; with the weights of a Gaussian beam, by parts.
+  const double e2 = std::exp(-2.0), line = std::sqrt(std::numbers::pi / 8) * std::erf(std::sqrt(2.0));
+  struct Case {
+    Shape shape;
+    Profile profile;
+    double moment;
+  };
+  for (const Case& one : {Case{Shape::ellipse, Profile::uniform, 0.25},
+                          {Shape::ellipse, Profile::gaussian, (1 - 3 * e2) / (1 - e2) / 4},
+                          {Shape::rectangle, Profile::uniform, 1 / 3.0},
+                          {Shape::rectangle, Profile::gaussian, (1 - e2 / line) / 4}})
     for (uint32_t count = 1; count <= 61; ++count) {
-      INFO(count << " sub-rays");
+      INFO(int(one.shape) << ", " << int(one.profile) << ", " << count << " sub-rays");
       Effects effects;
       effects.divergence.subRays = count;
-      effects.divergence.profile = profile;
+      effects.divergence.profile = one.profile;
+      effects.divergence.shape = one.shape;
       const auto rays = subRays(effects, sensorWith(3e-3, 1.5e-3), gpu::kDivergence);
       REQUIRE(rays.size() == count);
       double weight = 0, u = 0, v = 0, uu = 0, vv = 0;
       for (const SubRay& ray : rays) {
         const double x = ray.u / std::tan(1.5e-3), y = ray.v / std::tan(0.75e-3);
-        CHECK(x * x + y * y <= 1);
+        if (one.shape == Shape::ellipse) CHECK(x * x + y * y <= 1);
+        CHECK(std::max(std::abs(x), std::abs(y)) < 1.002);  // 20 of a rectangle are moved beyond its edge by 0.2 %
         weight += ray.weight;
         u += ray.weight * x;
         v += ray.weight * y;
@@ -153,11 +171,8 @@ TEST_CASE("sub-rays fill the footprint evenly: their weights sum to 1 and their 
       CHECK(std::abs(u) < 1e-6);
       CHECK(std::abs(v) < 1e-6);
       if (count < 19) continue;
-      // Second moment of a disc: 1/4; within the 1/e^2 radius of a Gaussian beam: (1 - 3 e^-2) / (1 - e^-2) / 4.
-      const double e2 = std::exp(-2.0);
-      const double moment = profile == Effects::Divergence::Profile::uniform ? 0.25 : (1 - 3 * e2) / (1 - e2) / 4;
-      CHECK(uu == Approx(moment).epsilon(0.07));
-      CHECK(vv == Approx(moment).epsilon(0.07));
+      CHECK(uu == Approx(one.moment).epsilon(0.07));
+      CHECK(vv == Approx(one.moment).epsilon(0.07));
     }
 }
 

@@ -37,6 +37,28 @@ TEST_CASE("an approaching wall appears slanted, and its speed is measured") {
   CHECK(hits > 300);
 }
 
+TEST_CASE("velocities are in the frame of the points, while the sensor drives and turns in a room that moves") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool deskew = GENERATE(false, true);
+  const Vec3 velocity = {5, -10, 2};
+  Shot shot = driving();
+  shot.instanceMotions = {{0, translation(kPeriod * velocity.x, kPeriod * velocity.y, kPeriod * velocity.z)}};
+  const Sensor sensor = spinning();
+  const Scan scan = scanned(device, room(), sensor, shot, deskew);
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const double time = timeOfColumn(sensor, i);
+    const Vec3 d = turned(kTurn * time, sensor.direction(i));
+    const Vec3 inRoom = {kSpeed * time - velocity.x * time, -velocity.y * time, -velocity.z * time};
+    REQUIRE(scan.ranges[i] == Approx(toWalls(inRoom, d)).epsilon(1e-5));
+    const Vec3 expected = deskew ? velocity : turned(-kTurn * time, velocity);
+    CHECK(scan.column<float>(Field::velocity, 0)[i] == Approx(expected.x).margin(2e-3));
+    CHECK(scan.column<float>(Field::velocity, 1)[i] == Approx(expected.y).margin(2e-3));
+    CHECK(scan.column<float>(Field::velocity, 2)[i] == Approx(expected.z).margin(2e-3));
+    const double away = (velocity.x - kSpeed) * d.x + velocity.y * d.y + velocity.z * d.z;
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(away).margin(2e-3));
+  }
+}
+
 TEST_CASE("the velocity of a fast turning plate or wire is that of the point that the beam meets") {
   const std::string device = ON_EVERY_DEVICE;
   const bool wire = GENERATE(false, true);  // 1 mm thick: weights of its corners would be far off

@@ -133,6 +133,22 @@ TEST_CASE("echoes of fog have depths distributed as exp(-2 extinction depth), an
   }
 }
 
+TEST_CASE("the medium takes the wavelength and the length of the pulse from the request") {
+  Effects effects;
+  effects.intensity.wavelength = 1550;
+  effects.returns.pulseWidth = 8e-9;
+  effects.fog.visibility = 2000;
+  effects.snow.rate = 1;
+  effects.volumes.boxes = {{{0, -1, -1}, {1, 1, 1}, 0.2}};
+  const double fog = -std::log(0.05) / 2000 * std::pow(1550.0 / 550, -0.66);
+  const double snow = 5.5799 * std::numbers::ln10 / 10 / 1000, pulse = 8e-9 * 299792458 / 2;
+  const gpu::EffectParameters p = effectParameters(effects, sensorTo(150), gpu::kFog | gpu::kSnow);
+  CHECK(p.fogExtinction == Approx(fog).epsilon(1e-6));
+  CHECK(p.extinction == Approx(fog + snow).epsilon(1e-4));
+  CHECK(p.fogScatter == Approx(std::numbers::pi * fog / 18.8 * pulse).epsilon(1e-6));
+  CHECK(volumeBoxes(effects, {})[0].scatter == Approx(std::numbers::pi * 0.2 / 55 * pulse).epsilon(1e-6));
+}
+
 TEST_CASE("fog without an extent or an extinction returns no echo") {
   const gpu::EffectParameters p = {};
   const glm::uvec4 words = gpu::draw(p, 0, 0, gpu::kFog);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests drawn at random: CUDA's kernels, run on the host, against Vulkan's. No change of a scene adds an instance,
 // because Simulator then makes new plans, which this test would have to make as well.
+// Graphics cards may round the quotients of `standard` in other ways, so there requests of `exact` alone are compared.
 #include "effects/scan_support.hpp"
 #include "random/request.hpp"
 
@@ -17,6 +18,7 @@ void requireSame(uint32_t number) {
   Request request = anyRequest(number);
   INFO("request " << number << ":" << request.text);
   Simulator vulkan(request.scene, request.sensors, request.options);
+  if (request.options.accuracy != Accuracy::exact && !dividesExactly(vulkan.device())) return;
   CudaOnHost cuda(request.options, request.scene, request.sensors);
   for (size_t i = 0; i < request.steps.size(); ++i) {
     INFO("shot " << i);
