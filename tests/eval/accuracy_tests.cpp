@@ -144,10 +144,13 @@ TEST_CASE("a scan of ties alone bounds no error") {
 TEST_CASE("errors on a sample of the beams are part of those on all beams") {
   needVulkan();
   const Scene scene = sceneOf(soup(3, 400, 20, 6));
-  const Sensor sensor = gridSensor(333, 16, -40, 30, 100);  // 333 has no common divisor with the steps tried
+  const Sensor sensor = gridSensor(333, 16, -40, 30, 100);
   AccuracyOptions options = quick();
   options.runs = 1;
   options.parts = false;
+  const AccuracyReport whole = measureAccuracy(scene, sensor, {Pose{}}, options);
+  CHECK_FALSE(whole.sampled);
+  CHECK(whole.beams == sensor.beamCount());
   options.sample = 1000;
   const AccuracyReport report = measureAccuracy(scene, sensor, {Pose{}}, options);
   CHECK(report.sampled);
@@ -156,6 +159,15 @@ TEST_CASE("errors on a sample of the beams are part of those on all beams") {
   CHECK(rowOf(report.settings, "standard").error.missed == 0);
   CHECK(rowOf(report.settings, "standard").error.wrongRange == 0);
   CHECK(rowOf(report.settings, "standard").nearest == NearestHistogram{});
+  CHECK(rowOf(whole.settings, "standard").nearest != NearestHistogram{});
+  // The sample has one beam in each of 1,000 equal runs of the 5,328, so a share of errors is about that of all beams.
+  const Comparison &some = rowOf(report.settings, "paper").error, &all = rowOf(whole.settings, "paper").error;
+  CHECK(some.missed > 0);
+  for (const auto count : {&Comparison::hits, &Comparison::missed, &Comparison::falseHits, &Comparison::wrongOwner}) {
+    CHECK(some.*count <= all.*count);
+    const double expected = 1000 * static_cast<double>(all.*count) / 5328;
+    CHECK(std::abs(static_cast<double>(some.*count) - expected) <= 4 * std::sqrt(expected) + 1);
+  }
 }
 
 TEST_CASE("a sample is the whole sensor, of which only the sampled beams fire") {
@@ -251,8 +263,21 @@ TEST_CASE("a comparison summed over scans equals the comparison of all beams at 
   setColumn(all[0], Field::tie, allTies);
   const Comparison a = sum.result(), b = compare(all[0], all[1]);
   CHECK(a.beams == 60'000);
-  CHECK(a.missed == b.missed);
-  CHECK(a.ties == b.ties);
+  uint64_t hits = 0, missed = 0, falseHits = 0, wrongOwner = 0;
+  for (size_t i = 0; i < all[0].ranges.size(); ++i) {
+    hits += all[0].hit(i);
+    if (allTies[i]) continue;
+    missed += all[0].hit(i) && !all[1].hit(i);
+    falseHits += !all[0].hit(i) && all[1].hit(i);
+    wrongOwner += all[0].hit(i) && all[1].hit(i) && all[0].triangles[i] != all[1].triangles[i];
+  }
+  for (const Comparison& found : {a, b}) {
+    CHECK(found.hits == hits);
+    CHECK(found.missed == missed);
+    CHECK(found.falseHits == falseHits);
+    CHECK(found.wrongOwner == wrongOwner);
+    CHECK(found.ties == static_cast<uint64_t>(std::ranges::count(allTies, 1)));
+  }
   CHECK(a.tieMissed + a.tieFalseHits + a.tieWrongOwner == a.tieDifferences);
   CHECK(a.rangeError9999 == b.rangeError9999);
   CHECK(a.rangeErrorMax == b.rangeErrorMax);

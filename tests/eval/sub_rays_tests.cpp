@@ -74,7 +74,11 @@ TEST_CASE("more sub-rays are nearer to the reference with many, where footprints
     CHECK(row->wrong >= std::max(row->wrongRange, row->wrongReturns));
     CHECK(row->wrong <= row->wrongRange + row->wrongReturns);
     CHECK(row->rangeErrorRms <= row->rangeErrorMax);
+    CHECK(row->rangeErrorRms > 0);
+    CHECK(row->rangeError999 > 0);
     CHECK(row->rangeError999 <= row->rangeErrorMax);
+    CHECK(row->intensityErrorMedian > 0);
+    CHECK(row->intensityErrorMedian < row->intensityError99);
     CHECK(row->time().median > 0);
   }
 }
@@ -133,6 +137,11 @@ TEST_CASE("a measurement of footprints without a footprint, a pose or a device i
   SubRayOptions options = quick();
   refused(line, {Pose{}}, options, "the sensor states no divergence");
   refused(head(), {}, options, "pose");
+  options.runs = 0;
+  refused(head(), {Pose{}}, options, "at least one run");
+  options = quick();
+  options.counts.clear();
+  refused(head(), {Pose{}}, options, "at least one number of sub-rays");
   options.counts = {62};
   refused(head(), {Pose{}}, options, "a device takes at most 61");
   options = quick();
