@@ -104,11 +104,14 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     CHECK(lost == 0);
     REQUIRE(four.size() == 4);
     checkFirst(four, alone);
-    options.effects.returns.count = 8;
-    const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
-    CHECK(lost == 0);
-    REQUIRE(eight.size() == 8);
-    checkFirst(eight, alone);
+    if (options.device.kind ==
+        DeviceChoice::Kind::reference) {  // a device compiles for seconds for each number of returns
+      options.effects.returns.count = 8;
+      const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
+      CHECK(lost == 0);
+      REQUIRE(eight.size() == 8);
+      checkFirst(eight, alone);
+    }
     options.effects.returns.count = 1;
     options.effects.returns.mode = Effects::Returns::Mode::last;
     CHECK(std::abs(returnsOf(kStrips, options).at(0).range - alone.back().range) < 1e-5);
