@@ -104,8 +104,8 @@ TEST_CASE("a beam with many echoes keeps the nearest, the farthest and the stron
     CHECK(lost == 0);
     REQUIRE(four.size() == 4);
     checkFirst(four, alone);
-    if (options.device.kind ==
-        DeviceChoice::Kind::reference) {  // a device compiles for seconds for each number of returns
+    // A device compiles for seconds for each number of returns.
+    if (options.device.kind == DeviceChoice::Kind::reference) {
       options.effects.returns.count = 8;
       const std::vector<Seen> eight = returnsOf(kStrips, options, &lost);
       CHECK(lost == 0);
