@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <limits>
 #include <string_view>
+#include <system_error>
 
 namespace gnosphere {
 
@@ -18,6 +20,22 @@ inline std::string_view nextWord(std::string_view& text) {
   return word;
 }
 
+/// Whether the number of a word that no double can hold is too small, and not too large.
+inline bool isTooSmall(std::string_view word) {
+  const size_t mark = std::min(word.find_first_of("eE"), word.size());
+  const std::string_view digits = word.substr(0, mark);
+  std::string_view power = word.substr(mark);
+  if (!power.empty()) power.remove_prefix(1);
+  if (power.starts_with('+')) power.remove_prefix(1);
+  int64_t exponent = 0;
+  const auto result = std::from_chars(power.data(), power.data() + power.size(), exponent);
+  if (result.ec == std::errc::result_out_of_range) return power.starts_with('-');
+  // How far the point is behind the first digit that is not 0.
+  const auto point = static_cast<int64_t>(std::min(digits.find('.'), digits.size()));
+  const auto first = static_cast<int64_t>(std::min(digits.find_first_of("123456789"), digits.size()));
+  return point - first + exponent < 0;
+}
+
 /// Parses a word as the nearest double. Reads nan and inf; values too large become infinity, values too small 0.
 /// Returns false if the word is not a number.
 inline bool parseNumber(std::string_view word, double& value) {
@@ -26,7 +44,7 @@ inline bool parseNumber(std::string_view word, double& value) {
   const std::from_chars_result result = std::from_chars(word.data(), end, value);
   if (word.empty() || result.ptr != end || result.ec == std::errc::invalid_argument) return false;
   if (result.ec == std::errc::result_out_of_range) {
-    const bool isSmall = word.find("e-") != word.npos || word.find("E-") != word.npos || word.find("0.") < 2;
+    const bool isSmall = isTooSmall(word);
     value = isSmall ? 0 : std::numeric_limits<double>::infinity();
     if (!isSmall && word.starts_with('-')) value = -value;
   }
