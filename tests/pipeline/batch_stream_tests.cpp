@@ -92,6 +92,7 @@ void requireSame(const Batch& expected, const StreamedBatch& streamed, const Res
       default: requireColumn<float>(expected, streamed, places, value);
     }
   }
+  REQUIRE(streamed.headers.size() == streamed.views);
   for (const RecordHeader& header : streamed.headers) {
     CHECK(header.rows == places.rowsPerView);
     CHECK(header.wanted == places.rowsPerView);

@@ -15,6 +15,7 @@ namespace {
 void requireAsReference(const Scene& scene, const Sensor& sensor, const Pose& pose = {}) {
   needVulkan();
   const Scan reference = referenceOf(scene, sensor, pose);
+  CHECK(reference.counters.hits > 0);
   requireSame(reference, scanOf(scene, sensor, pose, vulkanOptions()));
 }
 
@@ -129,6 +130,7 @@ TEST_CASE("a wall in a vertical plane through the axis costs little and is not h
   // Seen edge-on the wall lies within one column or between two. None of its 3,200 triangles could be left out if its
   // bounds covered the whole sensor.
   CHECK(scan.counters.culledBetweenBeams + scan.counters.culledByCluster >= 1500);
+  for (const uint32_t triangle : scan.triangles) REQUIRE(triangle >= 3200);
 }
 
 TEST_CASE("only front faces reflect if one side is requested, also on mirrored instances") {

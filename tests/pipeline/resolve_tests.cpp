@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step resolve: range, point and owner of every beam, compared with closed forms and the double-precision reference.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "support.hpp"
 #include "town/town.hpp"
 
@@ -26,6 +30,8 @@ TEST_CASE("a point lies on its beam at its range") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 31, -60, 60);
   const Scan scan = scanOf(sceneOf(soup(5, 2000, 20, 4)), sensor, {}, vulkanOptions());
+  CHECK(scan.counters.hits > 1000);
+  CHECK(scan.counters.misses > 0);
   for (size_t b = 0; b < scan.beamCount(); ++b) {
     if (!scan.hit(b)) {
       REQUIRE((std::isnan(scan.ranges[b]) && std::isnan(scan.points[3 * b]) && scan.instances[b] == kNoTriangle));
@@ -50,8 +56,29 @@ TEST_CASE("the range window applies to each hit: nearer hits are ignored, farthe
   sensor.rangeMin = 3;
   const Scan scan = scanOf(scene, sensor, {}, vulkanOptions());
   requireSame(referenceOf(scene, sensor, {}), scan);
-  for (size_t b = 0; b < scan.beamCount(); ++b)
-    if (scan.hit(b)) REQUIRE((scan.ranges[b] >= 3 && scan.ranges[b] <= 60));
+  size_t nearer = 0, farther = 0, doubtful = 0;
+  for (size_t b = 0; b < scan.beamCount(); ++b) {
+    const Vec3 d = sensor.direction(b);
+    // How far within the window and the wall at x a beam meets it; the last wall is out of range everywhere.
+    const auto within = [&](double x) {
+      const double range = d.x > 0 ? x / d.x : 0;
+      return std::min({range - 3, 60 - range, 50 - std::abs(range * d.y), 50 - std::abs(range * d.z)});
+    };
+    const double first = within(2), second = within(4);
+    if (std::min(std::abs(first), std::abs(second)) < 1e-3) {
+      ++doubtful;
+      continue;
+    }
+    INFO("beam " << b);
+    REQUIRE(scan.hit(b) == (std::max(first, second) > 0));
+    if (!scan.hit(b)) continue;
+    const double range = (first > 0 ? 2 : 4) / d.x;
+    REQUIRE(std::abs(scan.ranges[b] - range) < 1e-5 * range);
+    ++(first > 0 ? nearer : farther);
+  }
+  CHECK(nearer > 100);
+  CHECK(farther > 100);
+  CHECK(doubtful < 10);
 }
 
 TEST_CASE("owners are the instance and the triangle within its mesh", "[second-driver]") {
@@ -127,6 +154,7 @@ TEST_CASE("paper loses returns on large triangles and counts them as misses") {
   const Scan paper = scanOf(scene, builtinSensors()[2], pose, options);
   const Scan standard = scanOf(scene, builtinSensors()[2], pose, vulkanOptions());
   CHECK(paper.counters.hits * 2 < standard.counters.hits);
+  CHECK(paper.counters.hits + paper.counters.misses == paper.beamCount());
 }
 
 TEST_CASE("exact counts how often integers were needed") {

@@ -156,7 +156,7 @@ TEST_CASE("a standing sensor that reuses the still image gives the same scans: e
   standAndLook(options, 4, 20);
 }
 
-TEST_CASE("nothing that instances are not read from the third scan on") {
+TEST_CASE("where nothing moves, instances are not read from the third scan on") {
   needVulkan();
   Pair pair = townLike();
   const std::vector<Shot> shots(4, at(0));
