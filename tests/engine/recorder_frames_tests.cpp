@@ -175,8 +175,9 @@ TEST_CASE("values become doubles without loss, also not a number and numbers of 
   needVulkan();
   const CommonApp common;
   RecordLayout layout;
-  layout.stride = 16;
-  layout.values = {{Field::range, 0, 0, ValueType::f64}, {Field::beam, 0, 8, ValueType::f64}};
+  layout.stride = 24;
+  layout.values = {
+      {Field::range, 0, 0, ValueType::f64}, {Field::beam, 0, 8, ValueType::f64}, {Field::range, 0, 16, ValueType::f32}};
   Scene scene;
   scene.materials = {material(true)};
   MeshBuilder wall;
@@ -187,14 +188,17 @@ TEST_CASE("values become doubles without loss, also not a number and numbers of 
   REQUIRE(sensor.beamCount() > 1 << 20);
   Recorded recorded(common.app, scene, {sensor, Effects::none()}, plainOptions(), layout, sensor.beamCount());
   const std::vector<std::byte> rows = recorded.scan({});
-  REQUIRE(rows.size() == 16 * sensor.beamCount());
+  REQUIRE(rows.size() == layout.stride * sensor.beamCount());
   size_t wrong = 0;
   uint64_t hits = 0;
   for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
     double range, number;
-    std::memcpy(&range, &rows[16 * beam], sizeof range);
-    std::memcpy(&number, &rows[16 * beam + 8], sizeof number);
-    wrong += number != static_cast<double>(beam) || !(std::isnan(range) || (range > 4.9 && range < 9));
+    float single;
+    std::memcpy(&range, &rows[layout.stride * beam], sizeof range);
+    std::memcpy(&number, &rows[layout.stride * beam + 8], sizeof number);
+    std::memcpy(&single, &rows[layout.stride * beam + 16], sizeof single);
+    wrong += number != static_cast<double>(beam) ||
+             (std::isnan(range) ? !std::isnan(single) : range != double{single} || range < 4.9 || range > 9);
     hits += !std::isnan(range);
   }
   CHECK(wrong == 0);
