@@ -98,6 +98,10 @@ TEST_CASE("a device that lacks a feature is refused with the name of the feature
   CHECK(reason([](vulkan::Offer& offer) { offer.compute = false; }) == "it has no compute queue");
   CHECK(reason([](vulkan::Offer& offer) { offer.features12.scalarBlockLayout = VK_FALSE; }) ==
         "it lacks the scalar block layout");
+  CHECK(reason([](vulkan::Offer& offer) { offer.features12.bufferDeviceAddress = VK_FALSE; }) ==
+        "its shaders cannot find buffers by address");
+  CHECK(reason([](vulkan::Offer& offer) { offer.subgroup.subgroupSize = 2; }) ==
+        "its subgroups have 2 lanes, and 4 are needed");
   CHECK(reason([](vulkan::Offer& offer) { offer.sizeControl = {}; }) ==
         "it cannot promise full subgroups, of at most 64 lanes, by VK_EXT_subgroup_size_control; a newer driver may");
   CHECK_THAT(reason([](vulkan::Offer& offer) { offer.subgroup.supportedStages = VK_SHADER_STAGE_FRAGMENT_BIT; }),

@@ -159,8 +159,8 @@ std::string differences(const Layout& cpp, const Layout& shader) {
 using Words = std::vector<uint32_t>;
 
 /// Calls use(file, words) for every SPIR-V module of the build.
-template <typename EffectUse>
-void forEachModule(const EffectUse& use) {
+template <typename Use>
+void forEachModule(const Use& use) {
   std::ifstream list(GNOSPHERE_SPIRV_LIST);
   size_t modules = 0;
   for (std::string file; std::getline(list, file); ++modules) {
