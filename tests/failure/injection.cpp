@@ -149,7 +149,12 @@ PFN_vkVoidFunction failingLookUp(void* library) {
   return reinterpret_cast<PFN_vkVoidFunction>(instanceFunction);
 }
 
-long failEach(const std::string& name, Fails what, Lasts lasts, const Trial& trial) {
+/// How many calls were made while something failed, and how many of these reported it.
+struct Tried {
+  long calls = 0, failed = 0;
+};
+
+Tried failEach(const std::string& name, Fails what, Lasts lasts, const Trial& trial) {
   long failed = 0, survived = 0, tried = 0, all = 0;
   // Calls that compile kernels make tens of thousands of allocations, most of them in the same loops.
   const auto following = [](long n) { return n + 1 + (everyCombination() ? n / 100 : n / 3); };
@@ -185,7 +190,7 @@ long failEach(const std::string& name, Fails what, Lasts lasts, const Trial& tri
   }
   std::printf("%-56s %6ld of %6ld failures tried, %6ld reported, %4ld without effect\n", name.c_str(), tried - 1, all,
               failed, survived);
-  return failed;
+  return {failed + survived, failed};
 }
 
 }  // namespace
@@ -213,7 +218,11 @@ bool Injection::fired() const {
 }
 
 long failEach(const std::string& name, Fails what, const Trial& trial) {
-  return failEach(name, what, Lasts::once, trial) + failEach(name + ", for good", what, Lasts::forGood, trial);
+  const Tried once = failEach(name, what, Lasts::once, trial);
+  const Tried forGood = failEach(name + ", for good", what, Lasts::forGood, trial);
+  INFO(name << ": nothing has failed");
+  CHECK(once.calls + forGood.calls > 0);
+  return once.failed + forGood.failed;
 }
 
 }  // namespace gnosphere::test
