@@ -262,6 +262,27 @@ TEST_CASE("an invalid change is refused and has no effect") {
   }
 }
 
+TEST_CASE("a scene takes as many triangles as there are numbers, and those of a removed instance are free again") {
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  constexpr uint32_t kTriangles = 200'000, kMost = 0x7fffffff / kTriangles;
+  Scene scene = sceneOf(soup(3, kTriangles, 10, 0.1));
+  scene.instances.assign(kMost, {"", 0, translation(0, 0, 5000)});
+  Simulator simulator = makeSimulator(scene, gridSensor(20, 4, -30, 30), options);
+  Scene added = sceneOf(soup(3, kTriangles, 10, 0.1));
+  const std::string refusal = "the scene would place 2147600000 triangles; the limit is 2147483647";
+  for (const size_t removed : {0, 7}) {
+    CHECK_THROWS_WITH(simulator.addInstance(0, {}), refusal);
+    CHECK_THROWS_WITH(simulator.addScene(added), refusal);
+    simulator.removeInstance(removed);
+    // The first of two has room; it does not stay.
+    CHECK_THROWS_WITH(simulator.addInstances(std::vector<Instance>(2)), refusal);
+    CHECK(simulator.scan({}).counters.triangles == uint64_t{kMost - 1} * kTriangles);
+    CHECK(simulator.addInstance(0, translation(0, 0, 5000)) == removed);
+    CHECK(simulator.scan({}).counters.triangles == uint64_t{kMost} * kTriangles);
+  }
+}
+
 namespace {
 
 // Instances of a ball in a row, somewhat turned.
