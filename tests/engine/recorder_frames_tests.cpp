@@ -540,6 +540,15 @@ TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
   CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("beyond the stride of 16"));
   broken.layout.values[0] = {Field::tie, 0, 0, ValueType::u8};
   CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("only the device 'reference'"));
+  broken.layout = layoutOf({Field::incidence});
+  broken.sensor.rotationPeriod = 0.1;
+  broken.effects.sensorMotion.use = EffectUse::on;
+  broken.effects.sensorMotion.deskew = true;
+  CHECK_THROWS_WITH(recorded.simulator().addSensor(broken),
+                    ContainsSubstring("with deskew the incidence is known only on the host"));
+  broken.effects.sensorMotion.deskew = false;
+  broken.sensor.channels.clear();
+  CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("has no beams"));
   CHECK_THROWS_WITH(vulkan::Recorder(recorded.simulator(), 0), ContainsSubstring("1 to 16 frames"));
   CHECK_THROWS_WITH(vulkan::Recorder(recorded.simulator()), ContainsSubstring("has a recorder already"));
 

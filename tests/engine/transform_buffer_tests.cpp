@@ -259,6 +259,8 @@ TEST_CASE("bad transform buffers get a sentence, and so does motion of their ins
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.bytes -= 1; }), ContainsSubstring("48 bytes apart, need 288"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.format = vulkan::TransformFormat::columns4x4; }),
                     ContainsSubstring("they take 64"));
+  CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.stride = 1 << 30, buffer.bytes = uint64_t{1} << 40; }),
+                    ContainsSubstring("takes more than 4 GiB"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.instances = 0; }), ContainsSubstring("say how many"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.firstInstance = 2; }),
                     ContainsSubstring("instance 7 does not exist, there are 7"));

@@ -336,6 +336,8 @@ TEST_CASE("bad vertex buffers get a sentence") {
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.stride = 14; }), ContainsSubstring("in multiples of 4"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.bytes -= 1; }),
                     ContainsSubstring("200 vertices, 12 bytes apart"));
+  CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.stride = 1 << 25, buffer.bytes = uint64_t{1} << 40; }),
+                    ContainsSubstring("take more than 4 GiB"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.scale[1] = 2; }),
                     ContainsSubstring("only integers have a scale"));
   CHECK_THROWS_WITH(attempt([](auto& buffer) { buffer.format = VK_FORMAT_R8G8B8_UNORM; }),

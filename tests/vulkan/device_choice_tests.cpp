@@ -186,6 +186,8 @@ TEST_CASE("the device gpu is the best that is no CPU, and an error if there is n
   DeviceInfo named = deviceOf("gpu", "cpu");
   named.uuid[0] = 1;
   CHECK(chooseDevice({card, named}, DeviceChoice(named)) == 1);
+  CHECK_THROWS_WITH(chooseDevice({card, chip}, DeviceChoice(named)),
+                    "the device with the chosen UUID is no longer there; 0: NVIDIA H100; 1: Intel Arc");
 }
 
 }  // namespace gnosphere::test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The compiled kernels of a simulator: which of them are compiled, when, and which share a pipeline.
 #include <atomic>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <chrono>
 #include <set>
 #include <thread>
@@ -109,6 +110,44 @@ TEST_CASE("a kernel's digest changes with every word, and with lanes and constan
   CHECK(digests.insert(vulkan::digestOf(code)).second);
   code.constants = {9};
   CHECK(digests.insert(vulkan::digestOf(code)).second);
+}
+
+TEST_CASE(
+    "a simulator that only compiles plans what another one runs, with what the compiler says, and does not scan") {
+  needVulkan();
+  const Scene town = makeTown({.triangles = 1'000u});
+  SensorRequest request = {builtinSensor("Puck"), Effects::none()};
+  request.effects.sensorMotion.use = EffectUse::on;
+  TestOptions options = vulkanOptions();
+  const Plan expected = Simulator(town, request, options).plan();
+  options.compileOnly = true;
+  Simulator simulator(town, request, options);
+  const Plan plan = simulator.plan();
+  CHECK(plan.binning == expected.binning);
+  CHECK(plan.bytes() == expected.bytes());
+  CHECK(plan.commands.all() == expected.commands.all());
+  REQUIRE(plan.stages.size() == expected.stages.size());
+  size_t pipelines = 0;
+  for (size_t i = 0; i < plan.stages.size(); ++i) {
+    const Plan::Stage &stage = plan.stages[i], &other = expected.stages[i];
+    CHECK(stage.name == other.name);
+    CHECK(stage.dispatches == other.dispatches);
+    REQUIRE(stage.pipelines.size() == other.pipelines.size());
+    for (size_t k = 0; k < stage.pipelines.size(); ++k, ++pipelines) {
+      INFO(stage.pipelines[k].name);
+      CHECK(stage.pipelines[k].name == other.pipelines[k].name);
+      CHECK(stage.pipelines[k].constants == other.pipelines[k].constants);
+      CHECK(stage.pipelines[k].subgroupSize > 0);
+      CHECK(stage.pipelines[k].compileMs > 0);
+    }
+  }
+  CHECK(pipelines > 3);
+  const auto refusal = Catch::Matchers::ContainsSubstring("this simulator only compiles, so it cannot scan");
+  CHECK_THROWS_WITH(simulator.scan({}), refusal);
+  CHECK_THROWS_WITH(simulator.scanBatch(std::vector<Shot>(2)), refusal);
+  options.device = DeviceChoice::Kind::reference;
+  CHECK_THROWS_WITH(Simulator(town, request, options),
+                    "compile_only is for a Vulkan device of the library's own, not for reference");
 }
 
 TEST_CASE("a CPU compiles kernels with the first scan that needs them, which is no time of the scan") {
