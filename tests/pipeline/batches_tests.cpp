@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Worlds, and batches of views: every view has the bytes of a single scan in a scene with only what its world has.
+#include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <map>
+#include <set>
 
 #include "support.hpp"
 
@@ -130,16 +132,18 @@ TEST_CASE("a scan of a world is that of a scene without the other worlds' instan
   if (reference) options.device = DeviceChoice::Kind::reference;
   Simulator simulator(scene, sensor, options);
   Alone single(scene, sensor, options);
-  size_t different = 0;
+  size_t different = 0, own = 0;
   for (const Shot& shot : shotsOf(5, 12)) {
     Scan scan;
     simulator.scanInto(shot, scan);
     const Scan expected = single.scan(shot);
+    own += std::ranges::count_if(scan.instances, [](uint32_t each) { return each != 0 && each != kNoTriangle; });
     different += !sameBytes(scan, expected);
     CHECK(scan.counters.triangles == expected.counters.triangles);
     CHECK(scan.counters.hits == expected.counters.hits);
   }
   CHECK(different == 0);
+  CHECK(own > 100);
 }
 
 TEST_CASE("a sensor that stands still sees the world of each shot") {
@@ -162,7 +166,9 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
   Scene scene = worlds(2, 2);
   const Sensor sensor = gridSensor(120, 16, -30, 30);
   Simulator simulator(scene, sensor, vulkanOptions());
+  std::set<uint32_t> seen;  // instances that the scans of any world have met since the last change
   const auto check = [&] {
+    seen.clear();
     Alone single(scene, sensor);
     for (uint32_t world = 0; world < 5; ++world) {
       Shot shot;
@@ -170,6 +176,7 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
       Scan scan;
       simulator.scanInto(shot, scan);
       CHECK(sameBytes(scan, single.scan(shot)));
+      seen.insert(scan.instances.begin(), scan.instances.end());
     }
   };
   std::vector<Instance> more(2);
@@ -182,6 +189,7 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
   REQUIRE(added == std::vector<uint32_t>{5, 6});
   scene.instances.insert(scene.instances.end(), more.begin(), more.end());
   check();
+  for (const uint32_t instance : {5, 6}) CHECK(seen.contains(instance));
   simulator.setTransform(5, translation(3, -2, 0));
   scene.instances[5].transform = translation(3, -2, 0);
   simulator.setTransform(0, translation(0, 0, -1));
@@ -193,6 +201,7 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
   scene.instances[6].transform = translation(-4, 2, 0);
   scene.instances[6].world = 1;
   check();
+  for (const uint32_t instance : {5, 6}) CHECK(seen.contains(instance));
   const std::vector<uint32_t> gone = {6, 1, 3};
   simulator.removeInstances(gone);
   simulator.removeInstances({});
@@ -205,6 +214,7 @@ TEST_CASE("instances come to worlds, move in them and leave them") {
   scene.instances.emplace_back();
   for (size_t i = 0; i < others.size(); ++i) scene.instances[i < 3 ? gone[i] : 7] = others[i];
   check();
+  for (const uint32_t instance : {1, 3, 6, 7}) CHECK(seen.contains(instance));
 
   more[1].mesh = 9;
   CHECK_THROWS_WITH(simulator.addInstances(more), Catch::Matchers::ContainsSubstring("entry 1: mesh 9 does not exist"));
