@@ -22,6 +22,28 @@ Scan scanBy(Binning binning, const Scene& scene, const Sensor& sensor, const Pos
   return scanOf(scene, sensor, pose, optionsBy(binning));
 }
 
+// The reference takes seconds for a million beams, so it sees every tenth column of a large grid.
+constexpr uint32_t kSkip = 10;
+
+Scan referenceOfSome(const Scene& scene, Sensor sensor) {
+  sensor.columns /= kSkip;
+  return referenceOf(scene, sensor, {});
+}
+
+/// The beams of a scan that referenceOfSome() has, too.
+Scan someOf(const Scan& scan) {
+  Scan some;
+  some.columns = scan.columns / kSkip;
+  some.channels = scan.channels;
+  for (size_t beam = 0; beam < scan.beamCount(); beam += kSkip) {
+    some.ranges.push_back(scan.ranges[beam]);
+    some.triangles.push_back(scan.triangles[beam]);
+    some.instances.push_back(scan.instances[beam]);
+    some.points.insert(some.points.end(), &scan.points[3 * beam], &scan.points[3 * beam] + 3);
+  }
+  return some;
+}
+
 void requireWaysAgree(const Scene& scene, const Sensor& sensor, const Pose& pose = {}) {
   const Scan nearest = scanBy(Binning::nearest, scene, sensor, pose);
   REQUIRE(sameBytes(nearest, scanBy(Binning::lists, scene, sensor, pose)));
@@ -111,7 +133,7 @@ TEST_CASE("the columns of a small triangle in a row include all its beams", "[co
         sensor.channels[j].azimuthOffsetDeg = 1.3 * (double(j % 5) - 2.2);
     }
   std::vector<Scan> references;
-  for (const Sensor& sensor : sensors) references.push_back(referenceOf(scene, sensor, {}));
+  for (const Sensor& sensor : sensors) references.push_back(referenceOfSome(scene, sensor));
   for (Accuracy accuracy : {Accuracy::draft, Accuracy::standard, Accuracy::exact}) {
     if (accuracy == Accuracy::draft && !everyCombination()) continue;
     TestOptions options = optionsBy(Binning::slabs), other = optionsBy(Binning::lists);
@@ -122,7 +144,7 @@ TEST_CASE("the columns of a small triangle in a row include all its beams", "[co
                               << int(accuracy));
       const Scan scan = slabs.scan({}, i);
       REQUIRE(scan.counters.hits > 5'000);
-      if (accuracy != Accuracy::draft) requireSame(references[i], scan);
+      if (accuracy != Accuracy::draft) requireSame(references[i], someOf(scan));
       REQUIRE(sameBytes(scan, lists.scan({}, i)));
     }
   }
@@ -207,8 +229,10 @@ TEST_CASE("more triangles and tiles than the lists had room for are all projecte
   CHECK(scan.counters.retries >= 1);
   CHECK(scan.counters.projected > 1u << 18);
   CHECK(scan.counters.misses == 0);
-  CHECK(simulator.scan({}).counters.retries == 0);
-  requireSame(referenceOf(scene, sensor, {}), scan);
+  const Scan again = simulator.scan({});
+  CHECK(again.counters.retries == 0);
+  CHECK(sameBytes(again, scan));
+  requireSame(referenceOfSome(scene, sensor), someOf(scan));
 }
 
 TEST_CASE("the order of triangles and instances changes only indices") {
