@@ -38,7 +38,8 @@ struct Trial {
 
 /// Makes the call for every n, until nothing fails any more: first with the n-th failing alone, then with all from it
 /// on. The default suite tries the first ones and then fewer and fewer. A call may fail only with gnosphere::Error or
-/// std::bad_alloc, and it must need what fails. Returns the number of calls that failed.
+/// std::bad_alloc; one that needs no file or nothing of the device is no trial of these. Returns the number of calls
+/// that failed.
 long failEach(const std::string& name, Fails what, const Trial& trial);
 
 }  // namespace gnosphere::test
