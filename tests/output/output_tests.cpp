@@ -265,8 +265,19 @@ TEST_CASE("an empty cloud and a cloud of misses are valid files") {
   if (ending == "bin") return;
   CHECK(readCloud(folder / ("none." + ending)).beamCount() == 0);
   CHECK(readCloud(folder / ("misses." + ending)).counters.hits == 0);
-  CHECK_NOTHROW(writePicture(none, folder / "none.png"));
-  CHECK_NOTHROW(writePicture(misses, folder / "misses.png"));
+}
+
+TEST_CASE("an empty cloud and a cloud of misses have pictures") {
+  const Folder folder;
+  Scan none = tiny(), misses = tiny();
+  none.channels = 0;
+  none.points.clear(), none.ranges.clear(), none.triangles.clear(), none.instances.clear();
+  std::fill(misses.ranges.begin(), misses.ranges.end(), std::nanf(""));
+  std::fill(misses.points.begin(), misses.points.end(), std::nanf(""));
+  for (const Scan& scan : {none, misses}) {
+    writePicture(scan, folder / "a.png");
+    CHECK(Pixels(folder / "a.png").width >= 1400);
+  }
 }
 
 TEST_CASE("writers of one file do not disturb each other, and the last one that ends has written it") {
@@ -421,12 +432,17 @@ TEST_CASE("what is to the left of the sensor is in the left half of both picture
   }
 }
 
-TEST_CASE("the range image of a grid of any number of columns fills the width of its picture") {
+TEST_CASE("a picture has a reasonable size, and the range image of any number of columns fills its width") {
   const Folder folder;
   Sensor sensor = builtinSensor("VLP-16");
-  sensor.columns = GENERATE(3u, 360u, 1024u, 1399u, 1800u, 2048u);
+  sensor.columns = GENERATE(1u, 3u, 360u, 1399u, 1800u, 2048u, 5001u);
+  if (sensor.columns == 1 || sensor.columns == 5001) sensor.channels.resize(1);
   writePicture(syntheticScan(sensor), folder / "a.png");
+  CHECK(folder.fileCount() == 1);
   const Pixels pixels(folder / "a.png");
+  CHECK((pixels.width >= 1400 && pixels.width <= 2100));
+  CHECK((pixels.height > pixels.width && pixels.height < 3 * pixels.width));
+  if (sensor.channels.size() == 1) return;
   constexpr int kMargin = 24, kTop = 64;  // the range image begins above this row
   int empty = 0;
   for (int x = kMargin; x < pixels.width - kMargin; ++x) {
@@ -463,20 +479,4 @@ TEST_CASE("a letter that the font of pictures lacks is a question mark") {
   sensor.name = "K???";
   writePatternPicture(sensor, folder / "b.png");
   CHECK(bytesOf(folder / "a.png") == bytesOf(folder / "b.png"));
-}
-
-TEST_CASE("a picture is a PNG of a reasonable size for every grid") {
-  const Folder folder;
-  Sensor sensor = builtinSensor("VLP-16");
-  sensor.columns = GENERATE(1u, 7u, 1800u, 5001u);
-  sensor.channels.resize(GENERATE(size_t{1}, size_t{16}));
-  writePicture(syntheticScan(sensor), folder / "a.png");
-  const std::string bytes = bytesOf(folder / "a.png");
-  REQUIRE(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
-  const auto bigEndian = [&](size_t offset) { return __builtin_bswap32(at<uint32_t>(bytes, offset)); };
-  CHECK(bigEndian(16) >= 1400);
-  CHECK(bigEndian(16) <= 2100);
-  CHECK(bigEndian(20) > bigEndian(16));
-  CHECK(bigEndian(20) < 3 * bigEndian(16));
-  CHECK(folder.fileCount() == 1);
 }
