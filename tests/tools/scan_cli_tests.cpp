@@ -355,6 +355,20 @@ TEST_CASE("scan tells the effects that an accuracy leaves out, and why") {
   CHECK_THAT(place.run(scan + "--device reference").out, !ContainsSubstring("left out"));
 }
 
+TEST_CASE("a seed gives the same noise again, and that of the command line counts before that of a file") {
+  const Workplace place;
+  place.put("e.json", R"({"range-noise": {"sigma": 0.1}, "seed": 5})");
+  const auto cloudWith = [&](const std::string& arguments) {
+    REQUIRE(place.run("scan floor.obj -o a.csv --fields range " + arguments + kQuick).status == 0);
+    return place.get("a.csv");
+  };
+  const std::string noise = "--effect range-noise.sigma=0.1 ", seven = cloudWith(noise + "--seed 7");
+  CHECK((cloudWith(noise + "--seed 7") == seven));
+  CHECK((cloudWith("--effects e.json --seed 7") == seven));
+  CHECK_FALSE((cloudWith(noise + "--seed 8") == seven));
+  CHECK((cloudWith("--effects e.json") == cloudWith(noise + "--seed 5")));
+}
+
 TEST_CASE("cut-out materials whose images are missing cause a warning") {
   const Workplace place;
   place.put("leaf.gltf", R"({"asset": {"version": "2.0"}, "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":
