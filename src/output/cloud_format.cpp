@@ -27,12 +27,12 @@ std::span<const CloudFormat> cloudFormats() {
   return kFormats;
 }
 
-const CloudFormat& cloudFormat(const std::filesystem::path& file) {
+const CloudFormat& cloudFormat(const std::filesystem::path& file, bool readable) {
   const std::string ending = lower(file.extension().string());
   for (const CloudFormat& format : kFormats)
     if (ending == format.ending) return format;
-  throw Error(ErrorCode::invalidArgument,
-              file.string() + ": the ending says which kind of cloud it is; known are " + cloudEndings("and"));
+  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; known are " +
+                                              cloudEndings("and", readable));
 }
 
 std::string cloudEndings(const char* word, bool readable) {

@@ -32,8 +32,9 @@ struct CloudFormat {
 };
 
 std::span<const CloudFormat> cloudFormats();
-/// Returns the format for a file's ending. Throws Error(invalidArgument) with the known endings.
-const CloudFormat& cloudFormat(const std::filesystem::path& file);
+/// Returns the format for a file's ending. Throws Error(invalidArgument) with the known endings; `readable`: those of
+/// the formats that readCloud() reads.
+const CloudFormat& cloudFormat(const std::filesystem::path& file, bool readable = false);
 /// Returns ".pcd, .ply, .bin (KITTI), .npy or .csv" with this word before the last one; `readable`: of the formats that
 /// readCloud() reads.
 std::string cloudEndings(const char* word, bool readable = false);

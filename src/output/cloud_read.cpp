@@ -376,7 +376,7 @@ CloudFile cloudOf(const CloudTable& table, const Origin& origin) {
 }
 
 CloudTable tableOf(const std::filesystem::path& file) {
-  const CloudFormat& format = cloudFormat(file);
+  const CloudFormat& format = cloudFormat(file, true);
   std::string bytes = format.read ? readWholeFile(file) : "";  // otherwise the file is refused before it is read
   return readCloudTable(format, std::move(bytes), file.string());
 }

@@ -132,6 +132,9 @@ std::vector<Field> parseFields(const std::string& names) {
   for (size_t begin = 0; begin <= names.size();) {
     const size_t end = std::min(names.find(',', begin), names.size());
     const std::string name = lower(trimmed(std::string_view(names).substr(begin, end - begin), " \t"));
+    if (name.empty())
+      throw Error(ErrorCode::invalidArgument,
+                  "the fields '" + names + "' have '' where a name is wanted; give names as x,y,z");
     const auto columns = allColumns();
     const std::optional<Field> known = findField(name);
     if (!known) {

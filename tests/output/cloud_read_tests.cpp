@@ -449,6 +449,7 @@ TEST_CASE("errors of reading name the file") {
   fs::create_directory(folder / "folder.pcd");
   CHECK_THROWS_WITH(readCloud(folder / "folder.pcd"), ContainsSubstring("Is a directory"));
   CHECK_THROWS_WITH(readCloud(folder / "a.bin"), ContainsSubstring("a.bin: a KITTI cloud does not say which beams"));
+  CHECK_THROWS_WITH(readCloud(folder / "a.xyz"), ContainsSubstring("known are .pcd, .ply, .npy and .csv"));
   CloudFormat nameless = cloudFormat("a.csv");
   nameless.read = nullptr;
   CHECK_THROWS_WITH(readCloudBytes(nameless, "", "a.csv"), ContainsSubstring("a.csv: a .csv cloud does not say which"));
