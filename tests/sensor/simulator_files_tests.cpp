@@ -253,7 +253,7 @@ TEST_CASE("SDF: what is left out of a lidar is named with the effect that gives 
   CHECK(notes("", "<noise><type>custom</type></noise>") == Notes{"noise of the lidar"});
   const std::string fine = replaced(sdfWith(anglesOf(9, -1, 1)), "<max>10", "<resolution>0.01</resolution><max>10");
   CHECK(readSensorFile(fine, "model.sdf").ignored ==
-        Notes{"resolution of the ranges, which the effect `range-noise` with step 0.01 gives"});
+        Notes{"resolution of the ranges of the lidar, which the effect `range-noise` with step 0.01 gives"});
   const std::string exact = replaced(sdfWith(anglesOf(9, -1, 1)), "<max>10", "<resolution>0</resolution><max>10");
   CHECK(readSensorFile(exact, "model.sdf").ignored == Notes{});
 }

@@ -144,7 +144,7 @@ void readSdf(SensorSource& source) {
     source.ignore("noise of the lidar" + (parameters.empty() ? "" : with(parameters)));
   }
   if (const double raster = number(source, range, "resolution", 0); raster > 0)
-    source.ignore("resolution of the ranges" + with("step " + shownNumber(raster)));
+    source.ignore("resolution of the ranges of the lidar" + with("step " + shownNumber(raster)));
 }
 
 void refuseXml(SensorSource& source) {
