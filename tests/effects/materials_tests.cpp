@@ -149,6 +149,9 @@ TEST_CASE("an invalid table is refused") {
   refused(folder, "t.json", nested(62), "a material must be an object, is [[[");
   for (const size_t depth : {size_t{63}, size_t{1'000'000}})
     refused(folder, "t.json", nested(depth), "is not JSON: it nests deeper than 64 levels");
+  refused(folder, "t.json", "\xef\xbb\xbf " + nested(63), "is not JSON: it nests deeper than 64 levels");
+  // A file of another kind may have any number of brackets.
+  refused(folder, "t.json", "glTF" + std::string(1'000'000, '['), "is not JSON: parse error at line 1, column 1");
   CHECK_THROWS_MATCHES(loadMaterialTable("none.json"), Error, MessageMatches(ContainsSubstring("none.json")));
 }
 
