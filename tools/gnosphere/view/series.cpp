@@ -34,7 +34,14 @@ struct Candidate {
   std::vector<fs::path> paths;  ///< in the output folder
 };
 
+/// Whether this is a cloud of the format `openpcdet`, which tells neither its sensor nor the frame of its boxes.
+bool isOpenPcdet(const fs::path& path, const std::set<fs::path>& all) {
+  const fs::path boxes = path.parent_path().parent_path() / "labels" / path.filename().replace_extension(".txt");
+  return endsWith(path, ".npy") && all.contains(boxes);
+}
+
 std::optional<Kind> kindOf(const fs::path& path, const std::set<fs::path>& all) {
+  if (isOpenPcdet(path, all)) return std::nullopt;
   if (endsWith(path, ".pcd") || endsWith(path, ".npy")) return Kind::rows;
   if (endsWith(path, ".pcd.bin")) return Kind::nuscenes;
   if (!endsWith(path, ".bin")) return std::nullopt;
@@ -118,6 +125,7 @@ class DriveOutput {
       for (const nlohmann::json& entry : frame.at("files")) {
         const fs::path path = pathOf(entry.at("path").get<std::string>());
         addFile(number, path, kindOf(path, all));
+        if (isOpenPcdet(path, all)) others_.insert("openpcdet");
         if (endsWith(entry.value("into", ""), ".mcap")) others_.insert("mcap");
         if (endsWith(entry.value("into", ""), ".osi")) others_.insert("osi");
         if (endsWith(path, ".jsonl")) boxed.push_back(path.parent_path().filename().string());
