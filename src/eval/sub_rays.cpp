@@ -120,6 +120,9 @@ class SubRayMeasurement {
   }
 
   SubRayReport run() {
+    if (request_.effects.divergence.use == EffectUse::off)
+      throw Error(ErrorCode::invalidArgument,
+                  "there are no sub-rays to measure: divergence is off in the request; set it to auto or on");
     std::vector<SensorRequest> requests = {{request_.sensor, Effects::none()}};
     for (const uint32_t count : options_.counts) requests.push_back(withSubRays(request_, count));
     for (const SensorRequest& request : requests) {

@@ -163,6 +163,7 @@ TEST_CASE("accuracy --effects refuses invalid calls") {
   checkRefused("accuracy floor.obj --effects none.json", 2, "none.json");
   checkRefused("accuracy floor.obj --effects --sub-rays 62", 2, "--sub-rays");
   checkRefused("accuracy floor.obj --effects --device reference", 2, "another device");
+  checkRefused("accuracy floor.obj --effects clean", 2, "divergence is off in the request; set it to auto or on");
 }
 
 TEST_CASE("an invalid --max-error, or one that contradicts other options, is refused") {
