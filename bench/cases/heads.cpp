@@ -227,17 +227,20 @@ class HeadMeasurement {
     const bool footprints = ours.plan(2).has("divergence");
     const bool moves = firesInTurn(head);
     check(place, requests, ours, footprints, moves);
-    if (ours.device().type != "cpu") warmUp(place, requests, ours, moves);
+    warmUp(place, requests, ours, moves);
     for (uint32_t run = 0; run < session_.options().runs; ++run)
       for (size_t frame = 0; frame < place.poses.size(); ++frame)
         time(place, head, bool(twin), ours, footprints, moves, run * place.poses.size() + frame, row);
     return row;
   }
 
+  /// Scans with each sensor once, because a first scan compiles kernels, and for longer on a graphics card.
   void warmUp(const Place& place, const std::vector<SensorRequest>& requests, Simulator& ours, bool moves) {
-    for (const double start = cli::nowMs(); cli::nowMs() < start + kWarmUpMs;)
+    const double end = cli::nowMs() + (ours.device().type == "cpu" ? 0 : kWarmUpMs);
+    do {
       for (size_t sensor = 0; sensor < requests.size(); ++sensor)
         ours.scanInto(shotOf(place.poses[0], requests[sensor].sensor, sensor, moves && sensor > 2), scan_);
+    } while (cli::nowMs() < end);
   }
 
   static Shot shotOf(const Pose& pose, const Sensor& head, size_t sensor, bool moves) {
