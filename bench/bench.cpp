@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "call_texts.hpp"
 #include "cases.hpp"
 #include "cases/results.hpp"
 #include "cases/stability.hpp"
@@ -41,7 +42,8 @@ std::string plotOf(const Case& entry, Report report, const DeviceInfo& device) {
 /// Runs these cases one after the other and writes their results to one file.
 int run(const std::vector<Case>& cases, const Options& options) {
   checkResult(options.json);
-  checkResult(options.plot);
+  checkPlot(options.plot);
+  checkResult(options.renew);
   cli::Json json, results = cli::Json::object();
   bool wrong = false;
   for (const Case& entry : cases) {
@@ -66,6 +68,14 @@ int run(const std::vector<Case>& cases, const Options& options) {
   return wrong ? 1 : 0;
 }
 
+/// The help of a case states its own defaults.
+void showDefaults(CLI::App& command, const Defaults& defaults) {
+  const std::pair<const char*, uint64_t> numbers[] = {
+      {"--triangles", defaults.triangles}, {"--runs", defaults.runs}, {"--frames", defaults.frames}};
+  for (const auto& [name, number] : numbers)
+    if (CLI::Option* const option = command.get_option_no_throw(name)) option->default_str(std::to_string(number));
+}
+
 /// Adds a sub-command for each case, and one that runs all of them.
 std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
   std::vector<std::pair<const CLI::App*, Action>> actions;
@@ -77,6 +87,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
     if (scenes) adaptToReal(*command, *options);
     if (cases.size() == 1 && cases[0].run == heads) adaptToHeads(*command, *options);
     if (cases[0].run == golden) adaptToGolden(*command, *options);
+    if (cases.size() == 1) showDefaults(*command, cases[0].defaults);
     command->footer("Example: gnosphere-bench " + std::string(name) + (scenes ? " --scene FOLDER" : "") +
                     " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });
@@ -85,7 +96,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
   for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
   add(kReal.name, kReal.description, {kReal});
   add(kGolden.name, kGolden.description, {kGolden});
-  CLI::App* all = add("all", "All of these cases", {std::begin(kCases), std::end(kCases)});
+  CLI::App* all = add("all", "All cases but real and golden", {std::begin(kCases), std::end(kCases)});
   all->remove_option(all->get_option("--plot"));
   CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy as cases get harder");
   actions.emplace_back(stability, addStability(*stability));
@@ -97,14 +108,18 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
 int main(int argc, char** argv) {
   CLI::App app("Benchmarks of GnoSphere; results are compared before any time is printed", "gnosphere-bench");
   app.set_version_flag("--version", std::string("gnosphere-bench ") + GNOSPHERE_VERSION);
-  app.require_subcommand(1);
+  app.formatter(cli::helpFormatter());
+  app.require_subcommand(0, 1);
+  app.footer(
+      "Exit status 0 for success, 1 if the work fails or a result is wrong, 2 for a wrong call.\n"
+      "Example: gnosphere-bench figure7 --rivals none");
   const auto cases = addCases(app);
   cli::rememberCommand(argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return cli::checkedOutput(app.exit(error), 1);  // --help and --version
-    cli::complain(std::string(error.what()) + " (see gnosphere-bench --help)");
+    cli::complain(cli::wrongCall(app, error, "case"));
     return 2;
   }
   for (const auto& [command, action] : cases) {
@@ -119,5 +134,6 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
+  cli::complain("no case is given (see gnosphere-bench --help)");
   return 2;
 }

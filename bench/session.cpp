@@ -25,7 +25,9 @@ void addOptions(CLI::App& app, Options& options) {
                  "Poses from a TUM file: lines of t x y z qx qy qz qw (default: along the town's street)");
   app.add_option("--frames", options.frames, "Number of poses")->check(count);
   app.add_option("--runs", options.runs, "Number of timed runs over all poses")->check(count);
-  app.add_option("--rivals", options.rivals, "Rivals to compare with: all, none, or names separated by commas")
+  app.add_option(
+         "--rivals", options.rivals,
+         "Rivals to compare with: all, none, or some of embree, rayquery, raytracing and cuda, separated by commas")
       ->capture_default_str();
   app.add_option("--json", options.json, "Write the results to a JSON file, or - for stdout");
   app.add_option("--plot", options.plot, "Write a plot of the times to an .svg file");

@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "console.hpp"
+#include "gnosphere/error.hpp"
 #include "json.hpp"
 
 namespace gnosphere::bench {
@@ -36,6 +37,13 @@ inline void writeResult(const std::string& file, const std::string& bytes) {
 /// Checks the file before the work: throws if it cannot be written.
 inline void checkResult(const std::string& file) {
   if (!file.empty() && file != "-") checkWritable(file);
+}
+
+/// The same for a plot, whose name must end in .svg.
+inline void checkPlot(const std::string& file) {
+  if (!file.empty() && !file.ends_with(".svg"))
+    throw Error(ErrorCode::invalidArgument, "--plot: " + file + " must end in .svg");
+  checkResult(file);
 }
 
 }  // namespace gnosphere::bench

@@ -161,7 +161,7 @@ std::string toSvg(const std::vector<FamilyResult>& results, const DeviceInfo& in
 }
 
 int run(const HardnessOptions& options) {
-  checkResult(options.plot);
+  checkPlot(options.plot);
   checkResult(options.json);
   DeviceInfo info;
   const std::vector<FamilyResult> results = measureAll(options, info);

@@ -213,7 +213,25 @@ TEST_CASE("the case effects times each effect, and checks that switched-off effe
 
 TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid calls") {
   const Workplace place;
-  CHECK(place.run("", "", kBench).status == 2);
+  const auto refused = [&](const std::string& call, int status, const std::string& words) {
+    const Result result = place.run(call, "", kBench);
+    INFO(call);
+    CHECK(result.status == status);
+    CHECK_THAT(result.err, ContainsSubstring(words));
+    CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  };
+  refused("", 2, "no case is given (see gnosphere-bench --help)");
+  refused("figur7", 2, "there is no case 'figur7'; the nearest are figure7, ");
+  refused("real", 2, "--scene is required (see gnosphere-bench real --help)");
+  refused("figure7 --rival none", 2, "there is no option '--rival'; the nearest are --rivals, ");
+  refused("figure7 --plot a.png", 2, "--plot: a.png must end in .svg");
+  refused("stability --plot a.png", 2, "--plot: a.png must end in .svg");
+  refused("golden --renew no/a.inc", 1, "no/a.inc: cannot be written");
+  for (const std::string call : {"", "figure7 ", "real ", "golden ", "all ", "stability "})
+    CHECK(longestLine(place.run(call + "--help", "", kBench).out) <= 80);
+  const std::string help = place.run("table3 --help", "", kBench).out;
+  for (const std::string words : {"--frames UINT:UINT in [1 - 1000000]=60", "embree, rayquery, raytracing and cuda"})
+    CHECK_THAT(help, ContainsSubstring(words));
   CHECK(place.run("stability --family none", "", kBench).status == 2);
   CHECK(place.run("stability --plot no/a.svg", "", kBench).status == 1);
   CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);

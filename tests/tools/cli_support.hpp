@@ -63,6 +63,14 @@ class Workplace {
 
 inline const std::string kQuick = " --device reference --sensor VLP-16 ";
 
+/// Characters of the longest line.
+inline size_t longestLine(const std::string& text) {
+  size_t longest = 0;
+  for (size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1)
+    longest = std::max(longest, text.find('\n', begin) - begin);
+  return longest;
+}
+
 /// Checks that the call fails with this status and a single line that contains these words, and leaves no files.
 inline void checkRefused(const std::string& arguments, int status, const std::string& words) {
   INFO("gnosphere " << arguments);

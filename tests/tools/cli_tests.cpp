@@ -10,17 +10,6 @@ using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
-namespace {
-
-size_t longestLine(const std::string& text) {
-  size_t longest = 0;
-  for (size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1)
-    longest = std::max(longest, text.find('\n', begin) - begin);
-  return longest;
-}
-
-}  // namespace
-
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
   checkRefused("look", 2, "there is no command 'look'; the nearest are ");
@@ -81,10 +70,17 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan floor.obj --stats floor.obj", 2, "is read, too");
   checkRefused("scan robot.urdf", 2, "robot.urdf': the Python package reads such files: python -m gnosphere.robotics");
   checkRefused("sensors VLP-17", 2, "the nearest are VLP-16");
+  checkRefused("sensors --json", 2, "name a sensor or a file; --json, --beams and --image tell of one");
   checkRefused("sensors Puck --rate 20", 2, "--fire-times complete a sensor file, and 'Puck' is built in");
   checkRefused("town -o town.glb --triangles -5", 2, "--triangles");
   checkRefused("town -o town.glb --triangles 1e9", 2,
                "'1e9' is not a whole number up to 2147483647, written in digits alone");
+  checkRefused("effects fog --mode 2", 2,
+               "--mode chooses a lidar of a file of CARLA's attributes, and 'fog' is built in");
+  checkRefused("effects os1-rain --mode 2", 2, "'os1-rain' is built in");
+  checkRefused("effects fog.json --mode 2", 1, "fog.json: cannot be read");
+  checkRefused("drive a.json --verify", 2, "--verify requires --output (see gnosphere drive --help)");
+  checkRefused("view a.pcd -o a.html --distance 1", 2, "--distance requires B (see gnosphere view --help)");
   checkRefused("compare a.pcd", 2, "B");
   checkRefused("compare a.las b.las", 2, "a.las");
   checkRefused("town -o town.obj", 2, ".glb");
@@ -145,7 +141,9 @@ TEST_CASE("if the disk fills up, the old file stays and no partial file is left"
 
 TEST_CASE("help and version succeed, and every help text ends with an example") {
   const Workplace place;
-  CHECK_THAT(place.run("--help").out, ContainsSubstring("scan") && ContainsSubstring("town"));
+  CHECK_THAT(place.run("--help").out,
+             ContainsSubstring("scan") && ContainsSubstring("town") && ContainsSubstring("2 for a wrong call; "));
+  CHECK_THAT(place.run("devices --help").out, ContainsSubstring("`cuda-fast:N`"));
   CHECK_THAT(place.run("scan --help").out, ContainsSubstring("--pose") && ContainsSubstring("1.8 m"));
   for (const std::string command : {"", "scan", "plan", "accuracy", "compare", "devices", "sensors", "effects",
                                     "options", "info", "town", "drive", "view"}) {

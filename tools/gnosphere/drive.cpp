@@ -260,7 +260,8 @@ Action addDrive(CLI::App& app) {
   app.add_option("--device", call->device, kDeviceHelp)->capture_default_str();
   addSetOption(app, call->settings);
   app.add_flag("--verify", call->verify,
-               "Read complete frames and finished files, and make those again that have changed");
+               "Read complete frames and finished files, and make those again that have changed")
+      ->needs(out);
   CLI::Option* const live =
       app.add_flag("--live", call->live,
                    "Publish clouds, transforms and the clock for ROS 2 in the time of the drive, and write no files; "

@@ -91,6 +91,13 @@ void printEffect(const EffectInfo& info) {
   std::printf("\nThe formula and its sources: docs/effects/%s.md\n", info.name);
 }
 
+/// Whether an effect or a preset has this name.
+bool isBuiltIn(const std::string& name) {
+  const auto is = [&](const std::string& known) { return sameWord(known, name); };
+  return std::ranges::any_of(effectPresets(), is) ||
+         std::ranges::any_of(effectTable(), [&](const EffectInfo& info) { return is(info.name); });
+}
+
 /// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name, const std::string& mode) {
   if (mode.empty())
@@ -99,6 +106,9 @@ int runEffects(const std::string& name, const std::string& mode) {
         printEffect(info);
         return 0;
       }
+  if (!mode.empty() && isBuiltIn(name))
+    throw Error(ErrorCode::invalidArgument,
+                "--mode chooses a lidar of a file of CARLA's attributes, and '" + name + "' is built in");
   if (!name.empty()) {
     std::printf("%s", toJson(mode.empty() ? presetOrFile(name) : loadEffects(pathOf(name), mode)).c_str());
     return 0;
@@ -142,7 +152,8 @@ Action addDevices(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "Print JSON");
   app.footer(
-      "`gnosphere scan --device` takes the number, a part of the name, `gpu`, or `reference`.\n"
+      "`gnosphere scan --device` takes the number or a part of the name, `auto`, `gpu`, `cuda:N`, `cuda-fast:N` or "
+      "`reference`.\n"
       "Example: gnosphere devices --json");
   return [json] { return runDevices(*json); };
 }

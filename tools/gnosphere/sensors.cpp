@@ -180,7 +180,7 @@ void listCatalogue() {
 int runSensors(const SensorsOptions& options) {
   if (options.name.empty()) {
     if (!options.beams.empty() || !options.image.empty() || options.json)
-      throw Error(ErrorCode::invalidArgument, "name a sensor or a file, whose beams are to be written");
+      throw Error(ErrorCode::invalidArgument, "name a sensor or a file; --json, --beams and --image tell of one");
     listCatalogue();
     return 0;
   }

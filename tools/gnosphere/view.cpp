@@ -202,7 +202,7 @@ Action addView(CLI::App& app) {
   app.add_option("CLOUD", call->a,
                  "A cloud (" + cloudEndings("or") + "), the output folder of gnosphere drive, or a folder of clouds")
       ->required();
-  app.add_option("B", call->b, "Another cloud, to show how the two differ");
+  CLI::Option* const second = app.add_option("B", call->b, "Another cloud, to show how the two differ");
   app.add_option("-o,--output", call->output, "Page to write (.html)")->required();
   app.add_option("--colour", call->colour, "Field to begin with; the page has a list of all");
   app.add_option("--every", call->every, "Show every N-th point only")
@@ -210,7 +210,8 @@ Action addView(CLI::App& app) {
   app.add_option("--frames", call->frames, "Show the frames from A on and before B only, A:B");
   app.add_option("--sensor", call->sensor, "Sensor of a drive to show instead of its first");
   app.add_option("--distance", call->distance, "Distance in metres from which on points of A and B differ")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(second);
   app.add_option("--three", call->three, "Folder of three.js")->capture_default_str();
   app.footer(
       "The page needs no other file and no network.\n"
