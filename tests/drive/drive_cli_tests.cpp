@@ -232,5 +232,6 @@ TEST_CASE("the town has an example drive") {
                                                   "example.tum", "floor.obj", "town.glb"});
   const Result check = place.run("drive example.json");
   CHECK(check.err.empty());
-  CHECK_THAT(check.out, ContainsSubstring("town, 100 frames") && ContainsSubstring("11 actors"));
+  CHECK_THAT(check.out, ContainsSubstring("town, 100 frames") && ContainsSubstring("11 actors") &&
+                            ContainsSubstring("\nmade       nothing; -o FOLDER makes the data set\n"));
 }

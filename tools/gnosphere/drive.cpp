@@ -222,7 +222,10 @@ int runDrive(const DriveCall& call) {
   describe(drive);
   if (call.live) return runLive(call, drive, options);
   for (const drive::Output& output : drive.outputs) say("output", outputText(drive, output));
-  if (call.out.empty()) return 0;
+  if (call.out.empty()) {
+    say("made", "nothing; -o FOLDER makes the data set");
+    return 0;
+  }
   for (const char* made : {"objects.json", "classes.json"}) {
     std::error_code absent;
     if (std::filesystem::equivalent(pathOf(call.out) / made, pathOf(call.file), absent))
