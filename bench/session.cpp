@@ -115,7 +115,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   if (round.motion == Motion::none && round.beside == Beside::seen) {
     contenders.push_back(makeSeen(round.scene, request, settings, poses(round)));
   } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper &&
-             causeAgainstPaper(round.sensor).empty()) {
+             settings.device.kind != DeviceChoice::Kind::reference && causeAgainstPaper(round.sensor).empty()) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, request, settings));
   }

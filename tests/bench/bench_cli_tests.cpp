@@ -259,4 +259,8 @@ TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid c
   CHECK(outcome.at("frames") == 3);
   CHECK(outcome.at("scene").at("triangles") == 2);
   CHECK(outcome.at("contenders").size() == 2);
+  // The reference has one accuracy, so nothing there is the paper's method.
+  const json alone = casesOf(
+      place, "figure7 --scene floor.obj --device reference --sensor VLP-16 --runs 1 --rivals none --json r.json");
+  CHECK(alone.at("figure7").at("outcomes").at(0).at("contenders").size() == 1);
 }
