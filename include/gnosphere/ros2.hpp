@@ -135,7 +135,8 @@ struct PublisherCounts {
 };
 
 /// Publishes the messages of one topic. A thread of its own sends them, so that publish() never waits for subscribers
-/// or for the network. Any thread may call any function.
+/// or for the network. Any thread may call any function. A publisher that was moved to another variable cannot be
+/// called any more: calls throw Error(invalidArgument).
 class Publisher {
  public:
   /// `topic` is a name of ROS, such as "points" or "/front/points". Throws Error(invalidArgument) for a name that ROS
@@ -147,9 +148,11 @@ class Publisher {
   GNOSPHERE_API Publisher(Publisher&&) noexcept;
   GNOSPHERE_API Publisher& operator=(Publisher&&) noexcept;
 
-  /// Throws Error(invalidArgument) for a message of another type, and for one whose sizes contradict each other.
+  /// Throws Error(invalidArgument) for a message of another type, and for one whose sizes contradict each other, whose
+  /// texts contain a zero, or whose times or data are more than ROS can state.
   GNOSPHERE_API void publish(Message message);
-  /// Waits until all messages have been given to the network. Returns false if that takes longer than so many seconds.
+  /// Waits until all messages have been given to the network. Returns false if that takes longer than so many seconds,
+  /// of which a million count at most.
   GNOSPHERE_API bool flush(double seconds);
   GNOSPHERE_API PublisherCounts counts() const;
 

@@ -89,6 +89,13 @@ Topic topicOf(MessageType type, const std::string& name, const PublisherOptions&
   return topic;
 }
 
+/// Returns the queue of a publisher, unless it was moved elsewhere.
+template <class Queue>
+Queue& queueOf(const std::unique_ptr<Queue>& queue) {
+  if (!queue) refusePublisher("this one was moved to another variable; use that one");
+  return *queue;
+}
+
 }  // namespace
 
 class Publisher::Queue {
@@ -192,19 +199,20 @@ Publisher::~Publisher() {
 }
 Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&& other) noexcept {
+  if (this == &other) return *this;
   const Publisher replaced(std::move(*this));
   queue_ = std::move(other.queue_);
   return *this;
 }
 
 void Publisher::publish(Message message) {
-  queue_->push(std::move(message));
+  queueOf(queue_).push(std::move(message));
 }
 bool Publisher::flush(double seconds) {
-  return queue_->flush(seconds);
+  return queueOf(queue_).flush(seconds);
 }
 PublisherCounts Publisher::counts() const {
-  return queue_->counts();
+  return queueOf(queue_).counts();
 }
 
 }  // namespace gnosphere::ros2

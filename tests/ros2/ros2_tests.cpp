@@ -459,6 +459,15 @@ TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence"
   Publisher lasers(MessageType::laserScan, "scan");
   CHECK_THROWS_WITH(lasers.publish(laser), ContainsSubstring("2 values, but there are 1 ranges"));
   CHECK(clouds.counts().published == 0);
+
+  Publisher moved = std::move(lasers);
+  const auto refused = ContainsSubstring("was moved to another variable");
+  CHECK_THROWS_WITH(lasers.publish(laser), refused);
+  CHECK_THROWS_WITH(lasers.flush(0), refused);
+  CHECK_THROWS_WITH(lasers.counts(), refused);
+  Publisher& same = moved;
+  moved = std::move(same);
+  CHECK(moved.counts().published == 0);
 }
 
 TEST_CASE("ROS 2: a topic is refused when its thread, or those of Cyclone DDS, cannot be started") {
