@@ -16,7 +16,8 @@ enum class ClipEnd { loop, hold };
 
 /// The state of the scene `seconds` after the start of a clip of the scene. Everything that the clip does not move is
 /// at rest: instances that follow no node keep their transform, and meshes that none of them places their deformation.
-/// An empty Clip gives the state at rest. The scene must be valid, see validate().
+/// An empty Clip gives the state at rest. The scene must be valid, see validate(). Throws Error(invalidArgument) for a
+/// time that is not finite, and for a clip of another scene that moves a node which this one does not have.
 GNOSPHERE_API SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd end = ClipEnd::loop);
 
 /// The clip of this name, or, where none has it, of this number, counted from 0. Throws Error(invalidArgument) that

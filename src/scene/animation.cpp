@@ -124,7 +124,13 @@ SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd
     locals.push_back(
         {node.translation, node.rotation, node.scale, {node.morphWeights.begin(), node.morphWeights.end()}});
   const double time = timeWithin(clip, seconds, end);
-  for (const Track& track : clip.tracks) apply(track, time, locals[track.node]);
+  for (const Track& track : clip.tracks) {
+    if (track.node >= locals.size())
+      throw Error(ErrorCode::invalidArgument, "the clip '" + clip.name + "' moves node " + std::to_string(track.node) +
+                                                  ", and the scene has " + std::to_string(locals.size()) +
+                                                  "; take a clip of this scene");
+    apply(track, time, locals[track.node]);
+  }
 
   std::vector<Transform> nodes;
   nodes.reserve(locals.size());

@@ -412,6 +412,19 @@ TEST_CASE("clips are found by name, and a wrong name gets the nearest") {
              ContainsSubstring("no clip is called 'Wlak'; the nearest are Walk"));
 }
 
+TEST_CASE("a clip of another scene is refused where it moves a node that the scene does not have") {
+  Scene scene;
+  scene.animation.nodes.resize(2);
+  Clip clip;
+  clip.name = "walk";
+  clip.duration = 1;
+  clip.tracks = {{1, Track::Property::translation, Track::Interpolation::step, {0}, {1, 2, 3}}};
+  CHECK_NOTHROW(stateAt(scene, clip, 0));
+  clip.tracks[0].node = 2;
+  CHECK(problemOf([&] { stateAt(scene, clip, 0); }, ErrorCode::invalidArgument) ==
+        "the clip 'walk' moves node 2, and the scene has 2; take a clip of this scene");
+}
+
 TEST_CASE("a clip whose name another clip has is found by its number") {
   GltfFileMaker file = animatedFile();
   for (const char* name : {"Walk", "3", "Walk", "Idle"})
