@@ -230,7 +230,8 @@ GNO_API gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* m
 GNO_API gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* instance);
 /* The box around all finite vertices that triangles use, in the world frame; min > max if there are none. */
 GNO_API gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]);
-/* An error that names the material, image, mesh, part or instance whose indices or sizes are inconsistent. */
+/* An error that names the material, image, mesh, part, instance, node, skin or clip whose indices or sizes are
+ * inconsistent. */
 GNO_API gno_status gno_scene_validate(gno_scene scene);
 /* In names U+FFFD takes the place of what is not UTF-8. */
 GNO_API gno_status gno_scene_write_glb(gno_scene scene, const char* file);

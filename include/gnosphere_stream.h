@@ -67,8 +67,8 @@ GNO_API gno_status gno_batch_stream_destroy(gno_batch_stream stream);
  * simulator before the call count, those after it do not. The call waits for the batch that has used the same result
  * buffer; and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many
  * views, or was in motion if this one is. It does not wait for other users of the buffer, such as CUDA.
- * GNO_INVALID_ARGUMENT for shots that are not valid, in which case nothing has changed; GNO_OUT_OF_MEMORY;
- * GNO_DEVICE. */
+ * GNO_INVALID_ARGUMENT for shots that are not valid, in which case nothing has changed; GNO_OUT_OF_MEMORY and
+ * GNO_DEVICE, after which the results that the buffer had may be gone, as gno_batch_stream_wait() tells. */
 GNO_API gno_status gno_batch_stream_submit(gno_batch_stream stream, const gno_shot* shots, size_t shot_count,
                                            uint64_t* number);
 /* Waits until a batch is done. GNO_INVALID_ARGUMENT if there is none of this number, or if its buffer has been used

@@ -78,8 +78,8 @@ class GNOSPHERE_API BatchStream {
   /// and for this one, so that lists can grow, if no batch of the sensor that is known to be complete had as many
   /// views, or was in motion if this one is. Other users of the buffer must have finished with it: neither their
   /// commands nor CUDA's are waited for. Throws Error(invalidArgument) as Simulator::scanBatch() does, in which case
-  /// nothing has changed, Error(outOfMemory) and Error(device). Without shots the batch is one of `sensorOfNone`, which
-  /// counts in this case alone.
+  /// nothing has changed, Error(outOfMemory) and Error(device), after which the results that the buffer had may be
+  /// gone, as wait() tells. Without shots the batch is one of `sensorOfNone`, which counts in this case alone.
   uint64_t submit(std::span<const Shot> shots, size_t sensorOfNone = 0);
   /// Waits until a batch is done. Throws Error(invalidArgument) if there is none of this number, or if its buffer has
   /// been used again, and Error(device).

@@ -29,7 +29,8 @@ struct RecordLayout {
   bool compact = false;
 
   bool empty() const { return values.empty(); }
-  /// Returns the bytes that so many rows need on a device: a multiple of 4.
+  /// Returns the bytes that so many rows need on a device: a multiple of 4. Throws Error(invalidArgument) if they are
+  /// more than 62 bits number.
   GNOSPHERE_API uint64_t bytesFor(uint64_t rows) const;
 };
 

@@ -62,9 +62,10 @@ struct Plan {
   /// fewer if not so many fit, or 1 if scans of the sensor are made one by one.
   uint32_t views = 1;
 
-  GNOSPHERE_API uint64_t bytes() const;                     ///< sum over `buffers`
-  GNOSPHERE_API uint32_t dispatches() const;                ///< sum over `stages`
-  GNOSPHERE_API bool has(const std::string& effect) const;  ///< whether scans simulate the effect
+  GNOSPHERE_API uint64_t bytes() const;       ///< sum over `buffers`
+  GNOSPHERE_API uint32_t dispatches() const;  ///< sum over `stages`
+  /// Whether scans simulate the effect, one of effectNames(); false for any other text.
+  GNOSPHERE_API bool has(const std::string& effect) const;
 };
 
 /// Writes a plan as JSON: the members above, and the sums bytes() and dispatches().

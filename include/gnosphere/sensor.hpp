@@ -93,10 +93,10 @@ GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
 /// finite or out of bounds, divergences above 100 mrad, returns outside 1..15, a channel's origin beyond 1 m or a
-/// listed beam's beyond 1 km, a rotation period above 10 s, a scan period that is not finite or shorter than a scan,
-/// time offsets above 1 s or a rotation period, a channel whose own range window is empty, lists of unequal lengths,
-/// patterns of unequal sizes or without beams, organised clouds of another size, or more than 2,147,483,647 beams. Zero
-/// channels are allowed, but not in a file: the cloud is then empty.
+/// listed beam's beyond 1 km, a rotation period above 10 s or, unless it is 0, below 1e-9 s, a scan period that is not
+/// finite or shorter than a scan, time offsets above 1 s or a rotation period, a channel whose own range window is
+/// empty, lists of unequal lengths, patterns of unequal sizes or without beams, organised clouds of another size, or
+/// more than 2,147,483,647 beams. Zero channels are allowed, but not in a file: the cloud is then empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// Returns the five models of Table 2 of the GnoSphere360 paper.
