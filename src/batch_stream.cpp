@@ -168,6 +168,7 @@ class BatchStream::Impl {
     try {
       ring_->submit(buffer, places.records + shots.size() * places.bytesPerView);
     } catch (...) {
+      batches_[buffer].number = kNoBatch;  // a part may have been submitted, and have written to the buffer
       simulator_.abandon(buffer);
       throw;
     }

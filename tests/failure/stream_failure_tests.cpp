@@ -3,7 +3,10 @@
 #include <optional>
 
 #include "failure/injection.hpp"
+#include "problem.hpp"
 #include "support.hpp"
+#include "vulkan/device_functions.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -99,6 +102,23 @@ TEST_CASE("a batch that fails for lack of memory loses no upload, and the next o
                     check();
                     subject.stream.reset();
                   }}) > 0);
+}
+
+TEST_CASE("a batch that cannot be submitted takes the results that its buffer had with it") {
+  needVulkan();
+  Subject subject;
+  subject.take(0);
+  subject.stream.emplace(subject.simulator, BatchStreamOptions{4, 1, true});
+  const uint64_t first = subject.stream->submit(subject.shots);
+  CHECK(subject.stream->wait(first).number == first);
+  const vulkan::LentDevice device = vulkan::lendDevice(Subject::options(true));  // that of the simulator
+  vulkan::DeviceFunctions& vk = functionsOf(device->device);
+  const PFN_vkQueueSubmit submit = vk.vkQueueSubmit;
+  vk.vkQueueSubmit = [](VkQueue, uint32_t, const VkSubmitInfo*, VkFence) { return VK_ERROR_OUT_OF_HOST_MEMORY; };
+  CHECK_THROWS_AS(subject.stream->submit(subject.shots), Error);
+  vk.vkQueueSubmit = submit;
+  CHECK(problemOf([&] { subject.stream->wait(first); }).find("are gone") != std::string::npos);
+  subject.check(0);
 }
 
 TEST_CASE("a batch of more than the most work of a submission is several, with the same results") {
