@@ -235,12 +235,20 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
   std::vector<Instance> instances = scene.instances;
   std::vector<Material> materials = scene.materials;
   std::vector<AlphaImage> images = scene.alphaImages;
-  const std::vector<uint32_t> imageNumbers = unusedImages(images.size());
+  // An image without a material would stay when the materials are removed.
+  std::vector<uint32_t> imageNumbers(images.size(), kNoImage);
+  for (const Material& material : materials)
+    if (material.alphaImage != kNoImage) imageNumbers[material.alphaImage] = 0;
+  const auto used = images.size() - static_cast<size_t>(std::ranges::count(imageNumbers, kNoImage));
+  const std::vector<uint32_t> unused = unusedImages(used);
+  for (size_t i = 0, next = 0; i < images.size(); ++i)
+    if (imageNumbers[i] != kNoImage) imageNumbers[i] = unused[next++];
   for (Material& material : materials)
     if (material.alphaImage != kNoImage) material.alphaImage = imageNumbers[material.alphaImage];
   const auto exchange = [&] {
     for (size_t i = 0; i < materials.size(); ++i) std::swap(scene_.materials[added.materials[i]], materials[i]);
-    for (size_t i = 0; i < images.size(); ++i) std::swap(scene_.alphaImages[imageNumbers[i]], images[i]);
+    for (size_t i = 0; i < images.size(); ++i)
+      if (imageNumbers[i] != kNoImage) std::swap(scene_.alphaImages[imageNumbers[i]], images[i]);
     planner_.forgetTextures();
   };
   const auto giveBack = [&] {

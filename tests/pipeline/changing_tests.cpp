@@ -203,9 +203,9 @@ TEST_CASE("a scene that is added scans as the joined scene does, and a wrong pla
   added.materials.push_back(glass());
   Material leaves;
   leaves.alphaMode = AlphaMode::mask;
-  leaves.alphaImage = 0;
+  leaves.alphaImage = 1;
   added.materials.push_back(leaves);
-  added.alphaImages = {{2, 2, {0, 255, 255, 0}}};
+  added.alphaImages = {{1, 1, {7}}, {2, 2, {0, 255, 255, 0}}};  // no material has the first
   Mesh tree = glassPane(2);
   for (size_t v = 0; v < tree.vertexCount(); ++v) tree.uvs.insert(tree.uvs.end(), {tree.positions[3 * v + 1], 0.5f});
   added.meshes.push_back(tree);
