@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
+#include <string_view>
 
 #include "base/limits.hpp"
+#include "base/number.hpp"
 #include "base/single_precision.hpp"
 #include "base/text.hpp"
 #include "base/vector.hpp"
@@ -18,10 +21,20 @@ namespace {
 bool isInSingle(const std::filesystem::path& file) {
   const std::string ending = lower(file.extension().string());
   if (ending != ".ply") return ending != ".obj";
-  std::ifstream header(file, std::ios::binary);
-  std::string line;
-  while (std::getline(header, line) && !line.starts_with("end_header"))
-    if (line.starts_with("property double x") || line.starts_with("property float64 x")) return false;
+  constexpr size_t kMostHeader = 65536;
+  std::string header(kMostHeader, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(header.data(), static_cast<std::streamsize>(kMostHeader));
+  header.resize(static_cast<size_t>(stream.gcount()));
+  // The reader has read the file, so lines need no check; they may end with carriage returns alone.
+  for (std::string_view rest = header; !rest.empty();) {
+    const size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view keyword = nextWord(line), type = nextWord(line);
+    if (keyword == "end_header") break;
+    if (keyword == "property" && (type == "double" || type == "float64") && nextWord(line) == "x") return false;
+  }
   return true;
 }
 

@@ -129,6 +129,12 @@ TEST_CASE("a mesh that is so wide that its positions have steps is warned of, in
   CHECK_THAT(warningOf("a.obj", verticesOf(corners) + "f 1 2 3 4\nf 5 6 7\n", 0.01),
              ContainsSubstring("steps of 0.0025 m at 27500 m"));
   CHECK(warningOf("a.obj", verticesOf(corners) + "f 1 2 3 4\nf 5 6 7\n", 0.001) == "");
+  // Words of a header may be apart, and its lines may end with carriage returns.
+  std::string spaced = plyOf(corners, "double", "4 0 1 2 3\n3 4 5 6\n"), returned = spaced;
+  spaced.replace(spaced.find("property double x"), 17, "property  double\t x");
+  CHECK(warningOf("a.ply", spaced) == doubles);
+  std::ranges::replace(returned, '\n', '\r');
+  CHECK(warningOf("a.ply", returned) == doubles);
   // Floats hold these doubles exactly, so nothing is lost.
   CHECK(warningOf("a.obj", "v 0 0 0\nv 40000.5 0 0\nv 0 40000.25 0\nf 1 2 3\n") == "");
 }
