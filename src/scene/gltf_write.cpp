@@ -329,7 +329,12 @@ Json Document::nodeOf(const Node& node) {
 size_t Document::addSkin(const Skin& skin, const Vec3& origin) {
   std::vector<float>& binds = floats_.emplace_back();
   for (const Transform& bind : skin.inverseBinds)
-    for (double value : columnsOf(bind * translation(origin))) binds.push_back(static_cast<float>(value));
+    for (double value : columnsOf(bind * translation(origin))) {
+      if (!(std::abs(value) <= double{std::numeric_limits<float>::max()}))
+        throw Error(ErrorCode::invalidArgument, "skin " + std::to_string(&skin - scene_.animation.skins.data()) +
+                                                    ": an inverse bind map is beyond single precision, which glTF has");
+      binds.push_back(static_cast<float>(value));
+    }
   Json json = {{"joints", skin.joints}, {"inverseBindMatrices", addAccessor(binds, "MAT4", 16)}};
   if (!skin.name.empty()) json["name"] = skin.name;
   return push("skins", std::move(json));
@@ -360,9 +365,16 @@ void Document::add(const Clip& clip) {
       channels.push_back({{"sampler", samplers.size() - 1},
                           {"target", {{"node", node}, {"path", kTrackPaths[static_cast<size_t>(track.property)]}}}});
   }
-  if (channels.empty()) return;  // glTF has no animation without channels
+  const bool isStill = channels.empty();
+  if (isStill) {
+    // glTF has no animation without channels. One that moves no node takes their place, so that the clip stays.
+    const size_t input = addAccessor(floats_.emplace_back(1), "SCALAR", 1);
+    json_["accessors"][input]["min"] = json_["accessors"][input]["max"] = {0};
+    samplers.push_back({{"input", input}, {"output", addAccessor(floats_.emplace_back(3), "VEC3", 3)}});
+    channels.push_back({{"sampler", 0}, {"target", {{"path", "translation"}}}});
+  }
   Json item = {{"name", clip.name}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}};
-  if (clip.duration != lastKey) item["extras"][kDurationExtra] = clip.duration;
+  if (isStill || clip.duration != lastKey) item["extras"][kDurationExtra] = clip.duration;
   push("animations", std::move(item));
 }
 

@@ -531,6 +531,22 @@ TEST_CASE("an animated scene is the same after it was written and read") {
     CHECK(read.animation.clips.at(0).duration == duration);
     checkNear(vertices(read, 1.7), vertices(other, 1.7), 1e-5);
   }
+  // A clip that moves nothing stays, too, and the others keep their numbers.
+  Scene idle = scene;
+  idle.animation.clips.insert(idle.animation.clips.begin(), Clip{"idle", 2.5, {}});
+  writeGlb(idle, folder / "idle.glb");
+  const Scene idleAgain = loadScene(folder / "idle.glb");
+  CHECK(idleAgain.leftOut.empty());
+  REQUIRE(idleAgain.animation.clips.size() == 2);
+  CHECK(idleAgain.animation.clips[0].name == "idle");
+  CHECK(idleAgain.animation.clips[0].duration == 2.5);
+  CHECK(idleAgain.animation.clips[0].tracks.empty());
+  CHECK(idleAgain.animation.clips[1].name == "clip");
+  // Maps of a skin are floats in a file.
+  Scene huge = scene;
+  huge.animation.skins[0].inverseBinds[0].rows[3] = 1e39;
+  CHECK(problemOf([&] { writeGlb(huge, folder / "huge.glb"); }) ==
+        "skin 0: an inverse bind map is beyond single precision, which glTF has");
   // An instance that nothing moves, of a mesh that joints move for another one, stays as it is.
   Scene two = scene;
   two.instances.push_back({"statue", two.instances[0].mesh, {{0, -1, 0, 50, 1, 0, 0, 0, 0, 0, 1, 7}}});

@@ -151,6 +151,7 @@ TEST_CASE("empty scenes and empty meshes are kept by writing and reading") {
   scene.instances.insert(scene.instances.begin(), Instance{});
   writeGlb(scene, folder / "a.glb");
   const Scene read = loadScene(folder / "a.glb");
+  CHECK(read.leftOut.empty());
   CHECK(read.meshes.size() == 3);
   CHECK(read.instances.size() == 4);
   CHECK(read.placedTriangleCount() == scene.placedTriangleCount());
