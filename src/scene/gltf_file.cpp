@@ -82,7 +82,7 @@ const std::vector<UnreadProperty>& unreadProperties() {
       {"KHR_materials_iridescence", "iridescenceFactor", 0},
       {"KHR_materials_anisotropy", "anisotropyStrength", 0},
       {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", 0},
-      {"KHR_materials_volume", "attenuationDistance", {}},  // without it the volume takes no light away
+      {"KHR_materials_volume", "attenuationColor", Json::array({1, 1, 1})},
   });
   return kProperties;
 }
@@ -437,12 +437,20 @@ class Tidying {
         leftOut_.add(std::string("sets of numbers of ") + owners + ": " + inQuotes(item.key()));
   }
 
+  /// Whether a volume takes light away: one without thickness, or without a distance, does not.
+  static bool attenuates(const Json& volume) {
+    return volume.contains("attenuationDistance") && volume.contains("thicknessFactor") &&
+           volume["thicknessFactor"] != 0;
+  }
+
   /// Counts each extension of a material of which a property that is not read has an effect.
   void leaveOutProperties(const Json& extensions) {
     std::set<std::string> found;
     for (const auto& [extension, name, neutral] : unreadProperties())
       if (const auto stated = extensions.find(extension); stated != extensions.end())
         if (name == nullptr || (stated->contains(name) && (*stated)[name] != neutral)) found.insert(extension);
+    if (found.contains("KHR_materials_volume") && !attenuates(extensions["KHR_materials_volume"]))
+      found.erase("KHR_materials_volume");
     for (const std::string& extension : found) leftOut_.add("materials' properties of " + extension);
   }
 

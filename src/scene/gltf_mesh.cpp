@@ -45,11 +45,12 @@ class MeshReader {
 
  private:
   Mesh readMesh(size_t index, bool skinned);
+  bool isPlaceholder(int mode, int positions) const;
   void readPrimitive(const tinygltf::Primitive& primitive, bool skinned, const std::string& who, Mesh& mesh);
   void appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const;
   void checkRange(const Mesh& mesh, const Run& run, size_t vertexCount, const std::string& who) const;
   void appendVertices(Mesh& mesh, const std::string& who);
-  void appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who);
+  void appendUsedVertices(Mesh& mesh, const std::vector<const Run*>& runs, const std::string& who);
   const std::vector<float>& uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who);
   void appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const float> uvs);
   const GltfTexture* textureOf(const tinygltf::Primitive& primitive) const;
@@ -122,13 +123,24 @@ Mesh MeshReader::readMesh(size_t index, bool skinned) {
   return mesh;
 }
 
+/// Whether a primitive is the point without data that writeGlb() puts in place of an empty mesh.
+bool MeshReader::isPlaceholder(int mode, int positions) const {
+  if (mode != TINYGLTF_MODE_POINTS || positions < 0 || static_cast<size_t>(positions) >= model_.accessors.size())
+    return false;
+  const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(positions)];
+  return accessor.count == 1 && accessor.bufferView < 0 && !accessor.sparse.isSparse;
+}
+
 /// Appends the triangles of a primitive, with indices into its own accessor.
 void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, bool skinned, const std::string& who, Mesh& mesh) {
   if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
     source_.fail(who + ": mode " + std::to_string(primitive.mode) + " does not exist");
   const auto position = primitive.attributes.find("POSITION");
   if (position == primitive.attributes.end()) return;  // it has no surface
-  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return leftOut_.add(kLinesAndPoints);
+  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
+    if (!isPlaceholder(primitive.mode, position->second)) leftOut_.add(kLinesAndPoints);
+    return;
+  }
 
   Run run;
   run.firstIndex = mesh.indices.size();
@@ -226,14 +238,17 @@ const GltfTexture* MeshReader::textureOf(const tinygltf::Primitive& primitive) c
 void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
   std::map<Vertices, uint32_t> firstVertex;
   std::map<int, Vertices> ofAccessor;
+  std::map<Vertices, std::vector<const Run*>> runsOf;
   std::set<int> shared;
-  for (const Run& run : runs_)
+  for (const Run& run : runs_) {
+    runsOf[run.vertices].push_back(&run);
     if (ofAccessor.emplace(run.vertices.positions, run.vertices).first->second != run.vertices)
       shared.insert(run.vertices.positions);
+  }
   for (const Run& run : runs_) {
     const int accessor = run.vertices.positions;
     if (accessor >= 0 && (meshesOfAccessor_[accessor] > 1 || shared.contains(accessor))) {
-      if (firstVertex.emplace(run.vertices, 0).second) appendUsedVertices(mesh, run.vertices, who);
+      if (const auto& runs = runsOf[run.vertices]; runs.front() == &run) appendUsedVertices(mesh, runs, who);
       continue;
     }
     const auto [found, isNew] = firstVertex.emplace(run.vertices, static_cast<uint32_t>(mesh.vertexCount()));
@@ -282,20 +297,19 @@ void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const
   }
 }
 
-/// Copies only the vertices that the mesh uses. Some exporters put the vertices of all meshes into one accessor, and a
-/// thousand meshes must not hold a thousand copies of it.
-void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who) {
+/// Copies only the vertices that these runs, which have the same sources, use. Some exporters put the vertices of all
+/// meshes into one accessor, and a thousand meshes must not hold a thousand copies of it.
+void MeshReader::appendUsedVertices(Mesh& mesh, const std::vector<const Run*>& runs, const std::string& who) {
+  const Vertices& vertices = runs.front()->vertices;
   const std::vector<float>& all = arrays_.keptFloats(vertices.positions, 3, "positions", who);
   std::vector<uint32_t> used;
-  for (const Run& run : runs_)
-    if (run.vertices == vertices)
-      used.insert(used.end(), &mesh.indices[run.firstIndex], &mesh.indices[run.firstIndex] + run.indexCount);
+  for (const Run* run : runs)
+    used.insert(used.end(), &mesh.indices[run->firstIndex], &mesh.indices[run->firstIndex] + run->indexCount);
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
   arrays_.charge(used.size(), 12, who);
 
   const auto base = static_cast<uint32_t>(mesh.vertexCount());
-  mesh.positions.reserve(mesh.positions.size() + 3 * used.size());
   for (uint32_t vertex : used)
     mesh.positions.insert(mesh.positions.end(), &all[3 * size_t{vertex}], &all[3 * size_t{vertex}] + 3);
   if (vertices.material >= 0) {
@@ -307,12 +321,10 @@ void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const 
     appendUvs(mesh, vertices, usedUvs);
   }
   follow_.append(mesh, vertices.follow, nullptr, &used, all.size() / 3, who);
-  for (const Run& run : runs_) {
-    if (run.vertices != vertices) continue;
-    for (size_t i = run.firstIndex; i < run.firstIndex + run.indexCount; ++i)
+  for (const Run* run : runs)
+    for (size_t i = run->firstIndex; i < run->firstIndex + run->indexCount; ++i)
       mesh.indices[i] =
           base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), mesh.indices[i]) - used.begin());
-  }
 }
 
 }  // namespace
