@@ -114,6 +114,10 @@ TEST_CASE("a mistake in a file is reported in one line with the file, the road a
        "road 1: driving lane 1 has neither a <width> nor a <border>"},
       {"elementType=\"road\"", "elementType=\"rail\"", "road 2: it is linked to a \"rail\""},
       {"</OpenDRIVE>", "", "invalid XML"},
+      {"<width sOffset=\"0\" a=\"3.5\" b=\"0\" c=\"0\" d=\"0\"/>",
+       "<width sOffset=\"0\" a=\"3.5\"/><height sOffset=\"9\" inner=\"0\" outer=\"0\"/>"
+       "<height sOffset=\"0\" inner=\"0.1\" outer=\"0.1\"/>",
+       "road 1: lane 1: <height> elements are not in the order of their sOffset"},
       {"<laneLink from=\"-1\"", "<laneLink from=\"\"", "junction 100: <laneLink> has from=\"\""},
   };
   for (const Fault& fault : faults) {
@@ -142,6 +146,21 @@ TEST_CASE("gaps, links that lead nowhere and included files are warnings, one of
         Lines{"road 2: it is linked to road 44, which the file lacks"});
   CHECK(warningsOf(replaced(sound, "<junction ", "<include file=\"other.xml\"/><junction ")) ==
         Lines{"<include file=\"other.xml\"> is not read; put its content into the file"});
+}
+
+TEST_CASE("an offset with the wrong sign, as old versions of netconvert write it, is a warning") {
+  const auto warningsOf = [](const std::string& offset, const std::string& projection) {
+    const std::string header = "version=\"1\"><geoReference>\n <![CDATA[\n " + projection +
+                               "\n]]>\n</geoReference><offset " + offset + " z=\"0\" hdg=\"0\"/></header>";
+    return readNetwork(TemporaryFile(replaced(textOf(kJunction), "version=\"1\"/>", header)).path).warnings;
+  };
+  const std::string north = "+proj=utm +zone=33 +ellps=WGS84 +datum=WGS84 +units=m +no_defs";
+  const std::string wrong = "x=\"-391390.73\" y=\"-5817852.23\"", right = "x=\"391390.73\" y=\"5817852.23\"";
+  REQUIRE(warningsOf(wrong, north).size() == 1);
+  CHECK_THAT(warningsOf(wrong, north)[0], Catch::Matchers::ContainsSubstring("netconvert 1.21 and older ones"));
+  CHECK(warningsOf(right, north).empty());
+  CHECK(warningsOf(wrong, north + " +south").empty());
+  CHECK(warningsOf(wrong, "+proj=tmerc").empty());
 }
 
 TEST_CASE("beside a lane section of a single side, the lanes of the other side go on") {

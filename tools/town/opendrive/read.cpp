@@ -209,6 +209,8 @@ Lane readLane(const Reader& reader, const Node& node) {
   if (lane.driving && lane.id != 0) checkWidth(reader, lane);
   for (const Node& height : node.children("height")) {
     const double start = reader.number(height, "sOffset");
+    if (lane.hasHeight && start < lane.inner.back().start)
+      reader.fail("lane " + std::to_string(lane.id) + ": <height> elements are not in the order of their sOffset");
     lane.inner.push_back({start, reader.number(height, "inner")});
     lane.outer.push_back({start, reader.number(height, "outer")});
     lane.hasHeight = true;
@@ -357,6 +359,11 @@ std::string offsetText(const Vec3& moved, double turned) {
   return words;
 }
 
+/// Whether a projection is UTM north of the equator, where all coordinates are positive.
+bool isNorthernUtm(const std::string& projection) {
+  return projection.find("+proj=utm") != std::string::npos && projection.find("+south") == std::string::npos;
+}
+
 /// Moves the middle of the network to the origin.
 void centre(Reader& reader, Network& network) {
   const Vec3 middle = middleOf(reader, network.roads);
@@ -408,6 +415,11 @@ Network readNetwork(const std::filesystem::path& file) {
     if (dot(moved, moved) > 0 || turned != 0) network.offset = offsetText(moved, turned);
   }
   network.warnings = doubtsOf(network);
+  const double northing = (network.toFile * network.roads[0].frame(0).at).y;
+  if (!network.offset.empty() && northing < 0 && isNorthernUtm(root.child("header").child("geoReference").text().get()))
+    network.warnings.push_back("the header's offset leads to y = " + std::to_string(std::lround(northing)) +
+                               " m, and its geoReference, UTM in the north, has no negative ones; netconvert 1.21 and "
+                               "older ones state the offset with the wrong sign");
   for (const pugi::xpath_node& found : document.select_nodes("//include"))
     network.warnings.push_back("<include file=\"" + std::string(found.node().attribute("file").value()) +
                                "\"> is not read; put its content into the file");
