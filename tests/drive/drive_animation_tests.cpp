@@ -4,7 +4,9 @@
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <map>
 #include <sstream>
+#include <string>
 
 #include "animation/panels.hpp"
 #include "drive_support.hpp"
@@ -42,6 +44,36 @@ Json panelDrive() {
 }
 
 }  // namespace
+
+TEST_CASE("nuScenes: a vehicle that a clip moves at another time has stopped") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", panels());
+  Json json = panelDrive();
+  json["classes"] = {{"ground", {{"id", 40}}}, {"vehicle.truck", {{"id", 10}}}, {"vehicle.car", {{"id", 11}}}};
+  json["actors"][0]["class"] = "vehicle.truck";  // moves for a second
+  json["actors"][1]["class"] = "vehicle.car";    // moves for 0.375 s
+  json["outputs"] = {{{"format", "nuscenes"}, {"keyframes", 9}}};
+  REQUIRE(folder.run(json).finished);
+  const auto table = [&](const char* name) {
+    std::map<std::string, Json> rows;
+    for (const Json& row : Json::parse(folder.get(std::string("out/nuscenes/v1.0-drive/") + name + ".json")))
+      rows[row["token"]] = row;
+    return rows;
+  };
+  const auto attributes = table("attribute"), instances = table("instance"), categories = table("category"),
+             samples = table("sample");
+  std::map<std::string, std::string> first, last;  // attributes by category
+  for (const auto& [token, note] : table("sample_annotation")) {
+    REQUIRE(note["attribute_tokens"].size() == 1);
+    const Json& category = categories.at(instances.at(note["instance_token"])["category_token"])["name"];
+    (samples.at(note["sample_token"])["prev"] == "" ? first : last)[category] =
+        attributes.at(note["attribute_tokens"][0])["name"];
+  }
+  CHECK(first["vehicle.truck"] == "vehicle.moving");
+  CHECK(last["vehicle.truck"] == "vehicle.moving");
+  CHECK(first["vehicle.car"] == "vehicle.moving");
+  CHECK(last["vehicle.car"] == "vehicle.stopped");
+}
 
 TEST_CASE("actors show their animations, each at its own time, and boxes follow their shape") {
   const DriveFolder folder;

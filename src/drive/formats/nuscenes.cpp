@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <unordered_map>
 
 #include "base/hash.hpp"
@@ -287,7 +288,10 @@ void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& ent
     bool isOfFirst = false;  // whether the box is that of the output's first sensor
   };
   std::map<size_t, std::map<uint64_t, Sight>> sights;  // by actor and sample
+  std::set<size_t> moving;                             // actors that a scan shows moving, as a clip may move them
   for (const Entry& entry : entries) {
+    for (const Box& box : entry.scan.boxes)
+      if (box.moving) moving.insert(box.actor);
     if (!entry.key) continue;
     for (const Box& box : entry.scan.boxes) {
       Sight& sight = sights[box.actor][entry.frame];
@@ -306,7 +310,8 @@ void NuScenes::writeAnnotations(FinalFiles& files, const std::vector<Entry>& ent
     std::vector<uint64_t> seen;
     for (const auto& [sample, sight] : bySample) seen.push_back(sample);
     const std::string& category = drive_.classes[drive_.actors[actor].category].name;
-    const bool everMoves = drive_.actors[actor].trajectory.movesWithin(drive_.start, drive_.start + drive_.duration);
+    const bool everMoves = moving.contains(actor) ||
+                           drive_.actors[actor].trajectory.movesWithin(drive_.start, drive_.start + drive_.duration);
     for (size_t i = 0; i < seen.size(); ++i) {
       const Sight& sight = bySample.at(seen[i]);
       const Box& box = *sight.box;
