@@ -16,6 +16,7 @@ namespace gnosphere::drive {
 namespace {
 
 constexpr double kLongestBend = 0.5;  ///< seconds of a turn before and after a stamp
+constexpr double kShortest = 1e-6;    ///< seconds over which rates are taken; differences of stamps closer tell nothing
 
 /// Whether two poses are the same numbers; their bits may differ, as those of 0 and -0 do.
 bool equal(const Pose& a, const Pose& b) {
@@ -183,8 +184,8 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double per
   constexpr double kMost = 0.05 - 1e-9;  // seconds between stamps of a parabola, less the rounding of times in files
   constexpr double kShare = 0.75;        // of the usual time between stamps, so that a stamp that is early counts, too
   const std::vector<Stamp>& stamps = motion_.stamps;
-  if (stamps.size() < 2 || !covers(time)) return {};  // the vehicle stands
-  const double apart = std::min(kMost, kShare * std::max(spacing_, period));
+  if (!(end() - begin() > kShortest) || !covers(time)) return {};  // the vehicle stands
+  const double apart = std::min(kMost, std::max(kShortest, kShare * std::max(spacing_, period)));
   const Neighbours way = neighboursOf(time, std::min(kMost, std::max(apart, blur_))), turns = neighboursOf(time, apart);
   const auto mountedAt = [&](double when) { return Stamp{when, at(when) * mount}; };
   const auto mounted = [&](size_t i) { return Stamp{stamps[i].time, stamps[i].pose * mount}; };
@@ -194,12 +195,12 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double per
               end = isSparse ? mountedAt(std::min(time + kLongestBend, this->end())) : mounted(way.high);
   const Vec3 across = (1 / (end.time - first.time)) * (end.pose.position - first.pose.position);
   Rates rates = {across, {}, {}};
-  if (first.time < between.time && between.time < end.time) {
+  if (between.time - first.time > kShortest && end.time - between.time > kShortest) {
     const Vec3 early = (1 / (between.time - first.time)) * (between.pose.position - first.pose.position);
     rates.acceleration = (2 / (end.time - between.time)) * (across - early);
     rates.velocity = across + (time - 0.5 * (first.time + end.time)) * rates.acceleration;
   }
-  const Span span = around(time, std::min(kAround, std::max(spacing_, period)));
+  const Span span = around(time, std::min(kAround, std::max({kShortest, spacing_, period})));
   const bool atStamps = segments_.empty() && !isSparse;
   const Stamp from = atStamps ? mounted(turns.low) : mountedAt(span.from),
               to = atStamps ? mounted(turns.high) : mountedAt(span.to);
@@ -212,7 +213,7 @@ Trajectory::Rates Trajectory::ratesAt(double time, const Pose& mount, double per
 
 Trajectory::Span Trajectory::around(double time, double reach) const {
   Span span = {time - reach, time + reach};
-  if (!(begin() < end())) return span;
+  if (!(end() - begin() > kShortest)) return span;
   if (time <= end()) span.to = std::min(span.to, time < begin() ? begin() : end());
   if (time >= begin()) span.from = std::max(span.from, time > end() ? end() : begin());
   return span;
