@@ -214,6 +214,8 @@ Drive DriveReader::read(const fs::path& file) {
   actors();
   addStanding();
   ignores();
+  if (mistakes_.empty()) checkSizes();
+  checkNumbers();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();
   warnOfJumps(!warnOfStamps());
@@ -221,6 +223,7 @@ Drive DriveReader::read(const fs::path& file) {
   warnOfEnd();
   warnOfModelSizes();
   warnOfScales();
+  warnOfInsideOut();
   warnOfSensors();
   drive_.file = jsonText(root_, 2) + "\n";
   drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));

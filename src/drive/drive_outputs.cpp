@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the outputs of a drive from its file.
+#include <algorithm>
 #include <cctype>
 #include <initializer_list>
 #include <set>
@@ -266,6 +267,29 @@ void DriveReader::outputs() {
     if (output.format == "mcap" && mistakes_.empty()) checkBag(output, object.contains("fields"), path);
     if (output.format == "osi") checkTrace(output, path);
     drive_.outputs.push_back(std::move(output));
+  }
+}
+
+/// Checks the numbers of actors, and the classes that files state, against the bits that outputs have for them.
+void DriveReader::checkNumbers() {
+  const auto checkClasses = [&](const Scene& scene, const std::string& path) {
+    const auto check = [&](const char* what, const auto& all) {
+      const auto found = std::ranges::find_if(all, [](const auto& item) { return item.classId > 255; });
+      if (found != all.end())
+        refuse(path, std::string("LAS has classes 0 to 255; the file of ") + what + " " + inQuotes(found->name) +
+                         " states the id " + std::to_string(found->classId));
+    };
+    check("instance", scene.instances);
+    check("material", scene.materials);
+  };
+  for (size_t i = 0; i < drive_.outputs.size(); ++i) {
+    const std::string path = entryPath("outputs", i) + ".format";
+    if (drive_.outputs[i].format == "semantickitti" && drive_.actors.size() > 65535)
+      refuse(path, "SemanticKITTI labels have 16 bits for the number of an actor; there are " +
+                       std::to_string(drive_.actors.size()) + " actors");
+    if (!formatNamed(drive_.outputs[i].format).survey) continue;
+    for (const std::vector<Scene>* scenes : {&drive_.scenes, &drive_.models})
+      for (const Scene& scene : *scenes) checkClasses(scene, path);
   }
 }
 

@@ -83,11 +83,14 @@ class DriveReader {
   void models();
   void warnOfModelSizes();
   void warnOfScales();
+  void warnOfInsideOut();
   void materialTable();
   void actors();
   void sensors();
   void ignores();
   void warnOfBodies();
+  void checkSizes();
+  void checkNumbers();
   void warnOfClocks();
   bool warnOfStamps();
   void warnOfOrientations();
@@ -128,6 +131,8 @@ class DriveReader {
 
 /// Reads a list of three numbers.
 Vec3 vectorOf(const nlohmann::json& list);
+/// Returns a positive number with so many significant digits.
+std::string roundedText(double value, double digits);
 /// A member of an object, or null.
 const nlohmann::json& memberOf(const nlohmann::json& object, const char* name);
 

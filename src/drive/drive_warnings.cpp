@@ -34,12 +34,6 @@ std::string secondsText(double time) {
   return trimmed + " s";
 }
 
-/// Returns a positive number with so many significant digits.
-std::string roundedText(double value, double digits) {
-  const double perUnit = std::pow(10, digits - 1 - std::floor(std::log10(value)));
-  return gnosphere::numberText(std::round(value * perUnit) / perUnit);
-}
-
 /// A way between two stamps of a trajectory.
 struct Way {
   double from = 0, to = 0;  ///< s
@@ -242,63 +236,6 @@ void DriveReader::warnOfJumps(bool ofEgo) {
          text(inQuotes(drive_.actors[fastest].name), way) +
              ", and what appears elsewhere is another actor, both with \"outside\": \"gone\"" +
              (count > 1 ? " (of " + std::to_string(count) + " actors that do so this is the fastest)" : ""));
-}
-
-/// Warns of models that are larger or smaller than anything in traffic, and that actors show in their own size.
-void DriveReader::warnOfModelSizes() {
-  constexpr double kLong = 100, kShort = 0.02;  // m
-  for (size_t m = 0; m < drive_.modelNames.size(); ++m) {
-    const auto showsIt = [&](const Actor& actor) { return actor.model == m && !actor.size; };
-    if (std::ranges::none_of(drive_.actors, showsIt)) continue;
-    const Bounds bounds = worldBounds(drive_.models[m]);
-    const Vec3 extent = bounds.max - bounds.min;
-    const double longest = bounds.empty() ? kShort : std::max({extent.x, extent.y, extent.z});
-    if (longest > kLong || (longest > 0 && longest < kShort))
-      warn(memberPath("models", drive_.modelNames[m]) + ".file",
-           "measures " + roundedText(longest, 3) +
-               " m; files are in metres, and \"scale\" changes that: 0.01 for centimetres, 0.001 for millimetres");
-  }
-}
-
-/// Warns of actors whose size has other proportions than their model. A model that is a box may stand for any other
-/// box.
-void DriveReader::warnOfScales() {
-  constexpr double kMost = 1.5;                                      // between the greatest and the least factor
-  std::map<std::pair<size_t, std::optional<size_t>>, Vec3> extents;  // by model and clip; 0 for boxes
-  const auto extentOf = [&](const Actor& actor) {
-    const Scene& model = drive_.models[actor.model];
-    const auto clip = actor.animation ? std::optional(actor.animation->clip) : std::nullopt;
-    const auto [extent, isNew] = extents.try_emplace({actor.model, clip});
-    if (isNew && !isBox(model)) extent->second = fittedExtent(model, actor.animation);
-    return extent->second;
-  };
-  size_t found = 0, count = 0;
-  double most = kMost;
-  for (size_t a = 0; a < drive_.actors.size(); ++a) {
-    const Actor& actor = drive_.actors[a];
-    if (!actor.size) continue;
-    const Vec3 extent = extentOf(actor);
-    if (!(extent.x > 0 && extent.y > 0 && extent.z > 0)) continue;  // World refuses flat models
-    const auto [low, high] =
-        std::minmax({actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z});
-    if (!(high / low > kMost)) continue;
-    ++count;
-    if (!(high / low > most)) continue;
-    found = a;
-    most = high / low;
-  }
-  if (count == 0) return;
-  const Actor& actor = drive_.actors[found];
-  const Vec3 extent = extentOf(actor);
-  const auto text = [](double x, double y, double z) {
-    return roundedText(x, 3) + ", " + roundedText(y, 3) + " and " + roundedText(z, 3);
-  };
-  warn(entryPath("actors", found) + ".size",
-       "scales the model of " + inQuotes(actor.name) + " by " +
-           text(actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z) +
-           " along x, y and z, which distorts it; the model measures " + text(extent.x, extent.y, extent.z) +
-           " m: give a size of its proportions, or turn it by its \"pose\"" +
-           (count > 1 ? " (of " + std::to_string(count) + " actors that are distorted this is the most)" : ""));
 }
 
 /// Warns of scans that go on when the trajectory of a vehicle that moves has ended: it stops at once, which no inertial

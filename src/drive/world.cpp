@@ -65,12 +65,10 @@ std::vector<std::vector<bool>> usedVerticesOf(const Scene& model) {
   return used;
 }
 
-/// Returns the transform that gives a model the length, width and height of its actor.
+/// Returns the transform that gives a model, which is not flat, the length, width and height of its actor.
 Transform fitting(const Actor& actor, const Scene& model) {
   if (!actor.size) return {};
   const Vec3 extent = fittedExtent(model, actor.animation);
-  if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
-    throw Error(ErrorCode::format, "actor '" + actor.name + "': its model is flat, so it cannot be scaled to a size");
   return {{actor.size->x / extent.x, 0, 0, 0, 0, actor.size->y / extent.y, 0, 0, 0, 0, actor.size->z / extent.z, 0}};
 }
 

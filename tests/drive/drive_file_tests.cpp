@@ -199,6 +199,8 @@ TEST_CASE("all mistakes are told at once") {
   json["sensors"][1]["sensor"] = "none";
   json["scenes"][0]["file"] = "none.obj";
   checkRefused(json, {"actors[0].class: ", "sensors[1].sensor: ", "scenes[0].file: "});
+  checkRefused(changed("/models/cube/file", "floor.obj"),
+               {"actors[0].size: the model of 'car-1' is flat, so it cannot be scaled to a size", "actors[1].size: "});
 }
 
 TEST_CASE("a pose states its yaw alone") {

@@ -108,6 +108,32 @@ TEST_CASE("a size that distorts its model is warned of, unless the model is a bo
   CHECK(folder.read(json).warnings == Warnings{text + " (of 2 actors that are distorted this is the most)"});
 }
 
+TEST_CASE("a model whose fronts are inside is warned of where beams pass through backs") {
+  const DriveFolder folder;
+  Scene cube = loadScene(folder / "cube.obj");
+  Json json = quietDrive();
+  json["models"]["cube"]["file"] = "cube.glb";
+  const auto warnings = [&] {
+    writeGlb(cube, folder / "cube.glb");
+    return folder.read(json).warnings;
+  };
+  cube.materials.at(0).doubleSided = false;
+  CHECK(warnings().empty());
+  std::vector<uint32_t>& indices = cube.meshes.at(0).indices;
+  for (size_t i = 0; i < indices.size(); i += 3) std::swap(indices[i], indices[i + 1]);
+  CHECK(warnings() == Warnings{"models.cube.file: has the fronts of its surfaces inside, and beams pass through backs, "
+                               "so it is invisible from outside; turn its triangles round, or make its materials "
+                               "double-sided"});
+  cube.instances.at(0).transform.rows[0] = -1;  // glTF turns the triangles of a mirrored mesh
+  CHECK(warnings().empty());
+  cube.instances[0].transform.rows[0] = 1;
+  json["simulator"]["faces"] = "both";
+  CHECK(warnings().empty());
+  json.erase("simulator");
+  cube.materials[0].doubleSided = true;
+  CHECK(warnings().empty());
+}
+
 TEST_CASE("a pose file that lacks poses, or whose times are not in seconds, is warned of") {
   const DriveFolder folder;
   const auto recorded = [&](double unit, double gap, double moved) {  // at 100 Hz, with a gap after half a second

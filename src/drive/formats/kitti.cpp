@@ -114,9 +114,6 @@ class Kitti : public Format {
 }  // namespace
 
 std::unique_ptr<Format> makeKitti(const Drive& drive, const World& world, const Output& output) {
-  if (output.format == "semantickitti" && drive.actors.size() > 65535)
-    throw Error(ErrorCode::format, "SemanticKITTI labels have 16 bits for the number of an actor; there are " +
-                                       std::to_string(drive.actors.size()) + " actors");
   return std::make_unique<Kitti>(drive, world, output);
 }
 

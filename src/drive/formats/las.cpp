@@ -374,13 +374,6 @@ std::string mistakeOfLasField(Field field) {
 }
 
 std::unique_ptr<Format> makeLas(const Drive& drive, const World& world, const Output& output) {
-  const auto check = [](const std::string& who, uint16_t id) {
-    if (id > 255) throw Error(ErrorCode::format, "LAS has classes 0 to 255; " + who + " the id " + std::to_string(id));
-  };
-  for (const Instance& instance : world.scene().instances)
-    check("the file of instance '" + instance.name + "' states", instance.classId);
-  for (const Material& material : world.scene().materials)
-    check("the file of material '" + material.name + "' states", material.classId);
   return std::make_unique<Las>(drive, world, output);
 }
 
