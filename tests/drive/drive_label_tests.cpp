@@ -527,24 +527,6 @@ TEST_CASE("labels of SemanticKITTI lead to objects.json and classes.json") {
         R"({"car":10,"ground":40,"moving-car":7,"person":30,"stroller":254})");
 }
 
-TEST_CASE("actors that a scene has had share a model if they differ by their places and yaws alone") {
-  const DriveFolder folder;
-  MeshBuilder box;
-  box.box({-1, -2, 0}, {1, 2, 1.5});
-  Scene cars = sceneOf(box.take());
-  cars.instances.clear();
-  for (const double yaw : {0.3, 1.1, 2.7}) {
-    const double c = std::cos(yaw), s = std::sin(yaw);
-    cars.instances.push_back({"car", 0, {{c, -s, 0, 7 * yaw, s, c, 0, 5, 0, 0, 1, 0.3}}});
-  }
-  writeGlb(cars, folder / "cars.glb");
-  Json json = actorDrive();
-  json["scenes"].push_back({{"file", "cars.glb"}, {"instances", {{"car", "car"}}}, {"boxes", {"car"}}});
-  const drive::Drive drive = folder.read(json);
-  REQUIRE(drive.actors.size() == 3);
-  CHECK(drive.models.size() == 2);  // with that of the drive file
-}
-
 TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and of boxes that no instance has") {
   const DriveFolder folder;
   Json json = quietDrive();
@@ -558,34 +540,59 @@ TEST_CASE("a run warns of sensors that have no scan in samples of nuScenes, and 
   CHECK(warnings[1] == "scenes[0].boxes: no instance has any of these classes");
 }
 
-TEST_CASE("thousands of instances of one name become actors with names of their own in little time") {
-  const DriveFolder folder;
-  Scene scene;
-  scene.meshes.resize(1);
-  scene.meshes[0].positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  scene.meshes[0].indices = {0, 1, 2};
-  scene.materials.resize(1);
-  scene.meshes[0].parts = {{0, 1, 0}};
-  constexpr size_t kMany = 12000;
-  for (size_t i = 0; i < kMany; ++i)
-    scene.instances.push_back({"car", 0, {{1, 0, 0, double(i), 0, 1, 0, 0, 0, 0, 1, 1}}, 10});
-  writeGlb(scene, folder / "parked.glb");
-  Json json = smallDrive();
-  json["scenes"].push_back({{"file", "parked.glb"}, {"boxes", {"car"}}});
-  drive::Drive drive;
-  CHECK(cpuSeconds([&] { drive = folder.read(json); }) < 1);
-  REQUIRE(drive.actors.size() == kMany + 2);
-  CHECK(drive.actors[2].name == "car");
-  CHECK(drive.actors[3].name == "car (2)");
-  CHECK(drive.actors.back().name == "car (" + std::to_string(kMany) + ")");
-}
-
-TEST_CASE("a scene of which no instance has boxes keeps its instances and their names") {
-  const DriveFolder folder;
-  put(folder / "floor.obj", std::string("o a floor that has more letters than a short string\n") + kFloor);
-  Json json = smallDrive();
-  json["scenes"][0]["boxes"] = {"person"};
-  const std::vector<Instance> instances = folder.read(json).scenes[0].instances;
-  REQUIRE(instances.size() == 1);
-  CHECK(instances[0].name == "a floor that has more letters than a short string");
+TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
+  for (const bool deskew : {false, true}) {
+    INFO("deskew " << deskew);
+    const DriveFolder folder;
+    Json json = smallDrive();
+    json["weather"] = Json::array();
+    json["sensors"][0]["effects"] = {{"sensor-motion", {{"deskew", deskew}}}};
+    // A wall of 1 m hides the lower part of the car.
+    json["models"]["wall"] = {{"file", "cube.obj"}};
+    json["actors"][2] = {{"name", "wall"},
+                         {"model", "wall"},
+                         {"class", "ground"},
+                         {"size", {30, 0.2, 1}},
+                         {"trajectory", {{"waypoints", {waypoint(0, 0, 1.5, 0.5)}}}}};
+    json["outputs"][1] = {{"format", "boxes"}};
+    folder.run(json);
+    for (const std::string scan : {"top/000001", "top/000004"}) {
+      INFO(scan);
+      std::istringstream lines(folder.get("out/boxes/" + scan + ".jsonl"));
+      std::map<std::string, Json> boxes;
+      for (std::string line; std::getline(lines, line);) boxes[Json::parse(line)["name"]] = Json::parse(line);
+      REQUIRE(boxes.contains("car-1"));
+      const Json& car = boxes["car-1"];
+      const auto p = car["sensor_frame"]["position"].get<std::array<double, 3>>();
+      const auto q = car["sensor_frame"]["orientation"].get<std::array<double, 4>>();
+      const Pose toBox = drive::inverse({{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}});
+      uint64_t points = 0;
+      std::vector<float> times;
+      for (const Row& row : rowsOf(folder.get("out/npy/" + scan + ".npy"))) {
+        if (row.instance != car["object"]) continue;
+        ++points;
+        times.push_back(row.time);
+        const Vec3 inBox = drive::operator*(toBox, Vec3{row.x, row.y, row.z});
+        // The sensor passes the car at up to 9 m/s; the beams that hit it are at most 0.02 s from their median.
+        CHECK(std::abs(inBox.x) < 2 + 0.2);
+        CHECK(std::abs(inBox.y) < 1 + 0.2);
+        CHECK(std::abs(inBox.z) < 0.75 + 0.2);
+      }
+      CHECK(car["points"] == points);
+      // The car is at x = 3 + 5 t, and the sensor at -2 + 4 t, or where the scan began if it is de-skewed.
+      std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+      const double begin = 0.1 * (scan.back() - '0'), after = times[times.size() / 2];
+      CHECK_THAT(car["time"].get<double>(), WithinAbs(after, 1e-6));
+      const double carX = 3 + 5 * (begin + after);
+      CHECK_THAT(car["world_frame"]["position"][0].get<double>(), WithinAbs(carX, 1e-6));
+      CHECK_THAT(p[0], WithinAbs(carX - (-2 + 4 * (begin + (deskew ? 0 : after))), 1e-6));
+      CHECK(car["moving"] == true);
+      CHECK_THAT(car["velocity"][0].get<double>(), WithinAbs(5, 1e-6));
+      CHECK(car["size"] == Json::array({4.0, 2.0, 1.5}));
+      CHECK(car["visibility"] > 0.1);
+      CHECK(car["visibility"] < 0.9);
+      CHECK(boxes["wall"]["visibility"] == 1.0);
+      CHECK(boxes["wall"]["moving"] == false);
+    }
+  }
 }
