@@ -2,8 +2,11 @@
 // The values of a drive file that occur in several places: poses, scenes, trajectories, sensors, effects.
 #include "drive/drive_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 
 #include "base/file.hpp"
 #include "base/units.hpp"
@@ -188,6 +191,44 @@ std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, double s
   return stamps;
 }
 
+/// Returns the stamps of a pose file, none if it is refused. Of poses with the same time the first counts.
+std::vector<Trajectory::Stamp> DriveReader::fileStamps(const json& object, const std::string& format,
+                                                       const std::string& path) {
+  TrajectoryFileOptions options;
+  if (object.contains("times")) options.times = file(object["times"]);
+  options.route = object.value("route", "");
+  options.speed = object.value("speed", 0.0);
+  std::vector<Trajectory::Stamp> stamps;
+  attempt(path + ".file", [&] { stamps = readTrajectory(file(object["file"]), format, options); });
+  // Recordings may have a time twice; other disorder is a mistake.
+  const auto sameTime = [](const auto& a, const auto& b) { return a.time == b.time; };
+  const size_t count = stamps.size();
+  stamps.erase(std::unique(stamps.begin(), stamps.end(), sameTime), stamps.end());
+  if (stamps.size() < count)
+    warn(path, std::to_string(count - stamps.size()) + " poses have the time of the pose before them and are left out");
+  return stamps;
+}
+
+/// Keeps the stamps from the `from` of a trajectory to its `to`, and what `turned` has of them. Returns the direction
+/// of the last way up to the first of them, in which who stands there looks.
+std::optional<Direction> DriveReader::cut(const json& object, bool pitched, std::vector<Trajectory::Stamp>& stamps,
+                                          std::vector<bool>& turned) {
+  // INFINITY is a float, which value() would round the times to.
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  const double from = object.value("from", -kEver), to = object.value("to", kEver);
+  size_t kept = 0;
+  std::optional<Direction> before;
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    if (stamps[i].time < from || stamps[i].time > to) continue;
+    if (kept == 0) before = directionOfLastWay(std::span(stamps).first(i + 1), pitched);
+    stamps[kept] = stamps[i];
+    turned[kept++] = turned[i];
+  }
+  stamps.resize(kept);
+  turned.resize(kept);
+  return before;
+}
+
 Trajectory DriveReader::trajectory(const json& object, const std::string& path) {
   const std::string format = object.value("format", "tum");
   const auto only = [&](const char* name, const char* owner) {
@@ -206,22 +247,10 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   if (object.contains("waypoints")) {
     if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
     stamps = waypoints(object["waypoints"], object.value("speed", 0.0), path + ".waypoints", turned);
-    if (stamps.empty()) return {};
   } else {
-    TrajectoryFileOptions options;
-    if (object.contains("times")) options.times = file(object["times"]);
-    options.route = object.value("route", "");
-    options.speed = object.value("speed", 0.0);
-    attempt(path + ".file", [&] { stamps = readTrajectory(file(object["file"]), format, options); });
-    if (stamps.empty()) return {};
-    // Recordings may have a time twice; other disorder is a mistake.
-    const auto sameTime = [](const auto& a, const auto& b) { return a.time == b.time; };
-    const size_t count = stamps.size();
-    stamps.erase(std::unique(stamps.begin(), stamps.end(), sameTime), stamps.end());
-    if (stamps.size() < count)
-      warn(path,
-           std::to_string(count - stamps.size()) + " poses have the time of the pose before them and are left out");
+    stamps = fileStamps(object, format, path);
   }
+  if (stamps.empty()) return {};
   const bool looksAlong =
       object.value("heading", false) || (object.contains("file") && (format == "carla" || format == "carla-route"));
   turned.resize(stamps.size(), true);
@@ -230,19 +259,7 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
   const bool pitched = object.value("pitch", false);
   if (pitched && !someAre(false))
     refuse(memberPath(path, "pitch"), "is for waypoints without an orientation, or with \"heading\": true");
-  // INFINITY is a float, which value() would round the times to.
-  constexpr double kEver = std::numeric_limits<double>::infinity();
-  const double from = object.value("from", -kEver), to = object.value("to", kEver);
-  size_t kept = 0;
-  std::optional<Direction> before;
-  for (size_t i = 0; i < stamps.size(); ++i) {
-    if (stamps[i].time < from || stamps[i].time > to) continue;
-    if (kept == 0) before = directionOfLastWay(std::span(stamps).first(i + 1), pitched);
-    stamps[kept] = stamps[i];
-    turned[kept++] = turned[i];
-  }
-  stamps.resize(kept);
-  turned.resize(kept);
+  const std::optional<Direction> before = cut(object, pitched, stamps, turned);
   if (stamps.empty()) {
     refuse(path, "has no pose from 'from' to 'to'");
     return {};

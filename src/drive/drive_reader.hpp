@@ -63,6 +63,10 @@ class DriveReader {
   Scene scene(const nlohmann::json& object, const std::string& path);
   std::optional<Animation> animation(const nlohmann::json& object, const std::string& path, const Scene& scene);
   Trajectory trajectory(const nlohmann::json& object, const std::string& path);
+  std::vector<Trajectory::Stamp> fileStamps(const nlohmann::json& object, const std::string& format,
+                                            const std::string& path);
+  static std::optional<Direction> cut(const nlohmann::json& object, bool pitched,
+                                      std::vector<Trajectory::Stamp>& stamps, std::vector<bool>& turned);
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, double speed, const std::string& path,
                                            std::vector<bool>& turned);
   void warnOfRadians(const nlohmann::json& list, const std::vector<double>& along, const std::string& path);
