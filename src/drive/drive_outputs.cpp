@@ -272,15 +272,11 @@ void DriveReader::outputs() {
 
 /// Checks the numbers of actors, and the classes that files state, against the bits that outputs have for them.
 void DriveReader::checkNumbers() {
-  const auto checkClasses = [&](const Scene& scene, const std::string& path) {
-    const auto check = [&](const char* what, const auto& all) {
-      const auto found = std::ranges::find_if(all, [](const auto& item) { return item.classId > 255; });
-      if (found != all.end())
-        refuse(path, std::string("LAS has classes 0 to 255; the file of ") + what + " " + inQuotes(found->name) +
-                         " states the id " + std::to_string(found->classId));
-    };
-    check("instance", scene.instances);
-    check("material", scene.materials);
+  const auto checkClasses = [&](const char* what, const auto& all, const std::string& path) {
+    const auto found = std::ranges::find_if(all, [](const auto& item) { return item.classId > 255; });
+    if (found != all.end())
+      refuse(path, std::string("LAS has classes 0 to 255; the file of ") + what + " " + inQuotes(found->name) +
+                       " states the id " + std::to_string(found->classId));
   };
   for (size_t i = 0; i < drive_.outputs.size(); ++i) {
     const std::string path = entryPath("outputs", i) + ".format";
@@ -288,8 +284,9 @@ void DriveReader::checkNumbers() {
       refuse(path, "SemanticKITTI labels have 16 bits for the number of an actor; there are " +
                        std::to_string(drive_.actors.size()) + " actors");
     if (!formatNamed(drive_.outputs[i].format).survey) continue;
+    for (const Scene& scene : drive_.scenes) checkClasses("instance", scene.instances, path);  // actors have their own
     for (const std::vector<Scene>* scenes : {&drive_.scenes, &drive_.models})
-      for (const Scene& scene : *scenes) checkClasses(scene, path);
+      for (const Scene& scene : *scenes) checkClasses("material", scene.materials, path);
   }
 }
 
