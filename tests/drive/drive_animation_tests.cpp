@@ -67,7 +67,7 @@ TEST_CASE("nuScenes: a vehicle that a clip moves at another time has stopped") {
     REQUIRE(note["attribute_tokens"].size() == 1);
     const Json& category = categories.at(instances.at(note["instance_token"])["category_token"])["name"];
     (samples.at(note["sample_token"])["prev"] == "" ? first : last)[category] =
-        attributes.at(note["attribute_tokens"][0])["name"];
+        attributes.at(note["attribute_tokens"][0])["name"].get<std::string>();
   }
   CHECK(first["vehicle.truck"] == "vehicle.moving");
   CHECK(last["vehicle.truck"] == "vehicle.moving");

@@ -358,13 +358,13 @@ TEST_CASE("a vehicle whose stamps are far apart has the rates of its poses, and 
 }
 
 TEST_CASE("stamps that nothing lies between give finite rates") {
-  const auto at = [](double x) { return Pose{{x, 0, 0}, {}}; };
+  const auto placed = [](double x) { return Pose{{x, 0, 0}, {}}; };
   const Pose turned = {{2, 0, 0}, {0, 0, kHalf, kHalf}};
   for (const drive::Trajectory& way :
-       {drive::Trajectory({{0, at(0)}, {1e-308, turned}}),
-        drive::Trajectory({{0, at(0)}, {1e-308, turned}, {1, at(3)}}),
-        drive::Trajectory({{0, at(0)}, {1, at(3)}, {std::nextafter(1.0, 2.0), turned}, {2, at(4)}}),
-        drive::Trajectory({{0, at(0)}, {1e-308, turned}, {2e-308, at(1)}, {3e-308, turned}, {1, at(3)}})})
+       {drive::Trajectory({{0, placed(0)}, {1e-308, turned}}),
+        drive::Trajectory({{0, placed(0)}, {1e-308, turned}, {1, placed(3)}}),
+        drive::Trajectory({{0, placed(0)}, {1, placed(3)}, {std::nextafter(1.0, 2.0), turned}, {2, placed(4)}}),
+        drive::Trajectory({{0, placed(0)}, {1e-308, turned}, {2e-308, placed(1)}, {3e-308, turned}, {1, placed(3)}})})
     for (const double time : {0.0, 1e-308, 0.02, 0.5, 1.0, 1.98}) {
       CAPTURE(way.stamps().size(), way.end(), time);
       const drive::Trajectory::Rates rates = way.ratesAt(time);
