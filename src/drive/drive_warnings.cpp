@@ -5,8 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <optional>
 #include <utility>
 
 #include "base/vector.hpp"
@@ -15,7 +13,6 @@
 #include "drive/median.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"
-#include "drive/world.hpp"
 #include "effects/trajectory.hpp"
 #include "ros2/driver_cloud.hpp"
 #include "sensor/beams.hpp"
