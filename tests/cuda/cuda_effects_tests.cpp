@@ -13,8 +13,6 @@ namespace {
 using Profile = Effects::Divergence::Profile;
 using Mode = Effects::Returns::Mode;
 
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
 /// A town in which every other material is transparent, with a fence that has holes.
 Scene glazedTown() {
   Scene scene = makeTown({.triangles = 20'000});

@@ -28,7 +28,7 @@ Effects of(const std::string& attributes, const std::string& type = "ray_cast") 
   return load(R"({"type": "sensor.lidar.)" + type + "\"" + (attributes.empty() ? "" : ", ") + attributes + "}");
 }
 
-void refused(const std::string& text, const std::string& why, const std::string& mode = {}) {
+void refusedLidar(const std::string& text, const std::string& why, const std::string& mode = {}) {
   INFO(text);
   try {
     load(text, mode);
@@ -98,9 +98,9 @@ TEST_CASE("lidars of a CARLA file whose effects differ are chosen by their ids")
   CHECK(load(two("0.02")).rangeNoise.sigma == 0.02);
   CHECK(load(two("0.03"), "top").rangeNoise.sigma == 0.02);
   CHECK(load(two("0.03"), "low").rangeNoise.sigma == 0.03);
-  refused(two("0.03"), "the effects of the lidars top, low differ: choose one by its id");
-  refused(two("0.03"), "has no lidar 'rear', but top, low", "rear");
-  refused(R"({"type": "sensor.camera.rgb"})", "describes sensors of CARLA, but no 'sensor.lidar.ray_cast'");
+  refusedLidar(two("0.03"), "the effects of the lidars top, low differ: choose one by its id");
+  refusedLidar(two("0.03"), "has no lidar 'rear', but top, low", "rear");
+  refusedLidar(R"({"type": "sensor.camera.rgb"})", "describes sensors of CARLA, but no 'sensor.lidar.ray_cast'");
   CHECK_THROWS_MATCHES(load(R"({"fog": {"visibility": 50}})", "top"), Error,
                        Catch::Matchers::MessageMatches(ContainsSubstring("a mode is the id of a CARLA lidar") &&
                                                        ContainsSubstring("'top'")));
@@ -110,13 +110,13 @@ TEST_CASE("wrong attributes of a CARLA lidar are refused by their own names") {
   const auto with = [](const std::string& attribute) {
     return R"({"type": "sensor.lidar.ray_cast", )" + attribute + "}";
   };
-  refused(with(R"("dropoff_general_rate": 1.5)"), "'dropoff_general_rate' must be 0..1, is 1.5");
-  refused(with(R"("dropoff_general_rate": "much")"), "'dropoff_general_rate' must be 0..1, is \"much\"");
-  refused(with(R"("noise_stddev": [0.1])"), "'noise_stddev' must be 0..100 m, is [0.1]");
-  refused(with(R"("noise_seed": -1)"), "'noise_seed' must be a whole number");
-  refused(with(R"("dropoff_intensity_limit": 2)"), "'dropoff_intensity_limit' must be 0.001..1, is 2");
-  refused(R"({"channels": 32, "points_per_second": 56000, "dropoff_general_rate": 0})",
-          "has attributes of a CARLA lidar, but no \"type\": add \"type\": \"sensor.lidar.ray_cast\"");
+  refusedLidar(with(R"("dropoff_general_rate": 1.5)"), "'dropoff_general_rate' must be 0..1, is 1.5");
+  refusedLidar(with(R"("dropoff_general_rate": "much")"), "'dropoff_general_rate' must be 0..1, is \"much\"");
+  refusedLidar(with(R"("noise_stddev": [0.1])"), "'noise_stddev' must be 0..100 m, is [0.1]");
+  refusedLidar(with(R"("noise_seed": -1)"), "'noise_seed' must be a whole number");
+  refusedLidar(with(R"("dropoff_intensity_limit": 2)"), "'dropoff_intensity_limit' must be 0.001..1, is 2");
+  refusedLidar(R"({"channels": 32, "points_per_second": 56000, "dropoff_general_rate": 0})",
+               "has attributes of a CARLA lidar, but no \"type\": add \"type\": \"sensor.lidar.ray_cast\"");
 }
 
 TEST_CASE("a scan with the effects of a CARLA file has CARLA's intensities, losses and noise") {

@@ -15,8 +15,6 @@
 namespace gnosphere::test {
 namespace {
 
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
 /// A motion from (1.3, 0.4, 1.8) on in `pieces` straight pieces, whose velocities differ by up to `jitter` m/s.
 SensorMotion driving(double speed, double turn, int pieces, double jitter = 0) {
   Random random(7);

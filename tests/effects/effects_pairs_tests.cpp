@@ -15,10 +15,10 @@ void compare(size_t first, size_t second) {
 
 TEST_CASE("every effect changes the scan of the scene for the pairs") {
   const Scene scene = showroom();
-  TestOptions options = optionsOf(0, 0);
+  TestOptions options = pairOptions(0, 0);
   options.device = DeviceChoice::Kind::reference;
   const auto scanWith = [&](size_t effect) {
-    options.effects = optionsOf(0, effect).effects;
+    options.effects = pairOptions(0, effect).effects;
     options.fields = {Field::intensity, Field::label};
     if (effectNames()[effect] == "radial-speed") options.fields.push_back(Field::radialSpeed);
     Scan scan;

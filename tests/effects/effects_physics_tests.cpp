@@ -35,7 +35,7 @@ void requireNormal(const Moments& found, double mean, double deviation) {
 }
 
 /// A room around the sensor, within the range of all beams.
-Scene room(float reflectance) {
+Scene greyRoom(float reflectance) {
   MeshBuilder builder;
   builder.box({-20, -20, -20}, {20, 20, 20});
   Scene scene = sceneOf(builder.take());
@@ -373,7 +373,7 @@ TEST_CASE("texture coordinates that are not finite cut no holes") {
 
 TEST_CASE("errors of range and intensity are normal, with the requested moments") {
   const std::string device = ON_EVERY_DEVICE;
-  Setup setup(device, room(0.5f), everywhere());
+  Setup setup(device, greyRoom(0.5f), everywhere());
   setup.fields = {Field::intensity, Field::trueRange, Field::incidence};
   setup.effects.rangeNoise = {EffectUse::on, 0.05, 0.02, 0, 0};
   setup.effects.intensityNoise = {EffectUse::on, 0.03};
@@ -392,7 +392,7 @@ TEST_CASE("errors of range and intensity are normal, with the requested moments"
 
 TEST_CASE("weak echoes have larger errors of the range, inverse to their power") {
   const std::string device = ON_EVERY_DEVICE;
-  Setup setup(device, room(0.5f), everywhere());
+  Setup setup(device, greyRoom(0.5f), everywhere());
   setup.fields = {Field::intensity, Field::trueRange};
   setup.effects.detection = {EffectUse::off, 0.1, 20};
   setup.effects.rangeNoise = {.use = EffectUse::on, .sigma = 0.005, .sigmaAtThreshold = 0.4};
@@ -410,14 +410,14 @@ TEST_CASE("weak echoes have larger errors of the range, inverse to their power")
 
 TEST_CASE("quantised ranges are multiples of the step") {
   const std::string device = ON_EVERY_DEVICE;
-  Setup setup(device, room(0.5f), everywhere(60));
+  Setup setup(device, greyRoom(0.5f), everywhere(60));
   setup.effects.rangeNoise = {EffectUse::on, 0, 0, 0, 0.25};
   for (float range : setup.scan().ranges) CHECK(std::remainder(range, 0.25f) == 0);
 }
 
 TEST_CASE("angular errors have the requested deviations, at the point and at the beam") {
   const std::string device = ON_EVERY_DEVICE;
-  Setup setup(device, room(0.5f), everywhere());
+  Setup setup(device, greyRoom(0.5f), everywhere());
   setup.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::point};
   const Scan scan = setup.scan();
   std::vector<double> azimuths, elevations;
@@ -452,7 +452,7 @@ TEST_CASE("angular errors have the requested deviations, at the point and at the
 
 TEST_CASE("beams are lost at the requested rates, and every beam has one cause") {
   const std::string device = ON_EVERY_DEVICE;
-  Setup setup(device, room(0.29f), everywhere());
+  Setup setup(device, greyRoom(0.29f), everywhere());
   setup.effects.dropOut = {EffectUse::on, 0.3, 0.8, 0, {5, 77}};
   setup.fields = {Field::cause};
   const Scan scan = setup.scan();

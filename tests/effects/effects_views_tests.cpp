@@ -148,7 +148,7 @@ TEST_CASE("views with several effects have the bytes of single scans", "[combina
                                    {"volumes", "radial-speed"}});
   for (const std::vector<std::string>& together : effects) {
     INFO(together[0] << ", " << together[1]);
-    TestOptions options = optionsOf(numberOf(together[0]), numberOf(together[1]));
+    TestOptions options = pairOptions(numberOf(together[0]), numberOf(together[1]));
     for (const std::string& effect : together) effectTable()[numberOf(effect)].use(options.effects) = EffectUse::on;
     if (together[1] == "radial-speed") options.fields.push_back(Field::radialSpeed);
     const bool panes = std::ranges::find(together, "transmission") != together.end();
@@ -166,7 +166,7 @@ TEST_CASE("views of shots with different numbers of dust boxes have the bytes of
       boxes.push_back({{x, -6, -2}, {x + 2, 8, 4}, 0.05 * static_cast<double>(i)});
     }
   }
-  checkTogether(smallSensor(), shots, optionsOf(numberOf("volumes"), numberOf("returns")));
+  checkTogether(smallSensor(), shots, pairOptions(numberOf("volumes"), numberOf("returns")));
 }
 
 TEST_CASE("views of a sensor that moves have the bytes of single scans", "[combinations]") {
@@ -188,7 +188,7 @@ TEST_CASE("views of a sensor that moves have the bytes of single scans", "[combi
   for (const auto& [name, sensor, effect] : cases) {
     if (effect == "returns" && !everyCombination()) continue;  // the next test has returns of a sensor that moves
     INFO(name << ", " << effect);
-    TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
+    TestOptions options = pairOptions(numberOf("sensor-motion"), numberOf(effect));
     checkInWays(sensor, shots, options, effect == "divergence" ? kCards : name == "list" ? kLists : kNone);
     if (effect != "intensity") continue;
     options.fields.clear();
@@ -210,7 +210,7 @@ TEST_CASE("views in which instances move have the bytes of single scans", "[comb
   grid.divergenceHorizontal = grid.divergenceVertical = 2e-3;
   for (const char* effect : {"radial-speed", "returns", "divergence"}) {
     INFO(effect << (driving ? ", driving" : ", at rest"));
-    TestOptions options = optionsOf(numberOf("object-motion"), numberOf(effect));
+    TestOptions options = pairOptions(numberOf("object-motion"), numberOf(effect));
     if (driving) options.effects.sensorMotion.use = EffectUse::on;
     checkInWays(effect == std::string("returns") ? smallSensor() : grid, shots, options,
                 effect == std::string("divergence") ? kCards : kNone);
@@ -231,15 +231,15 @@ TEST_CASE("shots that stand among shots that move have the bytes of single scans
   shots[3].instanceMotions = moving[3].instanceMotions;
   Sensor grid = gridSensor(90, 16, -30, 30);
   grid.rotationPeriod = kPeriod;
-  checkTogether(grid, shots, optionsOf(numberOf("sensor-motion"), numberOf("object-motion")), 6);
+  checkTogether(grid, shots, pairOptions(numberOf("sensor-motion"), numberOf("object-motion")), 6);
 }
 
 // Views have numbers of instances of their own, in the arrays that a single scan uses, too.
 TEST_CASE("a scan after views finds the same owners as before them") {
   needVulkan();
   const std::vector<Shot> shots = shotsInWorlds(7);
-  Simulator simulator =
-      makeSimulator(showrooms(), gridSensor(90, 16, -30, 30), optionsOf(numberOf("intensity"), numberOf("detection")));
+  Simulator simulator = makeSimulator(showrooms(), gridSensor(90, 16, -30, 30),
+                                      pairOptions(numberOf("intensity"), numberOf("detection")));
   Scan before, after;
   for (Scan* scan : {&before, &after}) {
     simulator.scanInto(shots[1], *scan);
@@ -289,7 +289,7 @@ TEST_CASE("views of lists with several patterns, and of heads far apart, have th
   const auto check = [&](const char* effect, bool moves, bool always) {
     if (!always && !everyCombination()) return;
     INFO(effect << (apart ? ", apart" : "") << (moves ? ", moving" : ""));
-    TestOptions options = optionsOf(numberOf("sensor-motion"), numberOf(effect));
+    TestOptions options = pairOptions(numberOf("sensor-motion"), numberOf(effect));
     if (moves) options.effects.objectMotion.use = EffectUse::on;
     checkInWays(list, moves ? moving : shots, options, kNone, most);
   };
@@ -299,7 +299,7 @@ TEST_CASE("views of lists with several patterns, and of heads far apart, have th
   check("transmission", true, apart);
   check("divergence", false, false);
   check("divergence", true, !apart);
-  TestOptions bare = optionsOf(0, 0);
+  TestOptions bare = pairOptions(0, 0);
   bare.effects = Effects::none();
   bare.fields.clear();
   checkInWays(list, shots, bare, apart ? kCards : kLists, most);

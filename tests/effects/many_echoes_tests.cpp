@@ -26,7 +26,7 @@ constexpr std::array<Strip, 8> kStrips = {{{10, -1, -0.72, 0.2f},
                                            {16, 0.3, 0.6, 0.3f},
                                            {17, 0.6, 1, 0.1f}}};
 
-Scene sceneOf(std::span<const Strip> strips) {
+Scene sceneOfStrips(std::span<const Strip> strips) {
   Scene scene;
   for (const Strip& strip : strips) {
     const double d = strip.distance, half = 1.5 * kTangent * d;
@@ -48,7 +48,7 @@ struct Seen {
 /// The returns of the beam along x, in order of range; no other beam has any.
 std::vector<Seen> returnsOf(std::span<const Strip> strips, TestOptions options, uint64_t* lost = nullptr) {
   options.fields = {Field::intensity};
-  const Scan scan = scanOn(sceneOf(strips), gridSensor(4, 1, 0, 0, 60), Pose(), options);
+  const Scan scan = scanOn(sceneOfStrips(strips), gridSensor(4, 1, 0, 0, 60), Pose(), options);
   std::vector<Seen> seen;
   const auto intensities = scan.column<float>(Field::intensity);
   for (size_t k = 0; k < scan.ranges.size(); ++k)

@@ -9,7 +9,6 @@
 namespace gnosphere::test {
 namespace {
 
-constexpr double kPeriod = 0.1;  // seconds of a scan
 constexpr Vec3 kStart = {1.3, 0.4, 1.8};
 
 /// Beams within 35 degrees of forward, of which neighbours fire at any times.

@@ -10,8 +10,6 @@ namespace gnosphere::test {
 
 using Catch::Approx;
 
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
 inline Sensor spinning(uint32_t columns = 360) {
   Sensor sensor = gridSensor(columns, 5, -20, 20, 100);
   sensor.rotationPeriod = kPeriod;

@@ -8,8 +8,7 @@
 namespace gnosphere::test {
 namespace {
 
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-constexpr uint32_t kThing = 1;   // the instance that is near
+constexpr uint32_t kThing = 1;  // the instance that is near
 
 /// Walls far away, and a thing of 800 triangles in the middle.
 Scene nearScene() {
@@ -21,14 +20,14 @@ Scene nearScene() {
   return scene;
 }
 
-Sensor spinning() {
+Sensor nearHead() {
   Sensor sensor = gridSensor(240, 9, -25, 20, 100);
   sensor.rotationPeriod = kPeriod;
   return sensor;
 }
 
 Sensor clockwise() {
-  Sensor sensor = spinning();
+  Sensor sensor = nearHead();
   sensor.name = "clockwise";
   sensor.azimuthSpanDeg = -360;
   return sensor;
@@ -36,7 +35,7 @@ Sensor clockwise() {
 
 /// Lasers with azimuth offsets, some of them more than a column, away from the sensor's origin.
 Sensor uneven() {
-  Sensor sensor = spinning();
+  Sensor sensor = nearHead();
   sensor.name = "uneven";
   for (size_t j = 0; j < sensor.channels.size(); ++j) {
     sensor.channels[j].azimuthOffsetDeg = 1.3 * double(j % 5) - 2.9;
@@ -47,7 +46,7 @@ Sensor uneven() {
 
 /// The lasers of a column fire at different times.
 Sensor staggered() {
-  Sensor sensor = spinning();
+  Sensor sensor = nearHead();
   sensor.name = "staggered";
   for (size_t j = 0; j < sensor.channels.size(); ++j) sensor.channels[j].timeOffset = 1e-4 * double(j % 4);
   return sensor;
@@ -136,8 +135,8 @@ double cpuOf(Simulator& simulator, const Shot& shot) {
 
 TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinations]") {
   needVulkan();
-  std::vector<Sensor> sensors = {spinning(), clockwise(), uneven(), prisms()};
-  if (everyCombination()) sensors.push_back(asList(spinning()));
+  std::vector<Sensor> sensors = {nearHead(), clockwise(), uneven(), prisms()};
+  if (everyCombination()) sensors.push_back(asList(nearHead()));
   const std::vector<Scan> expected = expectedScans(sensors);
   std::vector<Binning> ways = {Binning::automatic};
   if (everyCombination()) ways = {Binning::nearest, Binning::lists, Binning::slabs};
@@ -177,7 +176,7 @@ TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinat
 // a triangle is bounded for parts of the scan, and no part has all columns.
 TEST_CASE("nothing is lost of large triangles around a moving sensor", "[combinations]") {
   needVulkan();
-  std::vector<Sensor> sensors = {spinning(), uneven(), staggered(), prisms()};
+  std::vector<Sensor> sensors = {nearHead(), uneven(), staggered(), prisms()};
   for (Sensor& sensor : sensors)
     if (sensor.isGrid()) sensor.columns = 1200;
   MeshBuilder roof;
@@ -222,7 +221,7 @@ TEST_CASE("a thing that moves beside a sensor costs about as much as one far awa
   needVulkan();
   Scene scene = nearScene();
   scene.meshes[kThing] = ball(50, 60, 0.5);
-  Sensor sensor = spinning();
+  Sensor sensor = nearHead();
   sensor.columns = 1200;
   Simulator simulator = makeSimulator(scene, sensor, moving(vulkanOptions()));
   const Passage away = {"", translation(0, 8, 0), translation(1.5, 8, 0), driving(15, 0)};

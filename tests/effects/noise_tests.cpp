@@ -14,7 +14,7 @@ using Catch::Approx;
 
 namespace {
 
-constexpr int kDraws = 1000000;
+constexpr int kNoiseDraws = 1000000;
 
 Sensor sensorWith(double horizontal, double vertical) {
   Sensor sensor;
@@ -35,15 +35,15 @@ TEST_CASE("range noise has the requested bias and sigma, and sigma grows with th
   const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kRangeNoise);
   for (const float range : {5.0f, 50.0f}) {
     double sum = 0, squares = 0;
-    for (uint32_t beam = 0; beam < kDraws; ++beam) {
+    for (uint32_t beam = 0; beam < kNoiseDraws; ++beam) {
       const float normal = gpu::gaussians(gpu::draw(p, beam, 0, gpu::kRangeNoise)).x;
       const double error = gpu::noisyRange(p, range, 1, normal) - range;
       sum += error;
       squares += (error - 0.05) * (error - 0.05);
     }
     const double sigma = 0.02 + 0.001 * range + 1e-4 * range * range;
-    CHECK(std::abs(sum / kDraws - 0.05) < 5 * sigma / std::sqrt(kDraws));
-    CHECK(std::sqrt(squares / kDraws) == Approx(sigma).epsilon(5 / std::sqrt(2.0 * kDraws)));
+    CHECK(std::abs(sum / kNoiseDraws - 0.05) < 5 * sigma / std::sqrt(kNoiseDraws));
+    CHECK(std::sqrt(squares / kNoiseDraws) == Approx(sigma).epsilon(5 / std::sqrt(2.0 * kNoiseDraws)));
   }
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("angular errors have the requested sigma and are at most 4 sigma") {
   const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kAngleNoise);
   double squares[2] = {}, product = 0;
   float widest = 0, highest = 0;
-  for (uint32_t beam = 0; beam < kDraws; ++beam) {
+  for (uint32_t beam = 0; beam < kNoiseDraws; ++beam) {
     const gpu::vec2 error = gpu::angleError(p, beam);
     squares[0] += error.x * error.x;
     squares[1] += error.y * error.y;
@@ -90,9 +90,9 @@ TEST_CASE("angular errors have the requested sigma and are at most 4 sigma") {
     widest = std::max(widest, std::abs(error.x));
     highest = std::max(highest, std::abs(error.y));
   }
-  CHECK(std::sqrt(squares[0] / kDraws) == Approx(0.01).epsilon(0.005));
-  CHECK(std::sqrt(squares[1] / kDraws) == Approx(0.002).epsilon(0.005));
-  CHECK(std::abs(product / kDraws) < 5 * 0.01 * 0.002 / std::sqrt(kDraws));
+  CHECK(std::sqrt(squares[0] / kNoiseDraws) == Approx(0.01).epsilon(0.005));
+  CHECK(std::sqrt(squares[1] / kNoiseDraws) == Approx(0.002).epsilon(0.005));
+  CHECK(std::abs(product / kNoiseDraws) < 5 * 0.01 * 0.002 / std::sqrt(kNoiseDraws));
   CHECK(widest <= 0.04f);
   CHECK(highest <= 0.008f);
   CHECK(widest > 0.035f);  // some of a million draws would be larger and are clamped
@@ -118,12 +118,12 @@ TEST_CASE("intensity noise has the requested sigma, and no intensity becomes neg
   gpu::EffectParameters p = {};
   p.intensitySigma = 0.05f;
   double squares = 0;
-  for (uint32_t beam = 0; beam < kDraws; ++beam) {
+  for (uint32_t beam = 0; beam < kNoiseDraws; ++beam) {
     const double error =
         gpu::noisyIntensity(p, 0.5f, gpu::gaussians(gpu::draw(p, beam, 0, gpu::kIntensityNoise)).x) - 0.5;
     squares += error * error;
   }
-  CHECK(std::sqrt(squares / kDraws) == Approx(0.05).epsilon(0.005));
+  CHECK(std::sqrt(squares / kNoiseDraws) == Approx(0.05).epsilon(0.005));
   CHECK(gpu::noisyIntensity(p, 0.1f, -3) == 0);
 }
 

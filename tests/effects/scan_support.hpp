@@ -13,6 +13,8 @@ namespace gnosphere::test {
 /// The name of a device for optionsOn(); a test runs once with each.
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
+inline constexpr double kPeriod = 0.1;  // seconds of a rotation
+
 /// Options for "reference", or for the Vulkan device with the validation layer.
 inline TestOptions optionsOn(const std::string& device) {
   if (device != "reference") needVulkan();

@@ -7,8 +7,6 @@
 
 namespace gnosphere::test {
 
-inline constexpr double kPeriod = 0.1;
-
 /// A sensor with few beams, whose lasers are away from the sensor's origin.
 inline Sensor smallSensor() {
   Sensor sensor = gridSensor(90, 8, -18, 9, 60);
@@ -72,7 +70,7 @@ inline Effects loud() {
 }
 
 /// Requests two effects, by their numbers in effectTable().
-inline TestOptions optionsOf(size_t first, size_t second) {
+inline TestOptions pairOptions(size_t first, size_t second) {
   TestOptions options = optionsOn("vulkan");
   options.effects = loud();
   for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = EffectUse::off;
@@ -104,7 +102,7 @@ inline Shot shotOf(bool moving) {
 /// with a return, in the scan that has fewer of them.
 inline double requireEffects(const Sensor& sensor, size_t first, size_t second) {
   static const Scene scene = showroom();
-  TestOptions options = optionsOf(first, second);
+  TestOptions options = pairOptions(first, second);
   Simulator device = makeSimulator(scene, sensor, options);
   options.device = DeviceChoice::Kind::reference;
   Simulator reference = makeSimulator(scene, sensor, options);

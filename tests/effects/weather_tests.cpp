@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kBeams = 200000;
 
-Sensor sensorTo(double rangeMax) {
+Sensor sensorUpTo(double rangeMax) {
   Sensor sensor;
   sensor.rangeMin = 0.5;
   sensor.rangeMax = rangeMax;
@@ -88,7 +88,7 @@ TEST_CASE("rain and snow attenuate as ITU-R P.1814 states, in dB per km") {
 TEST_CASE("the power of a surface in fog falls by exp(-2 extinction range)") {
   Effects effects;
   effects.fog.visibility = 100;
-  const gpu::EffectParameters p = effectParameters(effects, sensorTo(200), gpu::kFog);
+  const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(200), gpu::kFog);
   gpu::BeamSignal beam;
   beam.EFFECTS = gpu::kFog;
   for (const float range : {1.0f, 30.0f, 100.0f}) {
@@ -100,7 +100,7 @@ TEST_CASE("the power of a surface in fog falls by exp(-2 extinction range)") {
 TEST_CASE("echoes of fog have depths distributed as exp(-2 extinction depth), and the lidar equation's power") {
   Effects effects;
   effects.fog.visibility = 80;
-  const gpu::EffectParameters p = effectParameters(effects, sensorTo(150), gpu::kFog);
+  const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(150), gpu::kFog);
   const double extinction = -std::log(0.05) / 80;
   const double backScatter = std::numbers::pi * extinction / 18.8 * 5e-9 * 299792458 / 2;
   const float near = 0.5f, far = 40;
@@ -166,7 +166,7 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is distributed by
     effects.snow.rate = weather.snow;
     const bool raining = weather.rain > 0;
     const uint32_t planned = raining ? gpu::kRain : gpu::kSnow;
-    const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), planned);
+    const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(120), planned);
     const gpu::Particles& particles = raining ? p.rain : p.snow;
     const DropSizes sizes = raining ? rainDrops(weather.rain) : snowFlakes(weather.snow);
     std::vector<float> ranges;
@@ -202,7 +202,7 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is distributed by
 TEST_CASE("a beam whose own window begins later sees the first drop from there on") {
   Effects effects;
   effects.snow.rate = 5;
-  Sensor sensor = sensorTo(120);
+  Sensor sensor = sensorUpTo(120);
   sensor.columns = 1;
   sensor.channels.resize(2);
   sensor.channels[1].rangeMin = 9;
@@ -231,7 +231,7 @@ TEST_CASE("a beam whose own window begins later sees the first drop from there o
 TEST_CASE("sizes of detected drops and flakes exceed the least detectable size by an exponential distribution") {
   Effects effects;
   effects.snow.rate = 1;
-  const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), gpu::kSnow);
+  const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(120), gpu::kSnow);
   double sum = 0;
   int count = 0;
   for (uint32_t beam = 0; beam < kBeams; ++beam) {
@@ -265,7 +265,7 @@ TEST_CASE("behind a pane or in dust the first drop or flake counts that is stron
     // The dust ends before the beam's least range, so it weakens all that follows, and scatters nothing back itself.
     if (one.dust) effects.volumes.boxes = {{{0, -1, -1}, {0.4, 1, 1}, -std::log(one.light) / 2 / 0.4}};
     const uint32_t planned = gpu::kDetection | one.effect | (one.dust ? gpu::kVolumes : 0);
-    const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), planned);
+    const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(120), planned);
     gpu::EffectParameters dim = p;
     dim.threshold = float(p.threshold / one.light);
     const DropSizes sizes = one.effect == gpu::kSnow ? snowFlakes(one.rate) : rainDrops(one.rate);
@@ -300,7 +300,8 @@ TEST_CASE("soft detection neither adds drops and flakes nor loses any") {
   effects.snow.rate = 1;
   const auto beamsWithEcho = [&](double softness) {
     effects.detection.softness = softness;
-    const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), gpu::kRain | gpu::kSnow | gpu::kDetection);
+    const gpu::EffectParameters p =
+        effectParameters(effects, sensorUpTo(120), gpu::kRain | gpu::kSnow | gpu::kDetection);
     std::vector<uint32_t> beams;
     for (uint32_t i = 0; i < 2000; ++i) {
       gpu::Return found = {};
@@ -323,7 +324,7 @@ TEST_CASE("most beams pass the rain, and fewer at higher rates") {
   const auto seen = [](double rate) {
     Effects effects;
     effects.rain.rate = rate;
-    return 1 - std::exp(-double(effectParameters(effects, sensorTo(100), gpu::kRain).rain.countsFar.w));
+    return 1 - std::exp(-double(effectParameters(effects, sensorUpTo(100), gpu::kRain).rain.countsFar.w));
   };
   CHECK(seen(1) > 1e-5);
   CHECK(seen(10) > 2 * seen(1));
@@ -343,7 +344,7 @@ TEST_CASE("dust attenuates light along its path in the box, for any sensor posit
                           {{{20, 0, 0}, {0, 0, 1, 0}}, 4, 10},
                           {{{12, 1, 1}, {0, 0, 0, 1}}, 0, 4},
                           {{{13, 12, 0}, {0, 0, -half, half}}, 10, 14}};
-  const gpu::EffectParameters p = effectParameters(effects, sensorTo(100), gpu::kVolumes);
+  const gpu::EffectParameters p = effectParameters(effects, sensorUpTo(100), gpu::kVolumes);
   for (const Place& place : places) {
     const std::vector<gpu::VolumeBox> boxes = volumeBoxes(effects, place.pose);
     gpu::BeamSignal beam;

@@ -14,20 +14,21 @@ namespace {
 
 using Catch::Matchers::ContainsSubstring;
 
-constexpr uint32_t kWalls = 0, kBall = 1;
+constexpr uint32_t kWalls = 0, kMovedBall = 1;
 constexpr size_t kFirst = 1, kBalls = 6;  // the instances of the balls
 const Transform kOutOfRange = translation(0, 0, 900);
 
 /// A room around a place, whose instance stays where the host has put it, and balls that the host has put out of range.
-Scene room(const Vec3& place = {}, const Vec3& meshOrigin = {1.1, -0.7, 0.3}) {
+Scene roomOfBalls(const Vec3& place = {}, const Vec3& meshOrigin = {1.1, -0.7, 0.3}) {
   Scene scene;
   scene.materials = {material(true), material(false)};
   MeshBuilder walls;
   walls.box({-20, -20, -3}, {20, 20, 12}, 4);
   scene.meshes = {walls.take(), ball(12, 18, 1.5)};
-  scene.meshes[kBall].origin = meshOrigin;
+  scene.meshes[kMovedBall].origin = meshOrigin;
   scene.instances = {{"", kWalls, translation(place.x, place.y, place.z)}};
-  for (size_t i = 0; i < kBalls; ++i) scene.instances.push_back({"", kBall, kOutOfRange, static_cast<uint16_t>(i)});
+  for (size_t i = 0; i < kBalls; ++i)
+    scene.instances.push_back({"", kMovedBall, kOutOfRange, static_cast<uint16_t>(i)});
   return scene;
 }
 
@@ -95,7 +96,7 @@ void setOnHost(Simulator& simulator, const std::vector<Transform>& transforms, c
   for (size_t i = 0; i < transforms.size(); ++i) simulator.setTransform(kFirst + i, moved(transforms[i], origin));
 }
 
-const std::vector<Sensor> kSensors = {gridSensor(180, 17, -20, 20), listSensor("rosette", rosette(2000, 1.2))};
+const std::vector<Sensor> kPlacingSensors = {gridSensor(180, 17, -20, 20), listSensor("rosette", rosette(2000, 1.2))};
 
 }  // namespace
 
@@ -118,7 +119,7 @@ TEST_CASE("scans of transforms in the caller's buffers have the bytes of setTran
     INFO(nameOf(one.accuracy) << ", " << one.stride << " bytes apart, at " << one.place.x);
     TestOptions options = vulkanOptions();
     options.accuracy = one.accuracy;
-    BothScans scans(app, room(one.place, one.meshOrigin), kSensors, options);
+    BothScans scans(app, roomOfBalls(one.place, one.meshOrigin), kPlacingSensors, options);
     Transforms buffer(app, one.format, one.stride, one.origin);
     scans.recorder().setTransforms(buffer.described());
     for (int frame = 0; frame < 3; ++frame) {
@@ -138,11 +139,11 @@ TEST_CASE("scans of transforms in the caller's buffers have the bytes of setTran
 TEST_CASE("mirrored instances of a tiny scale show their fronts also from the caller's buffers") {
   needVulkan();
   const CommonApp common;
-  Scene scene = room();
-  scene.meshes[kBall] = ball(12, 18, 1e8);
+  Scene scene = roomOfBalls();
+  scene.meshes[kMovedBall] = ball(12, 18, 1e8);
   TestOptions options = vulkanOptions();
   options.faces = ReflectingFaces::front;
-  BothScans scans(common.app, scene, kSensors, options);
+  BothScans scans(common.app, scene, kPlacingSensors, options);
   Transforms buffer(common.app);
   scans.recorder().setTransforms(buffer.described());
   const double scale = 0x1p-34;  // the balls have a radius of 6 mm
@@ -164,7 +165,7 @@ TEST_CASE("a command that writes transforms needs no barrier of the caller, and 
   VulkanApp& app = common.app;
   Sensor sensor = gridSensor(90, 8, -18, 12);
   sensor.rotationPeriod = 0.1;
-  BothScans scans(app, room(), {sensor}, vulkanOptions());
+  BothScans scans(app, roomOfBalls(), {sensor}, vulkanOptions());
   Transforms staging(app), buffer(app);
   scans.recorder().setTransforms(buffer.described());
   for (int frame = 0; frame < 2; ++frame) {
@@ -180,10 +181,10 @@ TEST_CASE("the host takes instances back, and they come and go beside transforms
   needVulkan();
   const CommonApp common;
   VulkanApp& app = common.app;
-  Scene scene = room();
+  Scene scene = roomOfBalls();
   Random random(5);
   scene.meshes.push_back(limb(random, 7, 4, 1, {}));
-  BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
+  BothScans scans(app, scene, {kPlacingSensors[0]}, vulkanOptions());
   Transforms buffer(app), other(app);
   buffer.set(placed(0));
   setOnHost(scans.expected(), placed(0));
@@ -211,9 +212,9 @@ TEST_CASE("the host takes instances back, and they come and go beside transforms
 
   // The arrays of the instances grow; velocities and surfaces are asked for.
   scans.change([&](Simulator& simulator) {
-    for (int i = 0; i < 20; ++i) simulator.addInstance(kBall, translation(-8, i, 1) * scaling(0.3, 0.3, 0.3));
+    for (int i = 0; i < 20; ++i) simulator.addInstance(kMovedBall, translation(-8, i, 1) * scaling(0.3, 0.3, 0.3));
   });
-  scans.add({kSensors[0], Effects::none()},
+  scans.add({kPlacingSensors[0], Effects::none()},
             layoutWith({Field::x, Field::normal, Field::velocity, Field::classId, Field::triangle, Field::instance}));
   scans.requireSame();
 }
@@ -222,7 +223,7 @@ TEST_CASE("instances whose transforms are not finite are left out and counted") 
   needVulkan();
   const CommonApp common;
   VulkanApp& app = common.app;
-  BothScans scans(app, room(), {kSensors[0]}, vulkanOptions());
+  BothScans scans(app, roomOfBalls(), {kPlacingSensors[0]}, vulkanOptions());
   Transforms buffer(app, vulkan::TransformFormat::columns4x4, 64);
   buffer.set(placed(0));
   setOnHost(scans.expected(), placed(0));
@@ -243,9 +244,9 @@ TEST_CASE("bad transform buffers get a sentence, and so does motion of their ins
   needVulkan();
   const CommonApp common;
   VulkanApp& app = common.app;
-  Scene scene = room();
-  scene.meshes[kBall].morphTargets = {scene.meshes[kBall].positions};
-  BothScans scans(app, scene, {kSensors[0]}, vulkanOptions());
+  Scene scene = roomOfBalls();
+  scene.meshes[kMovedBall].morphTargets = {scene.meshes[kMovedBall].positions};
+  BothScans scans(app, scene, {kPlacingSensors[0]}, vulkanOptions());
   const Transforms transforms(app);
   const auto attempt = [&](auto change) {
     vulkan::TransformBuffer buffer = transforms.described();
@@ -275,7 +276,7 @@ TEST_CASE("bad transform buffers get a sentence, and so does motion of their ins
   moving.shot.instanceMotions = {{kFirst + 2, {}}};
   CHECK_THROWS_WITH(record(moving), ContainsSubstring("the transform of instance 3 comes from a buffer"));
   moving.shot.instanceMotions = {};
-  moving.shot.meshMotions = {{kBall, {{}, {0.5f}}}};
+  moving.shot.meshMotions = {{kMovedBall, {{}, {0.5f}}}};
   CHECK_THROWS_WITH(record(moving), ContainsSubstring("the transform of instance 1 comes from a buffer"));
   // An instance that the host has taken back may move, and only the buffers of the results are missing.
   scans.recorded().setTransform(kFirst + 2, {});

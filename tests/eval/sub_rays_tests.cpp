@@ -30,7 +30,7 @@ Sensor head() {
   return sensor;
 }
 
-SubRayOptions quick() {
+SubRayOptions quickSubRays() {
   SubRayOptions options;
   options.simulator = vulkanOptions();
   options.counts = {1, 7};
@@ -55,7 +55,7 @@ Scene posts() {
 TEST_CASE("more sub-rays are nearer to the reference with many, where footprints have edges") {
   needVulkan();
   const Scene scene = posts();
-  const SubRayReport report = measureSubRays(scene, {head()}, {Pose{}, {{1, 2, 0.5}, {}}}, quick());
+  const SubRayReport report = measureSubRays(scene, {head()}, {Pose{}, {{1, 2, 0.5}, {}}}, quickSubRays());
   CHECK(report.beams == 600);
   CHECK(report.sampled);
   CHECK(report.footprint == "the sensor states 10 x 10 mrad");
@@ -90,7 +90,7 @@ TEST_CASE("few sub-rays make one echo of a surface at a grazing angle, as many d
   sensor.maxReturns = 3;
   MeshBuilder builder;
   builder.quad({-150, -150, -1.8}, {300, 0, 0}, {0, 300, 0}, 2);
-  SubRayOptions options = quick();
+  SubRayOptions options = quickSubRays();
   options.sample = 0;
   const SubRayReport report = measureSubRays(sceneOf(builder.take()), {sensor}, {Pose{}}, options);
   CHECK(report.rows[1].wrongReturns == 0);
@@ -101,7 +101,7 @@ TEST_CASE("random errors of the range are those of the reference, so they are no
   needVulkan();
   SensorRequest request = {head()};
   request.effects.rangeNoise = {EffectUse::on, 0, 0.5, 0, 0};
-  SubRayOptions options = quick();
+  SubRayOptions options = quickSubRays();
   options.counts = {7};
   const Scene scene = sceneOf(ball(40, 80, 5));
   std::vector<std::string> warnings;
@@ -134,7 +134,7 @@ TEST_CASE("a measurement of footprints without a footprint, a pose or a device i
     CHECK_THROWS_MATCHES(measureSubRays(scene, {sensor}, poses, options), Error,
                          MessageMatches(ContainsSubstring(words)));
   };
-  SubRayOptions options = quick();
+  SubRayOptions options = quickSubRays();
   refused(line, {Pose{}}, options, "the sensor states no divergence");
   refused(head(), {}, options, "pose");
   options.runs = 0;
@@ -144,7 +144,7 @@ TEST_CASE("a measurement of footprints without a footprint, a pose or a device i
   refused(head(), {Pose{}}, options, "at least one number of sub-rays");
   options.counts = {62};
   refused(head(), {Pose{}}, options, "a device takes at most 61");
-  options = quick();
+  options = quickSubRays();
   options.simulator.device = DeviceChoice::Kind::reference;
   refused(head(), {Pose{}}, options, "another device");
 }

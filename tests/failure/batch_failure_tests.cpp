@@ -33,9 +33,9 @@ std::vector<Shot> shotsOf(size_t count, double offset) {
 }
 
 /// A simulator with worlds, and the scans and batches that it must make again after each failure.
-class Subject {
+class BatchSubject {
  public:
-  explicit Subject(DeviceChoice::Kind kind, uint32_t triangles = 40)
+  explicit BatchSubject(DeviceChoice::Kind kind, uint32_t triangles = 40)
       : simulator(scatteredWorlds(triangles),
                   {{gridSensor(60, 8, -20, 20), Effects::none(), {}},
                    {gridSensor(40, 4, -20, 20), Effects::none(), {Field::classId, Field::normal}}},
@@ -96,7 +96,7 @@ class Subject {
 
 TEST_CASE("without memory a batch is empty, and the next one is as before", "[combinations]") {
   const DeviceChoice::Kind kind = everyKind();
-  Subject subject(kind);
+  BatchSubject subject(kind);
   Simulator& simulator = subject.simulator;
   std::vector<Shot> ofOther = subject.shots;
   for (Shot& shot : ofOther) shot.sensor = 1;
@@ -131,7 +131,7 @@ TEST_CASE("without memory a batch is empty, and the next one is as before", "[co
 
 TEST_CASE("without memory many instances are moved together or not at all", "[combinations]") {
   const DeviceChoice::Kind kind = everyKind();
-  Subject subject(kind);
+  BatchSubject subject(kind);
   Simulator& simulator = subject.simulator;
   std::vector<uint32_t> moved;
   std::vector<double> there, back;
@@ -167,7 +167,7 @@ TEST_CASE("without memory of the device scans and batches fail, and the next one
   needVulkan();
   // Arrays that have grown stay large, so each trial begins with a new simulator, in whose memory the one before has
   // left other numbers of triangles.
-  std::optional<Subject> subject;
+  std::optional<BatchSubject> subject;
   uint32_t trials = 0;
   const auto next = [&] { subject.emplace(DeviceChoice::Kind::vulkan, 30 + 5 * (++trials % 3)); };
   const auto each = [&](const char* name, const std::function<void(Simulator&)>& call,
@@ -219,7 +219,7 @@ TEST_CASE("without memory of the device a simulator is not made, and the next on
   needVulkan();
   const Scene scene = scatteredWorlds();
   const SensorRequest request = {gridSensor(60, 8, -20, 20), Effects::none(), {}};
-  const SimulatorOptions options = Subject::optionsFor(DeviceChoice::Kind::vulkan);
+  const SimulatorOptions options = BatchSubject::optionsFor(DeviceChoice::Kind::vulkan);
   const Scan expected = Simulator(scene, request, options).scan({});
   failEach("vulkan: Simulator, memory of the device", Fails::device,
            {[&] { Simulator(scene, request, options); },

@@ -23,9 +23,9 @@ void need(gno_status status) {
 }
 
 /// Handles of one of everything, and the scans and texts that they must give again.
-class Subject {
+class CSubject {
  public:
-  Subject() {
+  CSubject() {
     need(gno_scene_create(&scene));
     const gno_material material = gno_material_init();
     need(gno_scene_add_material(scene, &material, nullptr));
@@ -53,7 +53,7 @@ class Subject {
     }
     expected_ = results();
   }
-  ~Subject() {
+  ~CSubject() {
     CHECK(gno_simulator_destroy(simulator) == GNO_OK);
     CHECK(gno_effects_destroy(effects) == GNO_OK);
     CHECK(gno_sensor_destroy(sensor) == GNO_OK);
@@ -94,7 +94,7 @@ class Subject {
   std::string expected_;
 };
 
-void each(const char* name, Subject& subject, const std::function<gno_status()>& call,
+void each(const char* name, CSubject& subject, const std::function<gno_status()>& call,
           const std::function<void()>& undo) {
   failEach(std::string("C: ") + name, Fails::memory, {[&] { need(call()); }, undo, [&] { subject.check(); }});
 }
@@ -116,7 +116,7 @@ TEST_CASE("C: without memory gno_ros2_unavailable() says so") {
 }
 
 TEST_CASE("C: without memory batches fail, and many instances come and move together or not at all", "[combinations]") {
-  Subject subject;
+  CSubject subject;
   const gno_simulator simulator = subject.simulator;
   gno_batch batch = nullptr;
   each(
@@ -152,7 +152,7 @@ TEST_CASE("C: without memory batches fail, and many instances come and move toge
 }
 
 TEST_CASE("C: without memory simulators, scenes and effects stay what they are", "[combinations]") {
-  Subject subject;
+  CSubject subject;
   const gno_simulator simulator = subject.simulator;
   size_t index = 0;
   each(
@@ -191,7 +191,7 @@ TEST_CASE("C: without memory simulators, scenes and effects stay what they are",
 }
 
 TEST_CASE("C: without memory or room on the disk files are whole or as before", "[combinations]") {
-  Subject subject;
+  CSubject subject;
   const Folder folder;
   gno_scan scan = nullptr, read = nullptr;
   need(gno_simulator_scan(subject.simulator, subject.shots.data(), &scan));

@@ -29,9 +29,9 @@ void need(rgl_status_t status) {
 }
 
 /// Two squares around a lidar, one of which is animated, and the points that the lidar must find again.
-class Subject {
+class RglSubject {
  public:
-  Subject() : lidar_(raysAround(8, 20), kFields) {
+  RglSubject() : lidar_(raysAround(8, 20), kFields) {
     mesh = squareMesh(3);
     still = place(mesh, matrix(0, 0, 4));
     animated = place(mesh, matrix(5, 0, 0, 0, 1.5));
@@ -46,7 +46,7 @@ class Subject {
     expected_ = results();
     CHECK(!sameBytes(more, expected_));
   }
-  ~Subject() { OK(rgl_cleanup()); }
+  ~RglSubject() { OK(rgl_cleanup()); }
 
   std::vector<std::array<float, 3>> results() {
     lidar_.run();
@@ -83,7 +83,7 @@ void quiet() {
   OK(rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false));
 }
 
-void each(const char* name, Subject& subject, const std::function<rgl_status_t()>& call,
+void each(const char* name, RglSubject& subject, const std::function<rgl_status_t()>& call,
           const std::function<void()>& undo) {
   failEach(std::string("RGL: ") + name, Fails::memory, {[&] { need(call()); }, undo, [&] { subject.check(); }});
 }
@@ -92,7 +92,7 @@ void each(const char* name, Subject& subject, const std::function<rgl_status_t()
 
 TEST_CASE("RGL: without memory the scene stays what it is", "[combinations]") {
   quiet();
-  Subject subject;
+  RglSubject subject;
   const rgl_vec3i triangles[] = {{{0, 1, 2}}, {{0, 2, 3}}};
   rgl_mesh_t mesh = nullptr;
   each(
@@ -156,7 +156,7 @@ TEST_CASE("RGL: without memory the scene stays what it is", "[combinations]") {
 
 TEST_CASE("RGL: without memory new vertices of a mesh reach all its entities or none") {
   quiet();
-  Subject subject;
+  RglSubject subject;
   const std::array<rgl_vec3f, 4> square = {{{{-3, -3, 0}}, {{3, -3, 0}}, {{3, 3, 0}}, {{-3, 3, 0}}}};
   auto moved = square;
   moved[2].value[2] = 2;
@@ -177,7 +177,7 @@ TEST_CASE("RGL: without memory new vertices of a mesh reach all its entities or 
 
 TEST_CASE("RGL: without memory graphs stay what they are", "[combinations]") {
   quiet();
-  Subject subject;
+  RglSubject subject;
   Lidar& lidar = subject.lidar();
   const std::vector<rgl_mat3x4f> rays = raysAround(8, 20), others = raysAround(5, 11);
   const auto count = [](const auto& values) { return static_cast<int32_t>(values.size()); };
@@ -276,7 +276,7 @@ TEST_CASE("RGL: without memory nodes that remember runs forget a run that fails"
 
 TEST_CASE("RGL: a tape for which there is no memory fails at its end, and its calls do not") {
   quiet();
-  Subject subject;
+  RglSubject subject;
   const Folder folder;
   const std::string path = (folder / "tape").string();
   failEach("RGL: tape_record_begin", Fails::memory,

@@ -12,9 +12,9 @@ namespace gnosphere::test {
 namespace {
 
 /// A scene whose only mesh has two shapes in turn, so that every batch has something to upload.
-class Subject {
+class StreamSubject {
  public:
-  explicit Subject(uint64_t mostWork = 0)
+  explicit StreamSubject(uint64_t mostWork = 0)
       : scene_(sceneOf(soup(5, 60, 12, 6))), simulator(scene_, request(), options(true, mostWork)) {
     shapes_ = {scene_.meshes[0].positions, scene_.meshes[0].positions};
     for (float& value : shapes_[1]) value *= 0.8f;
@@ -66,7 +66,7 @@ class Subject {
 
 TEST_CASE("a stream that cannot be made leaves the simulator free for the next one") {
   needVulkan();
-  Subject subject;
+  StreamSubject subject;
   subject.take(0);
   const auto drop = [&] { subject.stream.reset(); };
   const auto check = [&] {
@@ -79,7 +79,7 @@ TEST_CASE("a stream that cannot be made leaves the simulator free for the next o
 
 TEST_CASE("a batch that fails for lack of memory loses no upload, and the next ones are right") {
   needVulkan();
-  Subject subject;
+  StreamSubject subject;
   subject.makeStream();
   size_t shape = 0;
   subject.take(shape);
@@ -125,7 +125,7 @@ TEST_CASE("a batch of more than the most work of a submission is several, with t
   needVulkan();
   long made[2] = {};
   for (const uint64_t work : {0, 0, 500}) {  // the first one compiles the kernels
-    Subject subject(work);
+    StreamSubject subject(work);
     subject.makeStream();
     subject.take(1);
     {

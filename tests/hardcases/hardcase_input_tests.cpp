@@ -11,7 +11,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-const int kWorlds = rounds(60);
+const int kInputWorlds = rounds(60);
 
 TestOptions optionsBy(Binning binning, Accuracy accuracy) {
   TestOptions options = vulkanOptions();
@@ -35,7 +35,7 @@ TEST_CASE("hard: NaN, infinite and 1e30 corners") {
                            -std::numeric_limits<float>::infinity(),
                            -3e9f,
                            std::numeric_limits<float>::max()};
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kInputWorlds; ++i) {
     Scene world = sceneOf(soup(random.bits(), 60, 12, 5));
     Mesh& mesh = world.meshes[0];
     for (int k = 0; k < 12; ++k) mesh.positions[random.bits() % mesh.positions.size()] = poisons[random.bits() % 6];
@@ -48,7 +48,7 @@ TEST_CASE("hard: NaN, infinite and 1e30 corners") {
 TEST_CASE("hard: worlds 1e5 to 1e7 m from the origin") {
   Family family("world offsets 1e5 to 1e7 m", {allAround(90, 19)});
   Random random(22);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kInputWorlds; ++i) {
     const Vec3 far = {logUniform(random, 1e5, 1e7), -logUniform(random, 1e5, 1e7), logUniform(random, 1e2, 1e5)};
     Scene world = sceneOf(soup(random.bits(), 120, 20, 6));
     // The offset comes from the instance, from the mesh's origin or half from each; corners are moved as far as floats
@@ -68,7 +68,7 @@ TEST_CASE("hard: worlds 1e5 to 1e7 m from the origin") {
 TEST_CASE("hard: mirrored and unevenly scaled instances") {
   Family family("mirrored and scaled instances", {allAround(90, 19)});
   Random random(23);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kInputWorlds; ++i) {
     Scene world = sceneOf(i % 2 ? ball(7, 9, 1) : soup(random.bits(), 80, 1, 0.5), i % 4 < 2);
     world.instances.clear();
     for (int k = 0; k < 4; ++k) {
@@ -85,7 +85,7 @@ TEST_CASE("hard: mirrored and unevenly scaled instances") {
 TEST_CASE("hard: inverted normals, one side reflecting") {
   Family family("inverted normals, one-sided", {allAround(90, 19)});
   Random random(24);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kInputWorlds; ++i) {
     Scene world = sceneOf(ball(5 + random.bits() % 8, 6 + random.bits() % 12, logUniform(random, 1, 20)), false);
     Mesh& mesh = world.meshes[0];
     for (size_t t = 0; t < mesh.triangleCount(); ++t)  // all or some triangles turned inside out
@@ -111,7 +111,7 @@ TEST_CASE("hard: uneven channels with azimuth offsets, columns that do not divid
     sensors.push_back(sensor);
   }
   Family family("uneven channels and columns", sensors);
-  for (int i = 0; i < kWorlds; ++i)
+  for (int i = 0; i < kInputWorlds; ++i)
     family.add(sceneOf(i % 2 ? soup(random.bits(), 150, 20, 8) : ball(9, 13, 12)), {{}, anyTurn(random)}, i % 4);
   requireRight(family);
 }

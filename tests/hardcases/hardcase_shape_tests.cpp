@@ -8,7 +8,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-const int kWorlds = rounds(120);
+const int kShapeWorlds = rounds(120);
 
 Scene oneTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   MeshBuilder builder;
@@ -26,7 +26,7 @@ std::vector<Sensor> sensorsAround() {
 TEST_CASE("hard: a triangle across the azimuth seam") {
   Family family("azimuth seam", sensorsAround());
   Random random(1);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double range = logUniform(random, 0.5, 100), width = logUniform(random, 1e-3, 1.5);
     const auto corner = [&](double side) {
       return along(directionAt(std::numbers::pi + side * width, random()), range * (1.2 + random()));
@@ -39,7 +39,7 @@ TEST_CASE("hard: a triangle across the azimuth seam") {
 TEST_CASE("hard: a triangle with the pole inside") {
   Family family("pole inside a triangle", sensorsAround());
   Random random(2);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double height = (i % 2 ? 1 : -1) * logUniform(random, 0.01, 50), start = 3 * random();
     const auto corner = [&](int k) {
       const double azimuth = start + 2.0943951 * k + 0.4 * random(), out = logUniform(random, 1e-4, 100);
@@ -53,7 +53,7 @@ TEST_CASE("hard: a triangle with the pole inside") {
 TEST_CASE("hard: a triangle around the sensor's axis, its edge or corner on the axis") {
   Family family("triangle around the axis", sensorsAround());
   Random random(3);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const Vec3 onAxis = {0, 0, coarse(4 * random())};
     const double nudge = i % 4 == 3 ? std::ldexp(1.0, -8 - int(random.bits() % 22)) : 0;
     Vec3 a = coarse(anywhere(random, 5)), b = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));
@@ -69,7 +69,7 @@ TEST_CASE("hard: the sensor on a triangle's plane, edge or corner") {
   Family family("sensor on plane, edge, corner", sensorsAround());
   family.everyHitTies = true;  // a triangle through the sensor may be hit at any range
   Random random(4);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     Vec3 a = coarse(anywhere(random, 3)), b = coarse(anywhere(random, 3));
     if (i % 5 == 4) a.z = b.z = 0;
     const double s = 1 + random.bits() % 3, t = 1 + random.bits() % 3;
@@ -88,7 +88,7 @@ TEST_CASE("hard: the sensor on a triangle's plane, edge or corner") {
 TEST_CASE("hard: the sensor inside a closed mesh") {
   Family family("sensor inside a closed mesh", sensorsAround());
   Random random(5);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double size = logUniform(random, 0.2, 60);
     const Vec3 inside = anywhere(random, 0.3 * size);
     Scene world;
@@ -111,7 +111,7 @@ TEST_CASE("hard: beams through shared edges and corners") {
   const Sensor sensor = allAround(48, 25, 500);
   Family family("shared edges and corners", {sensor});
   Random random(6);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const uint32_t step = 1 + random.bits() % 3;
     const double size = std::ldexp(1.0, int(random.bits() % 7));
     const Mesh mesh = aimedMesh(sensor, step == 3 ? 4 : step, [&](const Vec3&) {
@@ -142,7 +142,7 @@ TEST_CASE("hard: beams through shared edges and corners") {
 TEST_CASE("hard: slivers, down to zero area") {
   Family family("slivers to zero area", sensorsAround());
   Random random(7);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     MeshBuilder builder;
     for (int k = 0; k < 20; ++k) {
       const Vec3 a = anywhere(random, 10), b = anywhere(random, 10);
@@ -160,7 +160,7 @@ TEST_CASE("hard: grazing below 0.1 degrees") {
   Family family("grazing below 0.1 degrees",
                 {gridSensor(180, 31, -0.1, 0.05, 4000), gridSensor(97, 21, -12, 12, 4000)});
   Random random(8);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double tilt = logUniform(random, 1e-6, 1.7e-3), azimuth = 3 * random();
     MeshBuilder builder;
     builder.quad({-30, -30, 0}, {90, 0, 0}, {0, 70, 0}, 1 + random.bits() % 3);
@@ -179,7 +179,7 @@ TEST_CASE("hard: grazing below 0.1 degrees") {
 TEST_CASE("hard: triangles nearer than 0.1 m") {
   Family family("range below 0.1 m", sensorsAround());
   Random random(9);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double range = logUniform(random, 1e-5, 0.1);
     Scene world = i % 2 ? sceneOf(ball(7, 9, range)) : sceneOf(soup(random.bits(), 60, 2 * range, range));
     family.add(world, {anywhere(random, 0.3 * range), anyTurn(random)}, random.bits() % 3);
@@ -191,7 +191,7 @@ TEST_CASE("hard: one ground triangle several kilometres wide") {
   Family family("one ground triangle of kilometres",
                 {gridSensor(90, 24, -25, 2, 5000), gridSensor(77, 24, -80, -0.05, 5000)}, 0x1p19);
   Random random(10);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const double size = logUniform(random, 1e3, 1e5), turn = 3 * random();
     const auto corner = [&](int k) {
       return Vec3{size * std::cos(turn + 2.1 * k), size * std::sin(turn + 2.1 * k), 1e-3 * size * random()};
@@ -206,7 +206,7 @@ TEST_CASE("hard: one ground triangle several kilometres wide") {
 TEST_CASE("hard: triangles much smaller than a beam") {
   Family family("triangles smaller than a beam", {allAround(96, 25), gridSensor(300, 16, -15, 15)});
   Random random(11);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     const size_t sensor = random.bits() % 2;
     const Sensor& beams = family.sensors[sensor];
     MeshBuilder builder;
@@ -225,7 +225,7 @@ TEST_CASE("hard: coplanar duplicates") {
   Family family("coplanar duplicates", sensorsAround());
   family.everyHitTies = true;
   Random random(12);
-  for (int i = 0; i < kWorlds; ++i) {
+  for (int i = 0; i < kShapeWorlds; ++i) {
     MeshBuilder builder;
     for (int k = 0; k < 8; ++k) {
       const Vec3 a = anywhere(random, 12), b = anywhere(random, 12), c = anywhere(random, 12);

@@ -24,8 +24,6 @@ namespace {
 using lanes::Fault;
 
 const std::vector<uint32_t> kSizes = {4, 8, 16, 32, 64};
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
 const Scene& town() {
   static const Scene scene = [] {
     Scene made = makeTown({.triangles = everyCombination() ? 4'000u : 1'000u});

@@ -311,7 +311,7 @@ TEST_CASE("CUDA's kernels give the bytes of Vulkan's for lists") {
   const auto of = [&](const char* name) {
     return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   };
-  Twins moving(showroom(), {variedList()}, optionsOf(of("sensor-motion"), of("transmission")));
+  Twins moving(showroom(), {variedList()}, pairOptions(of("sensor-motion"), of("transmission")));
   CHECK(moving.scan(shotOf(true)).counters.hits > 0);
 }
 

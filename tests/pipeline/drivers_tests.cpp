@@ -8,8 +8,6 @@
 namespace gnosphere::test {
 namespace {
 
-constexpr double kPeriod = 0.1;  // seconds of a rotation
-
 const Pose kPose = {{0.4, -0.3, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A scene with ground, walls, a pane, a fence with holes, and glossy and retro-reflecting balls that hide one another.

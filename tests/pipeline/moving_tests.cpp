@@ -41,7 +41,7 @@ class Model {
   Scene scene_;
 };
 
-Transform somewhere(Random& random) {
+Transform placeAnywhere(Random& random) {
   const double far = random() > 0.8 ? 3000 : 30;
   Transform turned = translation(far * random(), far * random(), 5 * random()) * rotationZ(3 * random());
   if (random() > 0.6) turned = turned * scaling(random() > 0 ? 0.5 : -1.5, 1 + random() / 2, 1);
@@ -69,7 +69,7 @@ Scene startingScene(Random& random) {
   // These triangles are unusable at first, and therefore in a cluster of their own.
   scene.meshes[2].positions[4] = std::numeric_limits<float>::quiet_NaN();
   std::fill_n(scene.meshes[2].positions.begin() + 9, 6, 1.0f);
-  for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 3, somewhere(random)});
+  for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 3, placeAnywhere(random)});
   return scene;
 }
 
@@ -79,10 +79,10 @@ void change(Model& model, Simulator& simulator, Random& random) {
   const double kind = random();
   Scene& scene = model.scene();
   if (kind < 0 && model.isThere(instance)) {
-    scene.instances[instance].transform = somewhere(random);
+    scene.instances[instance].transform = placeAnywhere(random);
     simulator.setTransform(instance, scene.instances[instance].transform);
   } else if (kind < 0.4) {
-    const Instance added = {"", random.bits() % 3, somewhere(random)};
+    const Instance added = {"", random.bits() % 3, placeAnywhere(random)};
     const size_t index = simulator.addInstance(added.mesh, added.transform);
     REQUIRE(index <= model.count());
     if (index == model.count()) scene.instances.emplace_back();

@@ -22,8 +22,6 @@
 extern "C" size_t __sanitizer_get_current_allocated_bytes();  // GCC 12 has no header with it
 #endif
 
-extern char** environ;
-
 namespace gnosphere::test {
 
 /// Makes Cyclone DDS of this process and of those that it starts use the loopback interface alone, in a domain that

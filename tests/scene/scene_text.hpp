@@ -18,7 +18,7 @@
 
 namespace gnosphere::test {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 using Floats = std::vector<float>;
 using Indices = std::vector<uint32_t>;
 
