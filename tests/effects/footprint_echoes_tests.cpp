@@ -44,10 +44,9 @@ TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays
   options.effects = Effects::none();
   options.effects.intensity.use = EffectUse::on;
   options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::gaussian, 0.005, 0.005};
-  options.effects.returns.use = EffectUse::on;
+  options.effects.returns = {EffectUse::on, Effects::Returns::Mode::last};
   options.effects.returns.separation = separation;
-  Sensor sensor = gridSensor(720, 12, -1.6, 1.6, 120);
-  sensor.maxReturns = 5;
+  const Sensor sensor = gridSensor(720, 12, -1.6, 1.6, 120);
   const Scan scan = scanOn(canopy(), sensor, Pose(), options);
   size_t beams = 0, soil = 0;
   double bias = 0;
@@ -55,13 +54,9 @@ TEST_CASE("the last echo below leaves is that of the soil, however many sub-rays
     for (size_t turn = 0; turn < 7; ++turn) {
       const size_t beam = ahead(sensor, channel) + turn - 3;
       const double elevation = sensor.channels[channel].elevationDeg * std::numbers::pi / 180;
-      double last = 0, azimuth = 0;
-      for (size_t k = 0; k < 5; ++k)
-        if (scan.hit(5 * beam + k)) {
-          last = scan.ranges[5 * beam + k];
-          azimuth = std::atan2(scan.points[3 * (5 * beam + k) + 1], scan.points[3 * (5 * beam + k)]);
-        }
-      const double above = kSoil / (std::cos(elevation) * std::cos(azimuth)) - last;
+      REQUIRE(scan.hit(beam));
+      const double azimuth = std::atan2(scan.points[3 * beam + 1], scan.points[3 * beam]);
+      const double above = kSoil / (std::cos(elevation) * std::cos(azimuth)) - scan.ranges[beam];
       ++beams;
       soil += std::abs(above) < 0.1 ? 1 : 0;
       bias += above;
@@ -116,11 +111,11 @@ TEST_CASE("a leg and a wall on one floor are two echoes") {
   options.effects = Effects::none();
   options.effects.intensity.use = EffectUse::on;
   options.effects.divergence = {EffectUse::on, subRays, Effects::Divergence::Profile::uniform, angle, angle};
-  options.effects.returns = {EffectUse::on, Effects::Returns::Mode::all, 4};
+  options.effects.returns = {EffectUse::on, Effects::Returns::Mode::all, 3};
   options.fields = {Field::intensity};
   const Sensor sensor = gridSensor(720, 1, -2.8125, -2.8125, 50);
   const Scan scan = scanOn(scene, sensor, Pose(), options);
-  const size_t first = 4 * ahead(sensor);
+  const size_t first = 3 * ahead(sensor);
   CAPTURE(device, subRays, scan.ranges[first], scan.ranges[first + 1], scan.ranges[first + 2]);
   CHECK(std::abs(scan.ranges[first] - 1) < 0.05);
   CHECK(std::abs(scan.ranges[first + 1] - 2.5) < 0.1);
@@ -131,7 +126,9 @@ TEST_CASE("the ground is one echo, however long it is, on two triangles and behi
   const std::string device = ON_EVERY_DEVICE;
   const uint32_t subRays = GENERATE(7, 19, 61);
   const auto profile = GENERATE(Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian);
-  const double height = GENERATE(0.3, 1.8), separation = GENERATE(0.1, 0.4);
+  const auto [height, separation] =
+      device == "reference" ? GENERATE(table<double, double>({{0.3, 0.1}, {0.3, 0.4}, {1.8, 0.1}, {1.8, 0.4}}))
+                            : GENERATE(table<double, double>({{0.3, 0.4}, {1.8, 0.1}}));
   MeshBuilder builder;
   for (int strip = 0; strip < 300; ++strip)  // a strip of a metre each
     builder.quad({-1.0 + strip, -150, -height}, {1, 0, 0}, {0, 300, 0});
