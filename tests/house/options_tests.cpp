@@ -73,7 +73,7 @@ nlohmann::json otherValue(const Parameter<Owner>& parameter) {
               },
               [](const TextParameter<Owner>&) { return nlohmann::json("another"); },
               [](const IndicesParameter<Owner>&) {
-                return nlohmann::json{3, 4};
+                return nlohmann::json{3u, 4u};
               },
               [](const BoxesParameter<Owner>&) {
                 return nlohmann::json{{{"min", {0, 0, 0}}, {"max", {1, 1, 1}}, {"extinction", 0.5}}};
