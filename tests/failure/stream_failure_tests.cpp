@@ -106,12 +106,12 @@ TEST_CASE("a batch that fails for lack of memory loses no upload, and the next o
 
 TEST_CASE("a batch that cannot be submitted takes the results that its buffer had with it") {
   needVulkan();
-  Subject subject;
+  StreamSubject subject;
   subject.take(0);
   subject.stream.emplace(subject.simulator, BatchStreamOptions{4, 1, true});
   const uint64_t first = subject.stream->submit(subject.shots);
   CHECK(subject.stream->wait(first).number == first);
-  const vulkan::LentDevice device = vulkan::lendDevice(Subject::options(true));  // that of the simulator
+  const vulkan::LentDevice device = vulkan::lendDevice(StreamSubject::options(true));  // that of the simulator
   vulkan::DeviceFunctions& vk = functionsOf(device->device);
   const PFN_vkQueueSubmit submit = vk.vkQueueSubmit;
   vk.vkQueueSubmit = [](VkQueue, uint32_t, const VkSubmitInfo*, VkFence) { return VK_ERROR_OUT_OF_HOST_MEMORY; };
