@@ -139,7 +139,7 @@ TEST_CASE("a measurement of footprints without a footprint, a pose or a device i
   refused(head(), {}, options, "pose");
   options.runs = 0;
   refused(head(), {Pose{}}, options, "at least one run");
-  options = quick();
+  options = quickSubRays();
   options.counts.clear();
   refused(head(), {Pose{}}, options, "at least one number of sub-rays");
   options.counts = {62};
