@@ -15,7 +15,7 @@ using namespace gnosphere::test;
 
 TEST_CASE("output that cannot be written to the standard output is a failure, also of help and of lists") {
   const Workplace place;
-  for (const std::string& call : {std::string("sensors"), std::string("--help"), std::string("scan --help"),
+  for (const std::string& call : {std::string("effects"), std::string("--help"), std::string("scan --help"),
                                   "scan floor.obj --stats -" + kQuick}) {
     INFO(call);
     const Result full = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >/dev/full\"", "", "/bin/sh");
@@ -30,7 +30,7 @@ TEST_CASE("output that cannot be written to the standard output is a failure, al
 TEST_CASE("what is printed to a closed output is a failure, and goes to no other file") {
   const Workplace place;
   for (const std::string& call :
-       {std::string("sensors"), "plan floor.obj --json" + kQuick, "scan floor.obj --stats - -o a.pcd" + kQuick}) {
+       {std::string("effects"), "plan floor.obj --json" + kQuick, "scan floor.obj --stats - -o a.pcd" + kQuick}) {
     INFO(call);
     const Result closed = place.run("-c \"'" GNOSPHERE_BINARY "' " + call + " >&-\"", "", "/bin/sh");
     CHECK(closed.status == 1);
