@@ -390,7 +390,7 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
   CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [-1, 0])"), EndsWith("0..100 mrad, is -1"));
   for (const char* returns : {"0", "16", "1.5", "-1", "\"2\""})
     CHECK_THAT(more(R"("elevation_deg": [1], "max_returns": )" + std::string(returns)), ContainsSubstring("returns"));
-  CHECK_THAT(more(R"("elevation_deg": [1], "rotation_period": 10.5)"), ContainsSubstring("0..10 s, is 10.5"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "rotation_period": 10.5)"), ContainsSubstring("1e-9..10 s, is 10.5"));
   CHECK_THAT(more(R"("elevation_deg": [1], "origin": [0, 0, 0])"), ContainsSubstring("'origin' has 3"));
   CHECK_THAT(more(R"("elevation_deg": [1], "origin": [[0, 1]])"), ContainsSubstring("'origin[0]' must be 3 numbers"));
   CHECK_THAT(more(R"("elevation_deg": [1], "origin": [[0.8, 0.8, 0]])"), ContainsSubstring("within 1 m"));
