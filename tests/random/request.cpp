@@ -414,9 +414,13 @@ void change(Simulator& simulator, const Step& step) {
 }
 
 std::vector<uint32_t> numbersToTry(uint32_t most) {
+  // Panes, slivers, footprints, rain, errors and motions in a scan of 1,938 beams, whose kernels compile in less time
+  // than those of most requests.
+  constexpr uint32_t kRich = 122;
   const char* first = std::getenv("GNOSPHERE_RANDOM_SEED");
   std::vector<uint32_t> numbers(everyCombination() ? most : 1);
-  std::iota(numbers.begin(), numbers.end(), static_cast<uint32_t>(first ? std::stoul(first) : 0));
+  const uint32_t own = everyCombination() ? 0 : kRich;
+  std::iota(numbers.begin(), numbers.end(), first ? static_cast<uint32_t>(std::stoul(first)) : own);
   return numbers;
 }
 

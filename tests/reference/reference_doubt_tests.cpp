@@ -78,7 +78,7 @@ void requireAllowed(const Scan& truth, const Scan& other) {
     ++hits;
     REQUIRE(std::abs(double{truth.ranges[i]} - other.ranges[i]) <= truth.column<float>(Field::tolerance)[i]);
   }
-  CHECK(hits > 5);  // slivers are met by few beams
+  CHECK(hits > 20);  // slivers are met by few beams
   CHECK(tieCount(truth) < truth.beamCount() / 20);
 }
 
@@ -90,10 +90,10 @@ std::vector<std::pair<Scene, Pose>> hardScenes() {
   scenes.emplace_back(soup(12, 400, 1, 0.5), poseAt({0.1, 0.2, 0.3}));
   scenes.emplace_back(sceneOf({-400, -400, 0, 400, -400, 0, 400, 400, 0, -400, 400, 0}, {0, 1, 2, 0, 2, 3}),
                       poseAt({3, 5, 0.02}, 0.2));
-  Scene slivers = soup(13, 500, 30, 5);
+  Scene slivers = soup(13, 500, 10, 5);
   auto& p = slivers.meshes[0].positions;
   for (size_t t = 0; t < p.size(); t += 9)
-    for (size_t k = 0; k < 3; ++k) p[t + 6 + k] = p[t + k] + 1e-3f * (p[t + 6 + k] - p[t + k]);
+    for (size_t k = 0; k < 3; ++k) p[t + 6 + k] = p[t + k] + 3e-3f * (p[t + 6 + k] - p[t + k]);
   scenes.emplace_back(std::move(slivers), poseAt({0, 0, 0}, 0.5));
   return scenes;
 }
