@@ -3,6 +3,7 @@
 #include <catch2/catch_approx.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
 
 #include "columns.hpp"
 #include "eval/sample.hpp"
@@ -245,6 +246,7 @@ TEST_CASE("a comparison summed over scans equals the comparison of all beams at 
       pair[1].ranges.push_back(range + error);
       for (Scan& scan : pair) {
         scan.triangles.push_back(uniform() > 0.99 ? kNoTriangle : uniform() > 0.99 ? 1 : 0);
+        if (scan.triangles.back() == kNoTriangle) scan.ranges.back() = std::numeric_limits<float>::quiet_NaN();
         scan.instances.push_back(0);
       }
       ties.push_back(uniform() > 0.95);
