@@ -117,16 +117,19 @@ TEST_CASE("a model whose fronts are inside is warned of where beams pass through
     writeGlb(cube, folder / "cube.glb");
     return folder.read(json).warnings;
   };
+  const Warnings inside = {
+      "models.cube.file: has the fronts of its surfaces inside, and beams pass through backs, so it is invisible from "
+      "outside; turn its triangles round, or make its materials double-sided"};
+  double& mirror = cube.instances.at(0).transform.rows[0];  // glTF turns the triangles of a mirrored mesh
   cube.materials.at(0).doubleSided = false;
+  CHECK(warnings().empty());
+  mirror = -1;
   CHECK(warnings().empty());
   std::vector<uint32_t>& indices = cube.meshes.at(0).indices;
   for (size_t i = 0; i < indices.size(); i += 3) std::swap(indices[i], indices[i + 1]);
-  CHECK(warnings() == Warnings{"models.cube.file: has the fronts of its surfaces inside, and beams pass through backs, "
-                               "so it is invisible from outside; turn its triangles round, or make its materials "
-                               "double-sided"});
-  cube.instances.at(0).transform.rows[0] = -1;  // glTF turns the triangles of a mirrored mesh
-  CHECK(warnings().empty());
-  cube.instances[0].transform.rows[0] = 1;
+  CHECK(warnings() == inside);
+  mirror = 1;
+  CHECK(warnings() == inside);
   json["simulator"]["faces"] = "both";
   CHECK(warnings().empty());
   json.erase("simulator");
