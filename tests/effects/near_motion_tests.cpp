@@ -138,6 +138,14 @@ TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinat
   std::vector<Sensor> sensors = {nearHead(), clockwise(), uneven(), prisms()};
   if (everyCombination()) sensors.push_back(asList(nearHead()));
   const std::vector<Scan> expected = expectedScans(sensors);
+  const size_t passageCount = passages().size();
+  for (size_t i = 0; i < passageCount; ++i) {
+    INFO(passages()[i].name);
+    std::ptrdiff_t seen = 0;  // by all heads; a clockwise one turns away from some
+    for (size_t k = i; k < expected.size(); k += passageCount)
+      seen += std::ranges::count(expected[k].instances, kThing);
+    CHECK(seen > 40);
+  }
   std::vector<Binning> ways = {Binning::automatic};
   if (everyCombination()) ways = {Binning::nearest, Binning::lists, Binning::slabs};
   for (const Binning binning : ways) {
@@ -145,7 +153,6 @@ TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinat
     options.tuning.binning = binning;
     Simulator device = makeSimulator(nearScene(), sensors, options);
     CudaOnHost onHost(nearScene(), sensors, options);
-    size_t hits = 0;
     auto truth = expected.begin();
     for (size_t sensor = 0; sensor < sensors.size(); ++sensor)
       for (const Passage& passage : passages()) {
@@ -163,12 +170,8 @@ TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinat
         INFO(found.text());
         CHECK(found.all() == 0);
         CHECK(found.ties < found.beams / 20);
-        const auto ofThing = std::ranges::count(truth->instances, kThing);
-        if (sensors[sensor].isGrid()) CHECK(ofThing > 20);
-        hits += static_cast<size_t>(ofThing);
         ++truth;
       }
-    CHECK(hits > 5'000);
   }
 }
 
