@@ -68,7 +68,6 @@ TEST_CASE("more actors than labels of SemanticKITTI have numbers for are refused
   json["actors"] = Json::array();
   json["scenes"].push_back({{"file", "parked.glb"}, {"boxes", {"car"}}});
   putParked(folder, 65536);
-  CHECK(folder.read(json).actors.size() == 65536);
   json["outputs"].push_back({{"format", "semantickitti"}});
   CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("outputs[1].format: SemanticKITTI labels have 16 bits for the "
                                                          "number of an actor; there are 65536 actors"));
