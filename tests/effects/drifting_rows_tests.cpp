@@ -75,7 +75,8 @@ Scene confetti() {
 TEST_CASE("rows that fire at different times find the same hits, whether silhouettes drift or all beams are tried",
           "[combinations]") {
   needVulkan();
-  const std::vector<Sensor> heads = {builtinSensor("Pandar64"), spread()};
+  std::vector<Sensor> heads = {builtinSensor("Pandar64"), spread()};
+  if (!everyCombination()) heads[0].columns /= 3;
   const std::vector<SensorMotion> motions = {driving(15, 0.5, 1), driving(30, -3, 8), driving(20, 1, 40, 2),
                                              driving(3, 0.1, 400, 5), climbing()};
   TestOptions slabs = vulkanOptions();
