@@ -81,6 +81,7 @@ class VulkanApp {
       clear();
     }
     ~Buffer() {
+      app_.waitForQueue();  // kernels may still write into it
       app_.vk_.vkDestroyBuffer(app_.device_, buffer_, nullptr);
       app_.vk_.vkFreeMemory(app_.device_, memory_, nullptr);
     }
