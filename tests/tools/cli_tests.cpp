@@ -71,6 +71,8 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("scan robot.urdf", 2, "robot.urdf': the Python package reads such files: python -m gnosphere.robotics");
   checkRefused("sensors VLP-17", 2, "the nearest are VLP-16");
   checkRefused("sensors --json", 2, "name a sensor or a file; --json, --beams and --image tell of one");
+  checkRefused("sensors a.csv --rate 0", 2, "--rate: '0' is not a positive number");
+  checkRefused("sensors a.csv --rate nan", 2, "--rate: 'nan' is not a positive number");
   checkRefused("sensors Puck --rate 20", 2, "--fire-times complete a sensor file, and 'Puck' is built in");
   checkRefused("town -o town.glb --triangles -5", 2, "--triangles");
   checkRefused("town -o town.glb --triangles 1e9", 2,

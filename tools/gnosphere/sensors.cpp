@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/file.hpp"
+#include "base/number.hpp"
 #include "base/path.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
@@ -211,6 +212,12 @@ int runSensors(const SensorsOptions& options) {
   return 0;
 }
 
+/// Returns why the text is no positive number, or nothing.
+std::string positive(const std::string& text) {
+  double value = 0;
+  return parseNumber(text, value) && value > 0 ? "" : "'" + text + "' is not a positive number";
+}
+
 }  // namespace
 
 Action addSensors(CLI::App& app) {
@@ -224,7 +231,7 @@ Action addSensors(CLI::App& app) {
                  "A lidar mode (Ouster), the name of a sensor (SDF), the id of a scanner (HELIOS++, with :RATE for "
                  "its pulses a second if wanted) or lidar (CARLA), an operational state (firing times of Hesai)");
   app.add_option("--rate", options->file.scanRate, "Scans per second, if the file does not state them")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Validator(positive, ""));
   app.add_option("--columns", options->file.columns, "Columns of a turn, if the file does not state them")
       ->check(CLI::Range(uint32_t{1}, uint32_t{0xffffffff}));
   app.add_option("--beams-per-scan", options->file.beamsPerScan, "Cut a list of beams into scans of that many")
