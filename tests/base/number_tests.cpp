@@ -12,7 +12,7 @@ using namespace gnosphere;
 
 namespace {
 
-/// What a word is as a number; -1 if it is none.
+/// Returns the number that a word is, or -1 if the word is no number.
 double numberIn(const std::string& word) {
   double value = -1;
   return parseNumber(word, value) ? value : -1;

@@ -86,7 +86,7 @@ TEST_CASE("poses and calibrations are those of a lidar beside the middle of a ve
     const double half = (angle + M_PI / 2) / 2;
     const double place[] = {time, c, s, 0.5, 0, 0, std::sin(half), std::cos(half)};
     for (size_t k = 0; k < 8; ++k) CHECK_THAT(world[i + 1][k], WithinAbs(place[k], 1e-8));
-    // It turns to the left: about the y axis of the camera, which points down, and the lidar looks along its way.
+    // The turn to the left is about the y axis of the camera, which points down, and the lidar looks along its way.
     const double moved[] = {c, 0, -s, c - 1, 0, 1, 0, 0, s, 0, c, s};
     for (size_t k = 0; k < 12; ++k) CHECK_THAT(relative[i][k], WithinAbs(moved[k], 1e-8));
   }
