@@ -30,6 +30,8 @@ inline bool isTooSmall(std::string_view word) {
   int64_t exponent = 0;
   const auto result = std::from_chars(power.data(), power.data() + power.size(), exponent);
   if (result.ec == std::errc::result_out_of_range) return power.starts_with('-');
+  constexpr int64_t kFar = int64_t{1} << 62;  // farther than a word has digits
+  exponent = std::clamp(exponent, -kFar, kFar);
   // How far the point is behind the first digit that is not 0.
   const auto point = static_cast<int64_t>(std::min(digits.find('.'), digits.size()));
   const auto first = static_cast<int64_t>(std::min(digits.find_first_of("123456789"), digits.size()));

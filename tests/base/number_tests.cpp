@@ -23,16 +23,18 @@ double numberIn(const std::string& word) {
 TEST_CASE("a number that no double can hold is infinite if it is too large, and 0 if it is too small") {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const std::string zeros(400, '0');
-  for (const std::string& large : {std::string("1e400"), std::string("+1E+400"), std::string("10.0e400"),
-                                   std::string("0.5e400"), std::string("0.001e400"), "1" + zeros, "1" + zeros + ".0",
-                                   "1" + zeros + "e-5", std::string("1e99999999999999999999")}) {
+  for (const std::string& large :
+       {std::string("1e400"), std::string("+1E+400"), std::string("10.0e400"), std::string("0.5e400"),
+        std::string("0.001e400"), "1" + zeros, "1" + zeros + ".0", "1" + zeros + "e-5",
+        std::string("1e9223372036854775807"), std::string("1e99999999999999999999")}) {
     INFO(large);
     CHECK(numberIn(large) == kInfinite);
     if (large[0] != '+') CHECK(numberIn("-" + large) == -kInfinite);
   }
   for (const std::string& small :
        {std::string("1e-400"), std::string("-1E-400"), std::string("10.0e-400"), std::string("123456e-400"),
-        "0." + zeros + "1", "." + zeros + "1", "0." + zeros + "1e5", std::string("1e-99999999999999999999")}) {
+        "0." + zeros + "1", "." + zeros + "1", "0." + zeros + "1e5", std::string("0.01e-9223372036854775808"),
+        std::string("1e-99999999999999999999")}) {
     INFO(small);
     CHECK(numberIn(small) == 0);
   }
