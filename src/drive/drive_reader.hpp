@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "base/json_text.hpp"
 #include "base/nearest_text.hpp"
@@ -93,6 +95,8 @@ class DriveReader {
   void sensors();
   void ignores();
   void warnOfBodies();
+  /// Returns fittedExtent() of an actor's model.
+  const Vec3& extentOf(const Actor& actor);
   void checkSizes();
   void checkNumbers();
   void warnOfClocks();
@@ -127,6 +131,7 @@ class DriveReader {
   std::filesystem::path folder_;
   const nlohmann::json& root_;
   Drive drive_;
+  std::map<std::pair<size_t, std::optional<size_t>>, Vec3> extents_;  // of actors' models, by model and clip
   std::vector<std::string> mistakes_, classNames_;
   StandingActors standing_;
   std::map<std::string, std::string> names_;  // of the sensors and the inertial unit, by the same in small letters

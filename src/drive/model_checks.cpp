@@ -64,19 +64,20 @@ void DriveReader::warnOfModelSizes() {
   }
 }
 
+const Vec3& DriveReader::extentOf(const Actor& actor) {
+  const auto clip = actor.animation ? std::optional(actor.animation->clip) : std::nullopt;
+  const auto [extent, isNew] = extents_.try_emplace({actor.model, clip});
+  if (isNew) extent->second = fittedExtent(drive_.models[actor.model], actor.animation);
+  return extent->second;
+}
+
 /// Checks that no flat model is to be scaled to a size.
 void DriveReader::checkSizes() {
-  std::map<std::pair<size_t, std::optional<size_t>>, bool> flat;  // by model and clip
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
     const Actor& actor = drive_.actors[a];
     if (!actor.size) continue;
-    const auto clip = actor.animation ? std::optional(actor.animation->clip) : std::nullopt;
-    const auto [found, isNew] = flat.try_emplace({actor.model, clip});
-    if (isNew) {
-      const Vec3 extent = fittedExtent(drive_.models[actor.model], actor.animation);
-      found->second = !(extent.x > 0 && extent.y > 0 && extent.z > 0);
-    }
-    if (found->second)
+    const Vec3& extent = extentOf(actor);
+    if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
       refuse(entryPath("actors", a) + ".size",
              "the model of " + inQuotes(actor.name) + " is flat, so it cannot be scaled to a size; give it none");
   }
@@ -85,22 +86,17 @@ void DriveReader::checkSizes() {
 /// Warns of actors whose size has other proportions than their model. A model that is a box may stand for any other
 /// box.
 void DriveReader::warnOfScales() {
-  constexpr double kMost = 1.5;                                      // between the greatest and the least factor
-  std::map<std::pair<size_t, std::optional<size_t>>, Vec3> extents;  // by model and clip; 0 for boxes
-  const auto extentOf = [&](const Actor& actor) {
-    const Scene& model = drive_.models[actor.model];
-    const auto clip = actor.animation ? std::optional(actor.animation->clip) : std::nullopt;
-    const auto [extent, isNew] = extents.try_emplace({actor.model, clip});
-    if (isNew && !isBox(model)) extent->second = fittedExtent(model, actor.animation);
-    return extent->second;
-  };
+  constexpr double kMost = 1.5;  // between the greatest and the least factor
+  std::map<size_t, bool> boxes;  // by model
   size_t found = 0, count = 0;
   double most = kMost;
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
     const Actor& actor = drive_.actors[a];
     if (!actor.size) continue;
-    const Vec3 extent = extentOf(actor);
-    if (!(extent.x > 0 && extent.y > 0 && extent.z > 0)) continue;  // a box
+    const auto [box, isNew] = boxes.try_emplace(actor.model);
+    if (isNew) box->second = isBox(drive_.models[actor.model]);
+    if (box->second) continue;
+    const Vec3& extent = extentOf(actor);
     const auto [low, high] =
         std::minmax({actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z});
     if (!(high / low > kMost)) continue;
@@ -111,7 +107,7 @@ void DriveReader::warnOfScales() {
   }
   if (count == 0) return;
   const Actor& actor = drive_.actors[found];
-  const Vec3 extent = extentOf(actor);
+  const Vec3& extent = extentOf(actor);
   const auto text = [](double x, double y, double z) {
     return roundedText(x, 3) + ", " + roundedText(y, 3) + " and " + roundedText(z, 3);
   };
