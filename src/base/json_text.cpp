@@ -13,8 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-// Returns whether the lists and objects of a text nest deeper than kMaximumJsonDepth. A text that begins with neither,
-// such as a file of another kind, does not: its parser stops at the first value or sooner.
+// Returns whether the lists and objects of a text nest deeper than kMaximumJsonDepth. A text that does not begin with a
+// bracket, such as a file of another kind, has no such depth: the parser stops at the first value or sooner.
 bool nestsTooDeep(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r\n", text.starts_with("\xef\xbb\xbf") ? 3 : 0);
   if (first == text.npos || (text[first] != '{' && text[first] != '[')) return false;

@@ -297,8 +297,8 @@ void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const
   }
 }
 
-/// Copies only the vertices that these runs, which have the same sources, use. Some exporters put the vertices of all
-/// meshes into one accessor, and a thousand meshes must not hold a thousand copies of it.
+/// Copies the vertices that the runs, all of the same sources, use, and no others. Some exporters put the vertices of
+/// all meshes into one accessor, and a thousand meshes must not hold a thousand copies of it.
 void MeshReader::appendUsedVertices(Mesh& mesh, const std::vector<const Run*>& runs, const std::string& who) {
   const Vertices& vertices = runs.front()->vertices;
   const std::vector<float>& all = arrays_.keptFloats(vertices.positions, 3, "positions", who);

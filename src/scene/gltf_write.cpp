@@ -367,7 +367,7 @@ void Document::add(const Clip& clip) {
   }
   const bool isStill = channels.empty();
   if (isStill) {
-    // glTF has no animation without channels. One that moves no node takes their place, so that the clip stays.
+    // glTF has no animation without channels, so a clip that moves nothing is written with a channel without a node.
     const size_t input = addAccessor(floats_.emplace_back(1), "SCALAR", 1);
     json_["accessors"][input]["min"] = json_["accessors"][input]["max"] = {0};
     samplers.push_back({{"input", input}, {"output", addAccessor(floats_.emplace_back(3), "VEC3", 3)}});

@@ -37,7 +37,7 @@ inline gno_options onReference() {
   return options;
 }
 
-/// Makes a simulator for a sensor, whose handle is destroyed.
+/// Makes a simulator for a sensor, and destroys the handle of the sensor.
 inline gno_simulator simulatorOf(gno_scene scene, gno_sensor sensor, const char* effects,
                                  const std::vector<gno_field>& fields = {},
                                  const gno_options& options = onReference()) {

@@ -123,7 +123,7 @@ TEST_CASE("nuScenes: samples, scans and annotations are chained in the order of 
     }
   CHECK(keys == 3);     // the sensor at the side starts no scan in the frame 5
   CHECK(ofFirst == 2);  // what follows belongs to the second sample, which is the last one, too
-  // The side: yaw by 90 degrees after pitch by 10.
+  // The mount of the sensor at the side is a pitch of 10 degrees, and then a yaw of 90.
   const Json& mount = mounts.at(scans[1][0]["calibrated_sensor_token"]);
   CHECK(mount["translation"] == Json::array({1.0, 0.5, 1.0}));
   const double pitch = 5 * std::numbers::pi / 180,

@@ -117,7 +117,7 @@ TEST_CASE("an effect that is off changes no constant, and a scan of geometry alo
   CHECK(bare.stages.back().name == "resolve");
   CHECK(bare.stages.back().dispatches == 0);
   CHECK(bare.stages.back().pipelines.empty());
-  // The parameters of effects that are off ask for nothing.
+  // An effect that is off is not planned, whatever its parameters are.
   Effects off = everything();
   for (const EffectInfo& info : effectTable()) info.use(off) = EffectUse::off;
   CHECK(sameWork(planOnHost(scene, able(), off), bareOnHost));

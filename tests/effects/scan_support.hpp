@@ -10,7 +10,7 @@
 
 namespace gnosphere::test {
 
-/// The name of a device for optionsOn(); a test runs once with each.
+/// Generates the names of devices for optionsOn(), so that a test runs once with each device.
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
 inline constexpr double kPeriod = 0.1;  // seconds of a rotation

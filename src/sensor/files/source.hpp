@@ -28,7 +28,7 @@ struct SensorSource {
   }
   void assume(const std::string& what) { file.assumed.push_back(what); }
   void ignore(const std::string& what) { file.ignored.push_back(what); }
-  /// Throws Error(invalidArgument) if an option was given that does not apply to `what` the file is.
+  /// Throws Error(invalidArgument) if an option is given, because it does not apply to `what`, the kind of the file.
   void refuseOption(bool given, const char* option, const char* what) const {
     if (given) throw Error(ErrorCode::invalidArgument, name + ": " + option + " does not apply to " + what);
   }
