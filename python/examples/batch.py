@@ -13,6 +13,8 @@ import numpy as np
 import gnosphere
 from gnosphere import Effects, SensorRequest, patterns, primitives
 
+if len(sys.argv) > 3:
+    sys.exit("usage: batch.py [worlds [steps]]")
 worlds = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
 steps = int(sys.argv[2]) if len(sys.argv) > 2 else 3
 random = np.random.default_rng(1)

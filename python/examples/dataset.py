@@ -8,6 +8,8 @@ import sys
 
 from gnosphere import drive
 
+if len(sys.argv) not in (3, 4):
+    sys.exit("usage: dataset.py drive.json FOLDER [FRAMES]")
 ride = drive.read_drive(sys.argv[1])
 for warning in ride.warnings:
     print(f"warning: {warning}")

@@ -12,6 +12,8 @@ import numpy as np
 import gnosphere
 from gnosphere import Effects, SensorRequest, pictures
 
+if len(sys.argv) != 2:
+    sys.exit("usage: localise.py town.glb")
 particles, steps = 500, 8
 random = np.random.default_rng(4)
 

@@ -10,6 +10,8 @@ import numpy as np
 
 import gnosphere
 
+if len(sys.argv) != 2:
+    sys.exit("usage: moving.py town.glb")
 SPEED, PERIOD = 20.0, 0.1
 scene = gnosphere.load_scene(sys.argv[1])
 sensor = gnosphere.builtin_sensor("HDL-64E")

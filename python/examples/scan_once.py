@@ -7,6 +7,8 @@ import numpy as np
 
 import gnosphere
 
+if len(sys.argv) != 2:
+    sys.exit("usage: scan_once.py town.glb")
 scene = gnosphere.load_scene(sys.argv[1])
 request = gnosphere.SensorRequest(gnosphere.builtin_sensor("HDL-64E"), fields="intensity")
 simulator = gnosphere.Simulator(scene, request)

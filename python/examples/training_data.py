@@ -11,6 +11,8 @@ import numpy as np
 import gnosphere
 from gnosphere import Label
 
+if len(sys.argv) != 2:
+    sys.exit("usage: training_data.py town.glb")
 VEHICLES = ("bus", "estate", "hatchback", "saloon", "van")  # as the instances of the town are called
 scene = gnosphere.load_scene(sys.argv[1])
 for instance in scene.instances:

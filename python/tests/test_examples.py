@@ -25,6 +25,30 @@ def example(folder, name: str, *arguments: object) -> str:
     return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "batch 2 1 too_many",
+        "dataset",
+        "dataset drive.json",
+        "localise",
+        "moving",
+        "scan_once",
+        "scan_once one.glb two.glb",
+        "training_data",
+    ],
+)
+def test_wrong_number_of_arguments(tmp_path, words):
+    name, *arguments = words.split()
+    command = [sys.executable, EXAMPLES / f"{name}.py", *arguments]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1 and done.stdout == ""
+    assert re.fullmatch(rf"usage: {name}\.py .*\n", done.stderr)
+    # The first sentence of the example has the same usage.
+    assert done.stderr.removeprefix("usage: ").strip() + "." in (EXAMPLES / f"{name}.py").read_text()
+    assert not list(tmp_path.iterdir())
+
+
 def test_scan_once(folder, tmp_path):
     assert "of 288000 beams hit" in example(tmp_path, "scan_once", folder / "town.glb")
     assert (tmp_path / "cloud.pcd").stat().st_size > 1e6
