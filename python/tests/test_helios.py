@@ -2,7 +2,9 @@
 """Surveys of HELIOS++ become drives whose points are where the survey's geometry says."""
 
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 
@@ -165,3 +167,12 @@ def test_the_command(surveys):
     assert json.loads((surveys / "out" / "materials.json").read_text())["materials"][0]["reflectance_905"] == 0.3
     done = subprocess.run([*command[:3], surveys / "no.xml"], capture_output=True, text=True)
     assert done.returncode == 1 and "no.xml" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_the_command_without_a_reader(surveys):
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "gnosphere.helios", surveys / "ground.xml"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (-signal.SIGPIPE, b"")  # so does the program `gnosphere`

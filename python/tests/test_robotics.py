@@ -4,6 +4,7 @@ skipped without its package."""
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import warnings
@@ -1085,6 +1086,14 @@ def test_the_command(arm, tmp_path):
     assert wrong.returncode == 1 and "there is no joint 'knee'" in wrong.stderr
     wrong = subprocess.run([*command, arm, "--joint", "slide"], capture_output=True, text=True)
     assert wrong.returncode == 2 and "--joint slide states no position" in wrong.stderr
+
+
+def test_the_command_without_a_reader(arm):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run([sys.executable, "-m", "gnosphere.robotics", arm], stdout=writer, stderr=subprocess.PIPE)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (-signal.SIGPIPE, b"")  # so does the program `gnosphere`
 
 
 def test_the_page(tmp_path, monkeypatch):

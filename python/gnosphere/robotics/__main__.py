@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import signal
 import sys
 import warnings
 from typing import Any, Iterable
@@ -91,4 +92,6 @@ def place_of(local: Matrix) -> str:
 
 
 if __name__ == "__main__":
+    if hasattr(signal, "SIGPIPE"):  # Windows has none
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # ends without a word when nobody reads on, as `gnosphere` does
     sys.exit(main())
