@@ -2,6 +2,10 @@
 // The command line as people and scripts see it: exit status, one-line errors, no incomplete files.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
 
 #include "gnosphere/output.hpp"
 #include "tools/cli_support.hpp"
@@ -9,6 +13,30 @@
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
+
+namespace {
+
+std::set<std::string> optionsIn(const std::string& text) {
+  static const std::regex kOption("--[a-z][a-z-]*");
+  std::set<std::string> names;
+  for (std::sregex_iterator match(text.begin(), text.end(), kOption), end; match != end; ++match)
+    names.insert(match->str());
+  return names;
+}
+
+/// The options that the list of a help text names, but for those in calls in backticks, and does not describe.
+std::set<std::string> foreignOptionsIn(const std::string& help) {
+  const size_t begin = help.find("\nOptions:\n");
+  const std::string list = help.substr(begin, help.find("\n\n", begin) - begin);
+  std::set<std::string> names = optionsIn(std::regex_replace(list, std::regex("`[^`]*`"), ""));
+  std::istringstream lines(list);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  -"))
+      for (const std::string& own : optionsIn(line.substr(0, line.find(' ', 2)))) names.erase(own);
+  return names;
+}
+
+}  // namespace
 
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
@@ -141,7 +169,7 @@ TEST_CASE("if the disk fills up, the old file stays and no partial file is left"
   CHECK(place.files() == std::vector<std::string>{"a.pcd", "floor.obj"});
 }
 
-TEST_CASE("help and version succeed, and every help text ends with an example") {
+TEST_CASE("help and version succeed, and every help text ends with an example and names its own options alone") {
   const Workplace place;
   CHECK_THAT(place.run("--help").out,
              ContainsSubstring("scan") && ContainsSubstring("town") && ContainsSubstring("2 for a wrong call; "));
@@ -155,6 +183,7 @@ TEST_CASE("help and version succeed, and every help text ends with an example") 
     const size_t example = help.find("\nExample: gnosphere ");
     REQUIRE(example != help.npos);
     CHECK(help.find_first_not_of('\n', help.find('\n', example + 1)) == help.npos);  // it is the last line
+    CHECK(foreignOptionsIn(help) == std::set<std::string>());
   }
   CHECK(longestLine(place.run("options").out) <= 80);
   const Result version = place.run("--version");

@@ -117,7 +117,7 @@ void addSetOption(CLI::App& app, Settings& settings) {
   app.add_option_function<Settings>(
          "--set", [&settings](const Settings& more) { settings.insert(settings.end(), more.begin(), more.end()); },
          "Set an option by NAME=VALUE, as tuning.binning=lists; gnosphere options lists them; may be given more than "
-         "once, and wins over options such as --accuracy")
+         "once, and wins over other options that set the same")
       ->allow_extra_args(false);
 }
 
