@@ -33,6 +33,7 @@ struct Actor {
   size_t model = 0;          ///< index into Drive::models
   size_t category = 0;       ///< index into Drive::classes
   std::optional<Vec3> size;  ///< length, width and height that the model is scaled to
+  Vec3 scale = {1, 1, 1};    ///< the factors along the axes of the model that give it this size
   Trajectory trajectory;
   std::optional<Animation> animation;
   bool goneOutside = false;  ///< whether it is absent, rather than still, outside the trajectory's time

@@ -214,7 +214,7 @@ Drive DriveReader::read(const fs::path& file) {
   actors();
   addStanding();
   ignores();
-  if (mistakes_.empty()) checkSizes();
+  if (mistakes_.empty()) findScales();
   checkNumbers();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
   warnOfClocks();

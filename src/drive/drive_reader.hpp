@@ -97,7 +97,7 @@ class DriveReader {
   void warnOfBodies();
   /// Returns fittedExtent() of an actor's model.
   const Vec3& extentOf(const Actor& actor);
-  void checkSizes();
+  void findScales();
   void checkNumbers();
   void warnOfClocks();
   bool warnOfStamps();

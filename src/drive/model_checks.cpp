@@ -71,12 +71,13 @@ const Vec3& DriveReader::extentOf(const Actor& actor) {
   return extent->second;
 }
 
-/// Checks that no flat model is to be scaled to a size.
-void DriveReader::checkSizes() {
+/// Finds the factors that scale models to the sizes of actors. A flat model has none.
+void DriveReader::findScales() {
   for (size_t a = 0; a < drive_.actors.size(); ++a) {
-    const Actor& actor = drive_.actors[a];
+    Actor& actor = drive_.actors[a];
     if (!actor.size) continue;
     const Vec3& extent = extentOf(actor);
+    actor.scale = {actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z};
     if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
       refuse(entryPath("actors", a) + ".size",
              "the model of " + inQuotes(actor.name) + " is flat, so it cannot be scaled to a size; give it none");
@@ -96,9 +97,7 @@ void DriveReader::warnOfScales() {
     const auto [box, isNew] = boxes.try_emplace(actor.model);
     if (isNew) box->second = isBox(drive_.models[actor.model]);
     if (box->second) continue;
-    const Vec3& extent = extentOf(actor);
-    const auto [low, high] =
-        std::minmax({actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z});
+    const auto [low, high] = std::minmax({actor.scale.x, actor.scale.y, actor.scale.z});
     if (!(high / low > kMost)) continue;
     ++count;
     if (!(high / low > most)) continue;
@@ -112,8 +111,7 @@ void DriveReader::warnOfScales() {
     return roundedText(x, 3) + ", " + roundedText(y, 3) + " and " + roundedText(z, 3);
   };
   warn(entryPath("actors", found) + ".size",
-       "scales the model of " + inQuotes(actor.name) + " by " +
-           text(actor.size->x / extent.x, actor.size->y / extent.y, actor.size->z / extent.z) +
+       "scales the model of " + inQuotes(actor.name) + " by " + text(actor.scale.x, actor.scale.y, actor.scale.z) +
            " along x, y and z, which distorts it; the model measures " + text(extent.x, extent.y, extent.z) +
            " m: give a size of its proportions, or turn it by its \"pose\"" +
            (count > 1 ? " (of " + std::to_string(count) + " actors that are distorted this is the most)" : ""));

@@ -65,11 +65,8 @@ std::vector<std::vector<bool>> usedVerticesOf(const Scene& model) {
   return used;
 }
 
-/// Returns the transform that gives a model, which is not flat, the length, width and height of its actor.
-Transform fitting(const Actor& actor, const Scene& model) {
-  if (!actor.size) return {};
-  const Vec3 extent = fittedExtent(model, actor.animation);
-  return {{actor.size->x / extent.x, 0, 0, 0, 0, actor.size->y / extent.y, 0, 0, 0, 0, actor.size->z / extent.z, 0}};
+Transform scaling(const Vec3& scale) {
+  return {{scale.x, 0, 0, 0, 0, scale.y, 0, 0, 0, 0, scale.z, 0}};
 }
 
 Vec3 middleOf(const Bounds& bounds) {
@@ -136,7 +133,7 @@ World::World(const Drive& drive) : drive_(drive) {
                  objects_.size(),
                  numbersFrom(firstMeshes[actor.model], model),
                  actor.animation,
-                 fitting(actor, model),
+                 scaling(actor.scale),
                  {},
                  {},
                  {},

@@ -21,7 +21,6 @@ bool isBox(const Scene& model);
 
 class World {
  public:
-  /// Throws Error(format) for a model that cannot have the size of its actor.
   explicit World(const Drive& drive);
 
   /// The scene of the whole drive. Its instances never change: first those of the drive's scenes, in order, then those
