@@ -21,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using namespace std::string_literals;
 
 /// Whether a file has the size, and if `verify` the hash, of its entry.
 bool isWhole(const fs::path& file, const FileEntry& entry, bool verify) {
@@ -53,30 +52,52 @@ std::string durationText(const Drive& drive, const fs::path& manifest, const std
   }
 }
 
+/// Returns what manifest/drive.json says of a drive.
+std::string textOf(const Drive& drive) {
+  return jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
+         "\n";
+}
+
 }  // namespace
 
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
-  if (!out.empty()) makeFolder(out);
-  makeFolder(fileIn(out, "manifest/frames"));
-  fileIn(out, "manifest/lock");  // refuses a link, before anything is removed
+  // A link is refused before anything is removed.
+  for (const char* own : {"manifest/frames", "manifest/lock"}) fileIn(out, own);
   UnfinishedFiles::removeAbandoned(folder_, UnfinishedFiles::Of::thisMachine);
-  const std::string text =
-      jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
-      "\n";
-  const fs::path file = folder_ / "drive.json";
-  std::error_code absent;
-  if (!fs::exists(file, absent)) put(file, text);
-  if (const std::string held = readWholeFile(file); held != text) {
-    const std::string why = durationText(drive, folder_, held);
-    throw Error(ErrorCode::invalidArgument,
-                out.string() + ": " +
-                    (why.empty() ? "holds frames of another drive, or of this one before something of it changed; "
-                                   "choose another folder"
-                                 : why));
-  }
+  checkDrive();
 }
 
 Manifest::~Manifest() = default;
+
+void Manifest::checkDrive() const {
+  const fs::path file = folder_ / "drive.json";
+  std::error_code absent;
+  if (!fs::exists(file, absent)) return;
+  const std::string held = readWholeFile(file);
+  if (held == textOf(drive_)) return;
+  const std::string why = durationText(drive_, folder_, held);
+  throw Error(ErrorCode::invalidArgument,
+              out_.string() + ": " +
+                  (why.empty() ? "holds frames of another drive, or of this one before something of it changed; "
+                                 "choose another folder"
+                               : why));
+}
+
+void Manifest::begin(const std::string& madeBy) const {
+  if (!out_.empty()) makeFolder(out_);
+  makeFolder(fileIn(out_, "manifest/frames"));
+  const auto putOnce = [&](const std::string& path, const std::string& text) {
+    const fs::path file = placeIn(out_, pathOf(path));
+    std::error_code absent;
+    if (!fs::exists(file, absent)) put(file, text);
+  };
+  putOnce("manifest/drive.json", textOf(drive_));
+  checkDrive();  // another process may have begun another drive meanwhile
+  putOnce("manifest/drive_file.json", drive_.file);
+  // The name is that of the content, so that processes which make frames alike share a file, however many they are.
+  putOnce("manifest/made_by/" + hashOf(madeBy) + ".json", madeBy);
+  reopen();
+}
 
 fs::path Manifest::frameFile(uint64_t frame) const {
   return folder_ / "frames" / numberText("%06llu.json", frame);
@@ -130,16 +151,6 @@ std::optional<FrameSummary> Manifest::summaryOf(uint64_t frame, bool verify) con
     if (!isWhole(file, entry, verify || !entry.into.empty())) return {};
   }
   return summary;
-}
-
-void Manifest::noteMaker(const std::string& madeBy) const {
-  // The name is that of the content, so that processes which make frames alike share a file, however many they are.
-  for (const auto& [path, text] : {std::pair("manifest/drive_file.json"s, drive_.file),
-                                   std::pair("manifest/made_by/" + hashOf(madeBy) + ".json", madeBy)}) {
-    const fs::path file = placeIn(out_, pathOf(path));
-    std::error_code absent;
-    if (!fs::exists(file, absent)) put(file, text);
-  }
 }
 
 void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& files) const {

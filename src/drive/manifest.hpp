@@ -25,7 +25,8 @@ struct MissingFrames {
 
 class Manifest {
  public:
-  /// Opens or makes the folder. Throws Error(invalidArgument) if it holds another drive, and Error(file).
+  /// Opens the folder, which need not be there. Throws Error(invalidArgument) if it holds another drive, and
+  /// Error(file).
   Manifest(const Drive& drive, const std::filesystem::path& out);
   /// Removes the folder of unfinished files.
   ~Manifest();
@@ -37,8 +38,10 @@ class Manifest {
   std::optional<FrameSummary> summaryOf(uint64_t frame, bool verify) const;
   /// Whether processes that work in this folder know of each other. If not, its file system has no locks.
   bool hasLocks() const;
-  /// Keeps the drive file, and notes what makes frames, unless another run has noted the same.
-  void noteMaker(const std::string& madeBy) const;
+  /// Makes the folder, unless it is there, and says that frames will be made, so the drive has to be finished again.
+  /// Keeps the drive file, and notes what makes the frames, unless another run has noted the same. Throws as the
+  /// constructor does.
+  void begin(const std::string& madeBy) const;
   /// Writes the files of a frame, then its manifest.
   void write(const FrameRecord& frame, const std::vector<OutputFile>& files) const;
 
@@ -52,14 +55,16 @@ class Manifest {
   /// and removes their parts and the unfinished files of killed processes. Returns the frames that are missing: none if
   /// the drive is finished.
   MissingFrames finish(const Finish& finish) const;
-  /// Says that frames will be made, so the drive has to be finished again.
-  void reopen() const;
 
  private:
   std::filesystem::path frameFile(uint64_t frame) const;
   std::filesystem::path finishedFile() const { return folder_ / "finished"; }
   const UnfinishedFiles& unfinished() const;
   void put(const std::filesystem::path& file, const std::string& bytes) const;
+  /// Throws Error(invalidArgument) if the folder holds another drive.
+  void checkDrive() const;
+  /// Says that the drive has to be finished again.
+  void reopen() const;
   /// Counts the frames without a manifest; `first` is one of them.
   MissingFrames withoutManifest(uint64_t first) const;
   /// Files of which final files are made, by their folders.

@@ -92,7 +92,12 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
   Scanner scanner(drive, world, fieldsOf(drive, formats), options.simulator);
   report.device = scanner.device().name;
   if (options.started) options.started(scanner.device());
-  manifest.noteMaker(madeByText(drive, options.simulator, scanner));
+  manifest.begin(madeByText(drive, options.simulator, scanner));  // a device that cannot scan leaves the folder alone
+  if (!manifest.hasLocks() && options.simulator.warn)
+    options.simulator.warn(options.out.string() +
+                           ": its file system has no locks (flock), so two processes that complete the drive at the "
+                           "same time may spoil its last files, and what killed processes leave stays; let one "
+                           "process at a time make the drive there");
   BoxFinder finder(drive, world);
   uint64_t done = 0;
   FrameQueue queue([&](FrameRecord& record) {
@@ -134,15 +139,7 @@ RunReport run(const Drive& drive, const RunOptions& options) {
   RunReport report;
   report.broken = manifest.removeBroken(options.verify);
   const std::vector<uint64_t> frames = framesToMake(drive, options, manifest, report);
-  if (!frames.empty()) {
-    if (!manifest.hasLocks() && options.simulator.warn)
-      options.simulator.warn(options.out.string() +
-                             ": its file system has no locks (flock), so two processes that complete the drive at the "
-                             "same time may spoil its last files, and what killed processes leave stays; let one "
-                             "process at a time make the drive there");
-    manifest.reopen();
-    makeFrames(drive, world, formats, frames, options, manifest, report);
-  }
+  if (!frames.empty()) makeFrames(drive, world, formats, frames, options, manifest, report);
   const MissingFrames missing = manifest.finish([&](const std::vector<FrameSummary>& summaries, FinalFiles& files) {
     for (const auto& format : formats) format->finish(summaries, files);
     writeObjects(drive, world, files);

@@ -194,6 +194,26 @@ TEST_CASE("a shard that there is not and an empty range of frames are refused be
   refused(options, "the drive has the frames 0 to 9, so 10:12 is none");
 }
 
+TEST_CASE("a device that is not there leaves a folder as it is") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(smallDrive());
+  const fs::path out = folder / "out";
+  drive::RunOptions absent = optionsFor(out);
+  absent.simulator.device = deviceByName("no device has this name");
+  const auto isRefused = [&] { CHECK_THROWS_AS(drive::run(drive, absent), Error); };
+  isRefused();
+  CHECK_FALSE(fs::exists(out));
+  fs::create_directory(out);
+  isRefused();
+  CHECK(fs::is_empty(out));
+  // A drive that was finished stays so until a frame is made.
+  REQUIRE(drive::run(drive, optionsFor(out)).finished);
+  fs::remove(out / "manifest/frames/000003.json");
+  const auto before = filesOf(out);
+  isRefused();
+  CHECK(filesOf(out) == before);
+}
+
 TEST_CASE("a run whose thread for writing cannot be started is refused, and can be repeated") {
   const DriveFolder folder;
   const Json json = smallDrive();

@@ -167,6 +167,7 @@ void fuzzManifest(Bytes bytes) {
   drive.duration = 1 / drive.rate;
   {
     const drive::Manifest manifest(drive, folder);
+    std::filesystem::create_directories(folder / "manifest/frames");
     std::ofstream(folder / "manifest/frames/000000.json", std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     mayRefuse([&] { manifest.summaryOf(0, true); });
