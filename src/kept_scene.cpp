@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <utility>
 
 #include "base/finite.hpp"
@@ -234,21 +235,21 @@ AddedScene KeptScene::addScene(const Scene& scene, const Transform& transform) {
   added.meshes.reserve(scene.meshes.size());
   std::vector<Instance> instances = scene.instances;
   std::vector<Material> materials = scene.materials;
-  std::vector<AlphaImage> images = scene.alphaImages;
-  // An image without a material would stay when the materials are removed.
-  std::vector<uint32_t> imageNumbers(images.size(), kNoImage);
+  // An image without a material is left out, because it would stay when the materials are removed.
+  std::map<uint32_t, uint32_t> numbers;  // of the other images, by those that they have in `scene`
   for (const Material& material : materials)
-    if (material.alphaImage != kNoImage) imageNumbers[material.alphaImage] = 0;
-  const auto used = images.size() - static_cast<size_t>(std::ranges::count(imageNumbers, kNoImage));
-  const std::vector<uint32_t> unused = unusedImages(used);
-  for (size_t i = 0, next = 0; i < images.size(); ++i)
-    if (imageNumbers[i] != kNoImage) imageNumbers[i] = unused[next++];
+    if (material.alphaImage != kNoImage) numbers[material.alphaImage] = kNoImage;
+  const std::vector<uint32_t> unused = unusedImages(numbers.size());
+  std::vector<AlphaImage> images;
+  for (auto& [image, number] : numbers) {
+    number = unused[images.size()];
+    images.push_back(scene.alphaImages[image]);
+  }
   for (Material& material : materials)
-    if (material.alphaImage != kNoImage) material.alphaImage = imageNumbers[material.alphaImage];
+    if (material.alphaImage != kNoImage) material.alphaImage = numbers[material.alphaImage];
   const auto exchange = [&] {
     for (size_t i = 0; i < materials.size(); ++i) std::swap(scene_.materials[added.materials[i]], materials[i]);
-    for (size_t i = 0; i < images.size(); ++i)
-      if (imageNumbers[i] != kNoImage) std::swap(scene_.alphaImages[imageNumbers[i]], images[i]);
+    for (size_t i = 0; i < images.size(); ++i) std::swap(scene_.alphaImages[unused[i]], images[i]);
     planner_.forgetTextures();
   };
   const auto giveBack = [&] {
