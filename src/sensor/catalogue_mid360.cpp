@@ -5,9 +5,13 @@
 // have the strongest lines.
 #include "sensor/catalogue_mid360.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <numbers>
+#include <vector>
 
 #include "base/units.hpp"
 #include "base/vector.hpp"
@@ -59,13 +63,28 @@ struct Powers {
   const std::complex<double>& operator[](int power) const { return of[power + kMost]; }
 };
 
+/// Returns the lines of a laser, whose amplitudes have the power of its offset as a factor.
 template <size_t kCount>
-std::complex<double> sumOf(const Line (&lines)[kCount], double offset, const Powers& fast, const Powers& slow) {
+std::array<Line, kCount> linesAt(double offset, const Line (&lines)[kCount]) {
+  std::array<Line, kCount> own;
+  std::ranges::copy(lines, own.begin());
+  for (Line& line : own) line.amplitude = std::pow(offset, line.power) * line.amplitude;
+  return own;
+}
+
+template <size_t kCount>
+std::complex<double> sumOf(const std::array<Line, kCount>& lines, const Powers& fast, const Powers& slow) {
   std::complex<double> sum = 0;
-  for (const Line& line : lines)
-    sum += std::pow(offset, line.power) * line.amplitude * fast[line.turns] * slow[line.swings];
+  for (const Line& line : lines) sum += line.amplitude * fast[line.turns] * slow[line.swings];
   return sum;
 }
+
+/// The lines of a laser.
+struct LaserLines {
+  explicit LaserLines(double offset) : forwardAndLeft(linesAt(offset, kForwardAndLeft)), up(linesAt(offset, kUp)) {}
+  std::array<Line, std::size(kForwardAndLeft)> forwardAndLeft;
+  std::array<Line, std::size(kUp)> up;
+};
 
 }  // namespace
 
@@ -89,18 +108,19 @@ Sensor mid360Sensor() {
   sensor.rangeAt10Percent = 40;
   sensor.scanPeriod = kScanSeconds;
   const auto shots = static_cast<int>(std::lround(kScanSeconds * kBeamsPerSecond / kLasers));
+  std::vector<LaserLines> lasers;
+  for (int laser = 0; laser < kLasers; ++laser) lasers.emplace_back(2 * laser - (kLasers - 1));
   for (int frame = 0; frame < kScans; ++frame) {
     BeamList& list = sensor.patterns.emplace_back();
     for (int shot = 0; shot < shots; ++shot) {
       const double seconds = kScanSeconds * (frame + double(shot) / shots);
       const Powers fast(kTurnsPerSecond * seconds), slow(kSwingsPerSecond * seconds);
-      for (int laser = 0; laser < kLasers; ++laser) {
-        const double offset = 2 * laser - (kLasers - 1);
-        const std::complex<double> across = sumOf(kForwardAndLeft, offset, fast, slow);
-        const Vec3 sum = {across.real(), across.imag(), sumOf(kUp, offset, fast, slow).real()};
+      for (uint16_t laser = 0; laser < kLasers; ++laser) {
+        const std::complex<double> across = sumOf(lasers[laser].forwardAndLeft, fast, slow);
+        const Vec3 sum = {across.real(), across.imag(), sumOf(lasers[laser].up, fast, slow).real()};
         list.directions.push_back((1 / lengthOf(sum)) * sum);
         list.times.push_back(kScanSeconds * shot / shots);
-        list.rings.push_back(static_cast<uint16_t>(laser));
+        list.rings.push_back(laser);
       }
     }
   }
