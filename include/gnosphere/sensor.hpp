@@ -30,7 +30,7 @@ struct Channel {
 struct BeamList {
   std::vector<Vec3> directions;    ///< unit vectors in the sensor's frame; validate() accepts lengths of 1 +- 1e-4
   std::vector<Vec3> origins;       ///< metres in the sensor's frame, at most 1 km from its origin; if empty, its origin
-  std::vector<double> times;       ///< seconds after the start of the scan, 0..10; if empty, 0
+  std::vector<double> times;       ///< seconds from the scan's start, 0..10, the last 0 or at least 1e-9; if empty, 0
   std::vector<float> rangeMin;     ///< metres; if empty, the sensor's
   std::vector<float> rangeMax;     ///< metres; if empty, the sensor's
   std::vector<uint16_t> rings;     ///< values of Field::ring; if empty, 0

@@ -76,7 +76,8 @@ void bindBeams(nb::module_& m) {
           "range_max"_a = nb::none(), "rings"_a = nb::none(), "width"_a = 0, "height"_a = 0,
           "directions: shape (beams, 3), float64, unit vectors in the sensor's frame.\n"
           "origins: shape (beams, 3), float64, metres in the sensor's frame; if not given, the frame's origin.\n"
-          "times: shape (beams,), float64, seconds after the start of the scan, 0..10; if not given, 0.\n"
+          "times: shape (beams,), float64, seconds after the start of the scan, 0..10, the last one 0 or at "
+          "least 1e-9; if not given, 0.\n"
           "range_min, range_max: shape (beams,), float32, metres; if not given, the sensor's.\n"
           "rings: shape (beams,), uint16, values of Field.ring; if not given, 0.\n"
           "width, height: of the organised cloud; if 0, it has one row of all beams.\n"

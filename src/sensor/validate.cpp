@@ -168,11 +168,14 @@ void validate(const Sensor& sensor) {
   if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
     refuse(sensor, "max returns must be within 1.." + std::to_string(limits::kReturns.most) + ", is " +
                        std::to_string(sensor.maxReturns));
-  constexpr double kShortest = 1e-9;  // of a turn, in seconds: speeds within shorter ones have no number
+  constexpr double kShortest = 1e-9;  // of a scan, in seconds: speeds within shorter ones have no number
   const double turn = sensor.rotationPeriod;
   if (!(turn == 0 || turn >= kShortest) || !limits::kSeconds.holds(turn))
     refuse(sensor, "rotation period must be 0 or within 1e-9..10 s, is " + numberText(turn) +
                        "; of a scanner that stands and turns longer leave it out: then all beams fire at once");
+  for (size_t pattern = 0; pattern < std::max<size_t>(sensor.patterns.size(), 1); ++pattern)
+    if (const double last = durationOf(sensor, pattern); last > 0 && last < kShortest)
+      refuse(sensor, "the last beam must fire at 0 s, or at 1e-9 s or later, and fires at " + numberText(last) + " s");
   checkScanPeriod(sensor);
 }
 

@@ -428,7 +428,7 @@ TEST_CASE("validate refuses invalid sensors") {
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
 }
 
-TEST_CASE("validate refuses turns so short that the speed of what moves meanwhile has no number") {
+TEST_CASE("validate refuses scans so short that the speed of what moves meanwhile has no number") {
   Sensor sensor = small();
   for (const double period : {5e-324, 1e-300, 9e-10}) {
     sensor.rotationPeriod = period;
@@ -437,6 +437,21 @@ TEST_CASE("validate refuses turns so short that the speed of what moves meanwhil
   }
   sensor.rotationPeriod = 1e-9;
   CHECK_NOTHROW(validate(sensor));
+  // Without a turn what moves meanwhile is at its end when the last beam fires.
+  Sensor offsets = small(), list = small();
+  offsets.rotationPeriod = 0;
+  list.channels.clear();
+  list.patterns.assign(2, {{{1, 0, 0}, {0, 1, 0}}, {}, {0, 0}});
+  for (const double last : {5e-324, 9e-10, 1e-9, 0.0}) {
+    offsets.channels[1].timeOffset = list.patterns[1].times[0] = last;
+    for (const Sensor& late : {offsets, list}) {
+      if (last == 0 || last == 1e-9)
+        CHECK_NOTHROW(validate(late));
+      else
+        CHECK_THAT(test::problemOf([&] { validate(late); }, ErrorCode::invalidArgument),
+                   ContainsSubstring("the last beam must fire at 0 s, or at 1e-9 s or later, and fires at "));
+    }
+  }
 }
 
 TEST_CASE("validate refuses channels that measure nothing or fire in another turn") {
