@@ -118,6 +118,9 @@ TEST_CASE("a mistake in a file is reported in one line with the file, the road a
        "<width sOffset=\"0\" a=\"3.5\"/><height sOffset=\"9\" inner=\"0\" outer=\"0\"/>"
        "<height sOffset=\"0\" inner=\"0.1\" outer=\"0.1\"/>",
        "road 1: lane 1: <height> elements are not in the order of their sOffset"},
+      {"<width sOffset=\"0\" a=\"3.5\" b=\"0\" c=\"0\" d=\"0\"/>",
+       "<width sOffset=\"0\" a=\"3.5\"/><roadMark sOffset=\"9\" type=\"solid\"/><roadMark type=\"broken\"/>",
+       "road 1: lane 1: <roadMark> elements are not in the order of their sOffset"},
       {"<laneLink from=\"-1\"", "<laneLink from=\"\"", "junction 100: <laneLink> has from=\"\""},
   };
   for (const Fault& fault : faults) {

@@ -207,15 +207,20 @@ Lane readLane(const Reader& reader, const Node& node) {
   lane.width = readProfile(reader, node, "width", "sOffset");
   if (lane.width.empty()) lane.border = readProfile(reader, node, "border", "sOffset");
   if (lane.driving && lane.id != 0) checkWidth(reader, lane);
+  const auto mustBeSorted = [&](bool isSorted, const std::string& name) {
+    if (!isSorted)
+      reader.fail("lane " + std::to_string(lane.id) + ": <" + name +
+                  "> elements are not in the order of their sOffset");
+  };
   for (const Node& height : node.children("height")) {
     const double start = reader.number(height, "sOffset");
-    if (lane.hasHeight && start < lane.inner.back().start)
-      reader.fail("lane " + std::to_string(lane.id) + ": <height> elements are not in the order of their sOffset");
+    mustBeSorted(!lane.hasHeight || start >= lane.inner.back().start, "height");
     lane.inner.push_back({start, reader.number(height, "inner")});
     lane.outer.push_back({start, reader.number(height, "outer")});
     lane.hasHeight = true;
   }
   for (const Node& mark : node.children("roadMark")) lane.marks.push_back(readMark(reader, mark));
+  mustBeSorted(std::ranges::is_sorted(lane.marks, {}, &RoadMark::start), "roadMark");
   const Node link = node.child("link");
   if (const Node before = link.child("predecessor")) lane.predecessor = reader.integer(before, "id");
   if (const Node after = link.child("successor")) lane.successor = reader.integer(after, "id");
