@@ -258,7 +258,9 @@ TEST_CASE("things stand still in a scan of a list whose beams all fire at its st
     const Scan scan = scanned(device, sceneOf(plate(12, 1)), sensor, shot);
     REQUIRE(scan.hit(0));
     CHECK(scan.ranges[0] == Approx(range).epsilon(1e-5));
-    CHECK(scan.column<float>(Field::velocity)[0] == Approx(shot.frame == 0 ? 0 : 40).epsilon(1e-4));
+    const double speed = shot.frame == 0 ? 0 : 40;
+    CHECK(scan.column<float>(Field::velocity)[0] == Approx(speed).epsilon(1e-4));
+    CHECK(scan.column<float>(Field::radialSpeed)[0] == Approx(speed).epsilon(1e-4));
     ++shot.frame;
   }
 }

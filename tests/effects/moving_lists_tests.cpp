@@ -117,31 +117,6 @@ TEST_CASE("a sudden step in the path of a list's sensor widens the bounds of its
   CHECK(scan.counters.projected < 8 * scan.counters.triangles);
 }
 
-TEST_CASE("nothing moves during a scan of a pattern whose beams all fire at once") {
-  needVulkan();
-  Sensor sensor = scattered();
-  sensor.rotationPeriod = 0;
-  sensor.patterns.push_back(sensor.patterns[0]);
-  sensor.patterns[1].times.clear();
-  for (const char* device : {"reference", "vulkan"}) {
-    INFO(device);
-    TestOptions options = optionsOn(device);
-    options.effects.objectMotion.use = EffectUse::on;
-    options.effects.radialSpeed.use = EffectUse::automatic;
-    options.fields = {Field::normal, Field::velocity, Field::radialSpeed};
-    Simulator simulator = makeSimulator(ahead(), sensor, options);
-    Shot shot;
-    shot.pose.position = kStart;
-    shot.frame = 1;
-    Scan standing, moving;
-    simulator.scanInto(shot, standing);
-    shot.instanceMotions = {{0, translation(0.5, 0, 0)}};
-    simulator.scanInto(shot, moving);
-    CHECK(standing.counters.hits > 100);
-    CHECK(firstBytes(standing, moving) == "none");
-  }
-}
-
 TEST_CASE("no counter of a list that moves wraps when its scans are submitted together") {
   needVulkan();
   SensorRequest request(scattered());
