@@ -10,6 +10,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bind.hpp"
@@ -55,10 +56,16 @@ void dropFunctions(SimulatorOptions& options);
 /// Gives options that will be an object of Python, or part of one, references of their own to their functions.
 void ownFunctions(SimulatorOptions& options);
 
-/// A SensorRequest, or a Sensor, which stands for a request of this sensor alone.
+/// A SensorRequest, or a Sensor, which stands for a request of this sensor alone, or the name of a built-in one.
 struct RequestLike {
-  SensorRequest request;
+  std::variant<SensorRequest, std::string> given;
 };
+
+/// Throws Error(invalidArgument) with the nearest names if no built-in sensor has this one.
+inline SensorRequest requestOf(RequestLike like) {
+  const auto* name = std::get_if<std::string>(&like.given);
+  return name ? SensorRequest(builtinSensor(*name)) : std::get<SensorRequest>(std::move(like.given));
+}
 
 /// tp_traverse and tp_clear of a class of `T`, which has its functions as `visit(const T&)`, a list of handles, and
 /// loses them by `clear(T&)`. A part of another object, which that one reports, is left alone.
@@ -92,18 +99,20 @@ namespace nanobind::detail {
 
 template <>
 struct type_caster<gnosphere::python::RequestLike> {
-  NB_TYPE_CASTER(gnosphere::python::RequestLike,
-                 make_caster<gnosphere::SensorRequest>::Name + const_name(" | ") + make_caster<gnosphere::Sensor>::Name)
+  NB_TYPE_CASTER(gnosphere::python::RequestLike, make_caster<gnosphere::SensorRequest>::Name + const_name(" | ") +
+                                                     make_caster<gnosphere::Sensor>::Name + const_name(" | str"))
   bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
     try {
       if (isinstance<gnosphere::SensorRequest>(source))
-        value.request = cast<const gnosphere::SensorRequest&>(source);
+        value.given = cast<const gnosphere::SensorRequest&>(source);
       else if (isinstance<gnosphere::Sensor>(source))
-        value.request = gnosphere::SensorRequest(cast<const gnosphere::Sensor&>(source));
+        value.given = gnosphere::SensorRequest(cast<const gnosphere::Sensor&>(source));
+      else if (isinstance<str>(source))
+        value.given = cast<std::string>(source);
       else
         return false;
       return true;
-    } catch (const std::exception&) {  // an object that was not made completely
+    } catch (const std::exception&) {  // an object that was not made completely, a text with half of a character
       return false;
     }
   }

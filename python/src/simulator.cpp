@@ -19,9 +19,9 @@ using Self = SimulatorWithFunctions;
 // originals.
 void construct(Self* self, Scene scene, std::vector<RequestLike> sensors, SimulatorOptions options) {
   ownFunctions(options);
-  std::vector<SensorRequest> requests;
-  for (RequestLike& sensor : sensors) requests.push_back(std::move(sensor.request));
   const ReleasedGil released;
+  std::vector<SensorRequest> requests;
+  for (RequestLike& sensor : sensors) requests.push_back(requestOf(std::move(sensor)));
   new (self) Self(scene, requests, options);
 }
 
@@ -285,9 +285,9 @@ void bindChanges(nb::class_<Self>& simulator) {
   simulator.def(
       "add_sensor",
       [](Self& self, const RequestLike& given) {
-        return self.use([&](Simulator& of) { return of.addSensor(given.request); });
+        return self.use([&](Simulator& of) { return of.addSensor(requestOf(given)); });
       },
-      "request"_a, "Adds a sensor and returns its index.");
+      "request"_a, "Adds a sensor and returns its index. A name stands for a built-in sensor.");
   removal("remove_sensor", &Simulator::removeSensor, "sensor", "Removes a sensor.");
   simulator.def(
       "add_material",
@@ -462,7 +462,8 @@ void bindSimulator(nb::module_& m) {
           [](Self* self, const Scene& scene, const RequestLike& sensor, const SimulatorOptions& options) {
             construct(self, scene, {sensor}, options);  // copies of all three
           },
-          "scene"_a, "sensor"_a, "options"_a = newOptions(), "A simulator with one sensor.")
+          "scene"_a, "sensor"_a, "options"_a = newOptions(),
+          "A simulator with one sensor. A name stands for a built-in sensor, as in builtin_sensor().")
       .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = newOptions(),
            "Uploads the scene and compiles the stages; on a CPU the first scan that needs a stage compiles it. Raises "
            "Error(invalid_argument) for an invalid argument, "

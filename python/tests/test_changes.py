@@ -64,6 +64,26 @@ def test_a_device_is_chosen_by_a_word(square):
     assert simulator.device().name == "reference"
 
 
+def test_a_built_in_sensor_is_chosen_by_its_name(square):
+    scene = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(mesh=0)])
+    reference = gnosphere.SimulatorOptions(device="reference")
+    simulator = gnosphere.Simulator(scene, "VLP-16", reference)
+    other = gnosphere.Simulator(scene, gnosphere.builtin_sensor("VLP-16"), reference)
+    np.testing.assert_array_equal(simulator.scan(gnosphere.Pose()).ranges, other.scan(gnosphere.Pose()).ranges)
+    assert simulator.add_sensor("puck:20hz") == 1
+    puck = gnosphere.builtin_sensor("Puck:20Hz")
+    assert simulator.scan(gnosphere.Pose(), 1).shape == (len(puck.channels), puck.columns)
+    pair = gnosphere.Simulator(scene, ["VLP-16", beams(5)], reference)
+    assert pair.scan(gnosphere.Pose(), 1).beam_count() == 5
+    for call in (
+        lambda: gnosphere.Simulator(scene, "VLP16", reference),
+        lambda: gnosphere.Simulator(scene, [beams(5), "VLP16"], reference),
+        lambda: simulator.add_sensor("VLP16"),
+    ):
+        with pytest.raises(gnosphere.Error, match="no built-in sensor is called 'VLP16'; the nearest are VLP-16"):
+            call()
+
+
 def test_modules_are_there_without_an_import_of_their_own():
     for name in ("pictures", "patterns", "robotics", "helios"):
         command = [sys.executable, "-c", f"import gnosphere; print(gnosphere.{name}.__name__)"]
