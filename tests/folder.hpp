@@ -8,6 +8,7 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <system_error>
 
 namespace gnosphere::test {
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <string>
+#include <system_error>
 
 #include "base/text.hpp"
 #include "gnosphere/error.hpp"

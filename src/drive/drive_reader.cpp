@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <system_error>
 
 #include "base/file.hpp"
 #include "base/units.hpp"

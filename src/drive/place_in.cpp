@@ -2,6 +2,7 @@
 #include "drive/place_in.hpp"
 
 #include <algorithm>
+#include <system_error>
 
 #include "gnosphere/error.hpp"
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
+#include <system_error>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"

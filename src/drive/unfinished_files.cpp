@@ -5,6 +5,7 @@
 #include <chrono>
 #include <random>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/path.hpp"

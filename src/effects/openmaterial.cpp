@@ -14,6 +14,8 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <system_error>
+#include <utility>
 
 #include "base/json_text.hpp"
 #include "base/path.hpp"

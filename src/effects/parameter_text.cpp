@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <system_error>
 
 #include "base/decimal_point.hpp"
 #include "gnosphere/error.hpp"

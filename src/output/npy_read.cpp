@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <system_error>
 
 #include "base/npy.hpp"
 #include "output/cloud_table.hpp"

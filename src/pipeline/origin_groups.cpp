@@ -2,6 +2,7 @@
 #include "pipeline/origin_groups.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/vector.hpp"
 

@@ -13,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <tuple>
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <system_error>
 
 #include "base/nearest_text.hpp"
 #include "base/quaternion.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <new>
+#include <system_error>
 
 #include "base/finite.hpp"
 #include "base/limits.hpp"

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "base/file.hpp"

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <vector>
 #ifndef _WIN32
 #include <sys/wait.h>

@@ -2,6 +2,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <limits>
+#include <utility>
 
 #include "bench/xml.hpp"
 #include "plot.hpp"

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <system_error>
 
 #include "drive_support.hpp"
 #include "tools/cli_support.hpp"

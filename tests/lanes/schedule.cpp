@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "lanes/accesses.hpp"

@@ -7,6 +7,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "scene_text.hpp"
 

@@ -2,6 +2,7 @@
 #include <catch2/catch_approx.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cpu_time.hpp"
 #include "scene_text.hpp"

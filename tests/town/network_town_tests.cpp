@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "base/quaternion.hpp"
 #include "gnosphere/error.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <tuple>
+#include <utility>
 
 #include "town/opendrive/road_mesh.hpp"
 #include "town/opendrive_support.hpp"

@@ -4,6 +4,7 @@
 
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <filesystem>
+#include <iterator>
 
 #include "support.hpp"
 #include "vulkan/fake_cuda.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "base/path.hpp"
 #include "base/vector.hpp"

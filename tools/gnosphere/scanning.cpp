@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 #include <set>
+#include <system_error>
 
 #include "base/file.hpp"
 #include "base/path.hpp"

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <memory>
+#include <system_error>
 
 #include "base/path.hpp"
 #include "base/utf8.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "base/file.hpp"
 #include "base/json_text.hpp"

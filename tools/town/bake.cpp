@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "gnosphere/error.hpp"
 #include "town/geometry.hpp"

@@ -5,6 +5,7 @@
 // decoder does, roundings included.
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/sha256.hpp"
 #include "base/units.hpp"

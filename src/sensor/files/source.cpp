@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <system_error>
+#include <utility>
 
 #include "base/json_text.hpp"
 #include "base/limits.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VeloView's db.xml, an archive of boost: degrees, and centimetres.
 #include <set>
+#include <utility>
 
 #include "base/units.hpp"
 #include "sensor/files/xml.hpp"

@@ -4,6 +4,7 @@
 #include <nanoflann.hpp>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "view/cloud.hpp"

@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 #include <set>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
