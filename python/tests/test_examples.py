@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples, the blocks of docs/python.md and of the tutorials, and a notebook run; types are right."""
+"""The examples, the blocks of pages and of the tutorials, and a notebook run; types are right."""
 
 import base64
+import json
 import os
 import re
 import shutil
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, program
+from conftest import REPOSITORY, at, program
 
 import gnosphere
 from gnosphere import Error
@@ -164,25 +165,134 @@ PAGES = [
 ]
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_the_page(page, folder, tmp_path, monkeypatch):
-    """The blocks of Python and of the shell run, one after the other, in one folder."""
+def blocks_of(page: str) -> list[tuple[str, str, str]]:
+    """The blocks of Python and of the shell of a page: why it is not run, its language, its text."""
     text = (REPOSITORY / "docs" / page).read_text()
-    if "import mujoco" in text:
-        pytest.importorskip("mujoco")
+    return re.findall(r"(<!-- not run: .*? -->\s*)?^```(python|sh)\n(.*?)^```$", text, re.M | re.S)
+
+
+@pytest.fixture
+def run_page(folder, tmp_path, monkeypatch):
+    """Runs the blocks of a page, or of these the ones that have a word, one after the other, in one folder with a town.
+    Answers the names that they leave."""
     monkeypatch.chdir(tmp_path)
     for name in ("town.glb", "scene.glb"):
         shutil.copyfile(folder / "town.glb", tmp_path / name)  # pages write towns of these names
     programs = Path(os.environ.get("GNOSPHERE_PROGRAM", sys.executable)).parent
     monkeypatch.setenv("PATH", str(programs), prepend=os.pathsep)
-    blocks = re.findall(r"(<!-- not run: .*? -->\s*)?^```(python|sh)\n(.*?)^```$", text, re.M | re.S)
-    assert len(blocks) > 1
-    names: dict = {}
-    for unrun, language, block in blocks:
-        if language == "python":
-            exec(compile(block, f"docs/{page}", "exec"), names)
-        elif not unrun and page.startswith("tutorials"):  # tests/docs/check_page runs those of the other pages
-            subprocess.run(["bash", "-euo", "pipefail", "-c", block], check=True)
+
+    def run(page: str, word: str = "") -> dict:
+        blocks = [block for block in blocks_of(page) if word in block[2]]
+        assert len(blocks) == 1 if word else len(blocks) > 1
+        names: dict = {}
+        for unrun, language, block in blocks:
+            if language == "python":
+                exec(compile(block, f"docs/{page}", "exec"), names)
+            elif not unrun and page.startswith("tutorials"):  # tests/docs/check_page runs those of the other pages
+                subprocess.run(["bash", "-euo", "pipefail", "-c", block], check=True)
+        return names
+
+    return run
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_page(page, run_page):
+    """The blocks of Python and of the shell run, one after the other, in one folder."""
+    if any("import mujoco" in block for _, _, block in blocks_of(page)):
+        pytest.importorskip("mujoco")
+    run_page(page)
+
+
+def test_the_page_of_scenes(run_page, square, device):
+    """A file in centimetres, two scenes in one, and a scene whose instances are merged, which has the same scans."""
+    Path("scene.obj").write_text("v -900 -200 -900\nv 900 -200 -900\nv 900 -200 900\nf 1 3 2\n")
+    names = run_page("scenes.md")
+    corners = {}
+    for scene in ("scene", "both"):
+        placed = names[scene].instances[-1]
+        mesh, rows = names[scene].meshes[placed.mesh], np.array(placed.transform.rows)
+        corners[scene] = (np.array(mesh.positions, float) + mesh.origin) @ rows[:, :3].T + rows[:, 3]
+    assert np.allclose(corners["scene"], [[-9, 9, -2], [9, 9, -2], [9, -9, -2]], atol=1e-5)  # x, -z, y in metres
+    assert np.allclose(corners["both"], corners["scene"] + [8, 2, 0], atol=1e-5)
+
+    # One side of a square is seen, whether a map mirrors or turns it; instances of a kind become one.
+    mirrored = gnosphere.Transform([[-1, 0, 0, 9], [0, 1, 0, 3], [0, 0, 1, 0]])
+    turned = gnosphere.Transform([[-1, 0, 0, 9], [0, -1, 0, 0], [0, 0, 1, 0]])
+    maps = [mirrored, at(9), turned]
+    squares = gnosphere.Scene(
+        [gnosphere.Material("grey", double_sided=False)], [square], [gnosphere.Instance(0, one, 7) for one in maps]
+    )
+    merged = names["merged"](squares)
+    assert len(merged.instances) == 1 and merged.unique_triangle_count() == 6
+    request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), gnosphere.Effects.none(), ["class"])
+    for scene, other in ((gnosphere.load_scene("town.glb"), names["town"]), (squares, merged)):
+        scans = [
+            gnosphere.Simulator(each, request, gnosphere.SimulatorOptions(device)).scan(gnosphere.Pose((0, 0, 0.1)))
+            for each in (scene, other)
+        ]
+        assert np.isfinite(scans[0].ranges).any() and (scans[0]["class"] == scans[1]["class"]).all()
+        assert np.allclose(scans[0].ranges, scans[1].ranges, rtol=0, atol=1e-4, equal_nan=True)
+    assert len(names["town"].instances) <= len(gnosphere.load_scene("town.glb").instances)
+
+
+@pytest.fixture
+def two_frames(folder, tmp_path):
+    """Makes a data set of two frames of one sensor in a folder."""
+
+    def make(name: str, *outputs: dict) -> Path:
+        drive = json.loads((folder / "drive.json").read_text())
+        drive |= {"duration": 0.2, "epoch": 1700000000, "outputs": outputs}
+        drive["sensors"] = [{"name": "top", "sensor": "VLP-16", "mount": {"position": [0, 0, 1.8]}}]
+        for file in folder.iterdir():
+            if file.is_file() and not (tmp_path / file.name).exists():
+                shutil.copyfile(file, tmp_path / file.name)
+        (tmp_path / "two.json").write_text(json.dumps(drive))
+        program("drive", tmp_path / "two.json", "-o", tmp_path / name, "--name", name)
+        return tmp_path / name
+
+    return make
+
+
+def test_drives_are_joined_as_their_page_says(run_page, two_frames):
+    parts = [two_frames(name, {"format": "nuscenes", "version": "v1.0-mini"}) for name in ("first", "second")]
+    run_page("drives.md", "first/nuscenes")
+    tables = {file.stem: json.loads(file.read_text()) for file in Path("joined", "v1.0-mini").glob("*.json")}
+    assert [scene["name"] for scene in tables["scene"]] == ["first", "second"]
+    known = [row["token"] for rows in tables.values() for row in rows]
+    for rows in tables.values():
+        for row in rows:
+            wanted = [row[key] for key in row if key.endswith("_token") and key not in ("prev", "next")]
+            wanted += [token for key in row if key.endswith("_tokens") for token in row[key]]
+            assert set(wanted) <= {*known, ""}
+    for name, rows in tables.items():  # but for the levels of visibility, both drives' rows are there
+        one = [json.loads((part / "nuscenes" / "v1.0-mini" / f"{name}.json").read_text()) for part in parts]
+        assert len(rows) == (4 if name == "visibility" else len(one[0]) + len(one[1]))
+    files = [Path("joined", row["filename"]) for row in tables["sample_data"]]
+    assert len(files) == 4 and all(file.stat().st_size > 1e5 for file in files)
+
+
+def test_las_becomes_laz_as_the_page_of_drives_says(run_page, two_frames):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    two_frames("dataset", {"format": "las"})
+    run_page("drives.md", "laspy")
+    files = sorted(Path("dataset", "las").rglob("*.las"))
+    assert len(files) == 2
+    for file in files:
+        assert (laspy.read(file).points.array == laspy.read(file.with_suffix(".laz")).points.array).all()
+        assert file.with_suffix(".laz").stat().st_size < 0.5 * file.stat().st_size
+
+
+def test_poses_of_argoverse_become_a_trajectory_as_the_page_of_drives_says(run_page):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    poses = {"timestamp_ns": [315966070559696000, 315966070569696000], "qw": [1.0, 0.5], "qx": [0.0, 0.5]}
+    poses |= {"qy": [0.0, 0.5], "qz": [0.0, 0.5], "tx_m": [1.25, 1.5], "ty_m": [2.0, 2.0], "tz_m": [3.0, 3.0]}
+    pandas.DataFrame(poses).to_feather("city_SE3_egovehicle.feather")
+    run_page("drives.md", "read_feather")
+    rows = np.loadtxt("ego.tum")
+    assert np.allclose(rows[:, 1:], [[1.25, 2, 3, 0, 0, 0, 1], [1.5, 2, 3, 0.5, 0.5, 0.5, 0.5]], rtol=0, atol=0)
+    assert np.allclose(rows[:, 0], [315966070.559696, 315966070.569696], rtol=0, atol=1e-6)
 
 
 def test_a_notebook(folder, tmp_path):
