@@ -4,11 +4,13 @@
 import copy
 import os
 import pickle
+import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 
 import gnosphere
 from gnosphere import ros2
@@ -156,3 +158,14 @@ def test_messages_are_sent():
         ros2.Publisher(ros2.MessageType.clock, "a b")
     with pytest.raises(gnosphere.Error, match="depth"):
         ros2.Publisher(ros2.MessageType.clock, "clock", ros2.Qos(depth=0))
+
+
+@needs_wire
+def test_the_page_of_ros2(reference):
+    """The block of docs/ros2.md publishes both of its clouds."""
+    block = re.search(r"^```python\n(.*?)^```$", (REPOSITORY / "docs" / "ros2.md").read_text(), re.M | re.S)[1]
+    records = np.array([(1, 2, 3), (4, 5, 6)], [("x", "f4"), ("y", "f4"), ("z", "f4")])
+    names: dict = {"scan": reference.scan(gnosphere.Pose()), "stamp": 1_700_000_000 * 10**9, "records": records}
+    exec(compile(block, "docs/ros2.md", "exec"), names)
+    assert names["points"].flush(10)
+    assert (names["points"].counts().published, names["points"].counts().dropped) == (2, 0)
