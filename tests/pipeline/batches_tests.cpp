@@ -121,6 +121,31 @@ bool sameView(const Batch& batch, size_t view, const Scan& scan) {
   return same;
 }
 
+// The blocks of docs/batches.md; tests/docs/check_page compares them with the page.
+
+/// The ranges that a head sees from many poses, in one array: beam b of view v is entry v * beams + b.
+void rangesFrom(Simulator& simulator, const std::vector<Pose>& poses, Batch& batch) {
+  std::vector<Shot> shots(poses.size());
+  for (size_t i = 0; i < poses.size(); ++i) {
+    shots[i].pose = poses[i];
+    shots[i].world = static_cast<uint32_t>(i + 1);
+  }
+  const Field fields[] = {Field::range};
+  simulator.scanBatchInto(shots, batch, fields);  // the batch keeps its memory
+}
+
+/// Steps a simulation while the device scans the step before.
+void train(Simulator& simulator, const std::function<std::vector<Shot>()>& step,
+           const std::function<void(const StreamedBatch&)>& learn) {
+  BatchStream stream(simulator, {.views = 4096});  // two batches in flight
+  uint64_t before = stream.submit(step());
+  for (int i = 0; i < 1000; ++i) {
+    const uint64_t next = stream.submit(step());  // what moves after this moves for the next batch
+    learn(stream.wait(before));                   // valid until the batch after the next is submitted
+    before = next;
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a scan of a world is that of a scene without the other worlds' instances", "[second-driver]") {
@@ -385,6 +410,54 @@ TEST_CASE("a batch tells how many views are done, and an exception of the listen
     simulator.scanBatchInto(shots, batch, fields);
     CHECK(std::ranges::equal(std::as_bytes(batch.ranges()), std::as_bytes(expected.ranges())));
   }
+}
+
+TEST_CASE("the examples of docs/batches.md do what they say") {
+  needVulkan();
+  const Scene scene = worlds(3, 4);
+  const Sensor sensor = gridSensor(90, 16, -30, 30);
+  const SensorRequest request{sensor, Effects::none(), {}};
+  Alone alone(scene, request);
+  Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
+  const std::vector<Pose> poses = {{{1, 2, 0.5}, {}}, {{-3, 1, 0.5}, {}}, {{0, 0, 1}, {}}};
+  Batch batch;
+  rangesFrom(simulator, poses, batch);
+  REQUIRE(batch.views == 3);
+  CHECK_FALSE(batch.has(Field::x));
+  std::vector<Shot> shots(3);
+  for (uint32_t i = 0; i < 3; ++i) {
+    shots[i].pose = poses[i];
+    shots[i].world = i + 1;
+    const Scan scan = alone.scan(shots[i]);
+    const std::span<const float> view = batch.ranges().subspan(i * sensor.beamCount(), sensor.beamCount());
+    CHECK(std::memcmp(view.data(), scan.ranges.data(), view.size_bytes()) == 0);
+  }
+
+  struct Enough {};
+  TestOptions options = vulkanOptions();
+  options.resultsOnDevice = true;
+  Simulator onDevice = makeSimulator(scene, sensor, options);
+  std::vector<uint64_t> numbers;
+  uint64_t steps = 0;
+  const auto step = [&] {
+    for (Shot& shot : shots) shot.pose.position = {0.1 * double(steps), 0, 0.5};
+    ++steps;
+    return shots;
+  };
+  const auto learn = [&](const StreamedBatch& learnt) {
+    CHECK(steps == learnt.number + 2);  // the next one is submitted
+    CHECK((learnt.views == 3 && learnt.headers.size() == 3 && learnt.complete));
+    Shot shot = shots[0];
+    shot.pose.position.x = 0.1 * double(learnt.number);
+    for (size_t i = 0; i < learnt.headers.size(); ++i) {
+      shot.world = shots[i].world;
+      CHECK(learnt.headers[i].hits == alone.scan(shot).counters.hits);
+    }
+    numbers.push_back(learnt.number);
+    if (numbers.size() == 4) throw Enough();  // of a thousand
+  };
+  CHECK_THROWS_AS(train(onDevice, step, learn), Enough);
+  CHECK(numbers == std::vector<uint64_t>{0, 1, 2, 3});
 }
 
 TEST_CASE("a batch is divided by its budget, and by memory that runs out") {

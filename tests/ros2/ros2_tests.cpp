@@ -8,10 +8,10 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <cstring>
+#include <gnosphere/ros2.hpp>
 
 #include "columns.hpp"
 #include "gnosphere/gnosphere.hpp"
-#include "gnosphere/ros2.hpp"
 #include "no_more_threads.hpp"
 #include "ros2/listening.hpp"
 
@@ -268,6 +268,25 @@ std::string layoutText(const PointCloud2& cloud) {
 
 // The layouts are those of the drivers' sources: velodyne_pointcloud, ouster-ros, HesaiLidar_ROS_2.0, rslidar_sdk,
 // livox_ros_driver2 and autoware_point_types.
+TEST_CASE("ROS 2: the block of docs/ros2.md publishes a cloud") {  // tests/docs/check_page compares it with the page
+  loopbackDomain();
+  Scan scan;
+  scan.columns = 2;
+  scan.channels = 1;
+  scan.points = {1, 0, 0, 0, -2, 0};
+  scan.ranges = {1, 2};
+  scan.triangles = {0, 0};
+  scan.instances = {0, 0};
+  setColumn<float>(scan, Field::intensity, {0.5f, 0.25f});
+  const int64_t stamp = 1'700'000'000'000'000'000;
+
+  ros2::Publisher points(ros2::MessageType::pointCloud2, "front/points");
+  points.publish(ros2::cloudOf(scan, {Field::x, Field::y, Field::z, Field::intensity, Field::ring}, "front", stamp));
+
+  CHECK(points.flush(10));
+  CHECK((points.counts().published == 1 && points.counts().sent == 1 && points.counts().dropped == 0));
+}
+
 TEST_CASE("ROS 2: clouds in the point layouts of drivers, in the order of times") {
   const Scan scan = scanOfDriver();
   constexpr int64_t kStamp = 1'700'000'000'250'000'000;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The examples of docs/api.md: everything below the using directive is the text of its C++ blocks, in their order.
+// tests/docs/check_page compares them.
 #pragma once
 
 #include <cmath>

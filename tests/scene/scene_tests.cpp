@@ -315,6 +315,22 @@ TEST_CASE("buffers and libraries are found beside the file, whatever its name") 
   CHECK(loadScene(put(folder / "❤.gltf", file.json.dump())).uniqueTriangleCount() == 1);
 }
 
+TEST_CASE(
+    "the block of docs/scenes.md reads a file in centimetres") {  // tests/docs/check_page compares it with the page
+  const Folder folder;
+  put(folder / "scene.obj", "v -900 -200 -900\nv 900 -200 -900\nv 900 -200 800\nf 1 3 2\n");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+
+  const gnosphere::Scene scene = gnosphere::loadScene("scene.obj", {gnosphere::UpAxis::y, 0.01});
+
+  fs::current_path(before);
+  const Bounds bounds = worldBounds(scene);
+  CHECK((std::abs(bounds.min.x + 9) < 1e-5 && std::abs(bounds.max.x - 9) < 1e-5));
+  CHECK((std::abs(bounds.min.y + 8) < 1e-5 && std::abs(bounds.max.y - 9) < 1e-5));
+  CHECK((std::abs(bounds.min.z + 2) < 1e-5 && std::abs(bounds.max.z + 2) < 1e-5));
+}
+
 TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or gives an Error") {
   const char* folder = std::getenv("GNOSPHERE_SCENES");
   if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
