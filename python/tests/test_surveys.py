@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The blocks of docs/surveys.md that scan stations."""
+"""The blocks of docs/surveys.md."""
 
 import re
 import shutil
+import struct
 
 import numpy as np
 import pytest
@@ -17,6 +18,81 @@ def block(words: str) -> str:
     blocks = re.findall(r"^```python\n(.*?)^```$", (REPOSITORY / "docs" / "surveys.md").read_text(), re.M | re.S)
     (found,) = (one for one in blocks if words in one)
     return found
+
+
+def axes(orientation: np.ndarray) -> np.ndarray:
+    """The axes of a vehicle, as columns, by its quaternion x, y, z, w."""
+    x, y, z, w = orientation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def test_a_trajectory_of_sbet_has_its_axes_on_the_grid(tmp_path, monkeypatch):
+    """North and east on the grid are where small steps of latitude and longitude go; zone 32 has its meridian at 9 degrees."""
+    pyproj = pytest.importorskip("pyproj")
+    pytest.importorskip("scipy")
+    monkeypatch.chdir(tmp_path)
+    # Roll, pitch, heading and wander of an aircraft that flies north, and of one that banks, climbs and flies elsewhere.
+    angles = np.array([(0, 0, 0, 0), (0.2, 0.1, 0, 0), (0, 0, 1.9, 0.3), (-0.1, 0.05, 1.2, 0)])
+    records = np.zeros((4, 17))
+    records[:, 0] = 345600.25 + np.arange(4)
+    records[:, 1], records[:, 2], records[:, 3] = np.radians([48, 51.5, 51.5, 54]), np.radians([9, 7, 11.5, 6.1]), 812.5
+    records[:, 7:11] = angles
+    records.tofile("sbet.out")
+    exec(compile(block("sbet.out"), "docs/surveys.md", "exec"), {})
+    lines = np.loadtxt("line.tum")
+    assert np.allclose(lines[:, 0], records[:, 0], rtol=0, atol=1e-6) and (lines[:, 3] == 812.5).all()
+    utm = pyproj.Transformer.from_crs(4258, 25832, always_xy=True).transform
+    for line, record, (roll, pitch, heading, wander) in zip(lines, records, angles):
+        lat, lon = np.degrees(record[1]), np.degrees(record[2])
+        assert np.allclose(line[1:3], utm(lon, lat), rtol=0, atol=1e-5)
+        north = np.subtract(utm(lon, lat + 1e-5), utm(lon, lat - 1e-5))
+        east = np.subtract(utm(lon + 1e-5, lat), utm(lon - 1e-5, lat))
+        north, east = np.r_[north / np.linalg.norm(north), 0], np.r_[east / np.linalg.norm(east), 0]
+        level = np.cos(heading - wander) * north + np.sin(heading - wander) * east
+        right = np.cross(level, (0, 0, 1))
+        forward = np.cos(pitch) * level + np.sin(pitch) * np.array([0, 0, 1])
+        left = -np.cos(roll) * right + np.sin(roll) * np.cross(right, forward)  # the right side is down, the left one up
+        assert np.allclose(axes(line[4:])[:, :2].T, [forward, left], rtol=0, atol=1e-5)
+
+
+def test_a_flight_log_of_px4_has_its_poses(tmp_path, monkeypatch):
+    """A log of three messages, of a drone that looks east, one that looks north and up, and one whose right side is down."""
+    pytest.importorskip("pyulog")
+    pytest.importorskip("scipy")
+    monkeypatch.chdir(tmp_path)
+
+    def message(kind: bytes, content: bytes) -> bytes:
+        return struct.pack("<H", len(content)) + kind + content
+
+    half = np.sqrt(0.5)
+    poses = [
+        ((1, 2, -3), (half, 0, 0, half)),  # a quarter turn about down, from north to east
+        ((4, 5, -6), (np.cos(0.1), 0, np.sin(0.1), 0)),  # nose up by 0.2
+        ((7, 8, -9), (np.cos(0.15), np.sin(0.15), 0, 0)),  # right side down by 0.3
+    ]
+    log = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0)
+    members = b"uint64_t timestamp;uint64_t timestamp_sample;float[3] position;float[4] q;"
+    log += message(b"F", b"vehicle_odometry:" + members) + message(b"A", struct.pack("<BH", 0, 0) + b"vehicle_odometry")
+    for number, (position, quaternion) in enumerate(poses):
+        log += message(b"D", struct.pack("<HQQ7f", 0, 5_000_000, 1_250_000 + 20_000 * number, *position, *quaternion))
+    (tmp_path / "flight.ulg").write_bytes(log)
+    exec(compile(block("flight.ulg"), "docs/surveys.md", "exec"), {})
+    lines = np.loadtxt("flight.tum")
+    assert np.allclose(lines[:, :4], [[1.25, 2, 1, 3], [1.27, 5, 4, 6], [1.29, 8, 7, 9]], rtol=0, atol=1e-6)
+    east, north, up = np.eye(3)
+    expected = (  # forward and left
+        (east, north),
+        (np.cos(0.2) * north + np.sin(0.2) * up, -east),
+        (north, -np.cos(0.3) * east + np.sin(0.3) * up),
+    )
+    for line, columns in zip(lines, expected):
+        assert np.allclose(axes(line[4:])[:, :2].T, columns, rtol=0, atol=1e-6)
 
 
 def test_stations_of_e57_have_rows_and_local_bounds_and_noise_of_their_own(folder, tmp_path, monkeypatch):
