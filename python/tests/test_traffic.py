@@ -3,9 +3,11 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
+from conftest import REPOSITORY
 
 from gnosphere import drive as drives
 from gnosphere import robotics
@@ -47,6 +49,23 @@ def test_sumo(tmp_path, folder):
     known = given["actors"][0]
     given["actors"] = [{**actor, "model": known["model"], "class": known["class"]} for actor in actors]
     (folder / "traffic.json").write_text(json.dumps(given))
+    assert drives.read_drive(folder / "traffic.json") is not None
+
+
+def test_the_page(tmp_path, folder, monkeypatch):
+    """The block of docs/robotics.md adds a car and a person to the town's drive, which takes them."""
+    monkeypatch.chdir(tmp_path)
+    text = FCD.replace("passenger", "DEFAULT_VEHTYPE").replace('"tram"', '"t"').replace("rail", "DEFAULT_VEHTYPE")
+    (tmp_path / "fcd.xml").write_text(text)
+    page = (REPOSITORY / "docs" / "robotics.md").read_text()
+    (block,) = (one for one in re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S) if "fcd.xml" in one)
+    drive = json.loads((folder / "drive.json").read_text())
+    count = len(drive["actors"])
+    exec(compile(block, "docs/robotics.md", "exec"), {"drive": drive, "robotics": robotics})
+    added = {actor["name"]: actor for actor in drive["actors"][count:]}
+    assert {name: actor["model"] for name, actor in added.items()} == {"a": "car", "t": "car", "p": "person"}
+    assert added["a"]["trajectory"]["waypoints"][0]["position"] == [10 - 4.5 / 2, 0, 0]  # SUMO's 10 is its front
+    (folder / "traffic.json").write_text(json.dumps(drive))
     assert drives.read_drive(folder / "traffic.json") is not None
 
 
