@@ -57,7 +57,8 @@ def test_a_trajectory_of_sbet_has_its_axes_on_the_grid(tmp_path, monkeypatch):
         level = np.cos(heading - wander) * north + np.sin(heading - wander) * east
         right = np.cross(level, (0, 0, 1))
         forward = np.cos(pitch) * level + np.sin(pitch) * np.array([0, 0, 1])
-        left = -np.cos(roll) * right + np.sin(roll) * np.cross(right, forward)  # the right side is down, the left one up
+        # The right side is down, so the left one is up.
+        left = -np.cos(roll) * right + np.sin(roll) * np.cross(right, forward)
         assert np.allclose(axes(line[4:])[:, :2].T, [forward, left], rtol=0, atol=1e-5)
 
 
