@@ -57,7 +57,6 @@ std::optional<RowGrid> rowGridOf(const Sensor& sensor) {
   grid.clockwise = sensor.azimuthSpanDeg < 0;
   grid.step = sensor.rotationPeriod / sensor.columns;
   const double span = std::abs(sensor.azimuthSpanDeg);
-  if (!(span > 0)) return {};
   // A column more than fits into the turn leaves room for the last one.
   const double turn = 360 * (sensor.columns / span), whole = std::round(turn);
   const bool divides = std::abs(turn - whole) * sensor.columns < kSamePlace * turn;

@@ -14,20 +14,18 @@
 namespace gnosphere {
 namespace {
 
-bool isChecksum(std::string_view cell) {
-  return cell.size() >= 32 && cell.find_first_not_of("0123456789abcdefABCDEF") == cell.npos;
-}
-
-/// Refuses a file whose lines before `row` do not have the SHA-256 that this row states. The hash is that of lines that
-/// end with CR LF, whatever they end with now.
-void checkHash(const SensorSource& source, const std::vector<std::string_view>& lines, size_t row,
-               std::string_view stated) {
-  if (stated.size() != 64) return;  // a checksum of another kind
+/// Returns whether the first cell of a row is a checksum. Refuses a file whose lines before that row do not have the
+/// SHA-256 that it states. The hash is that of lines that end with CR LF, whatever they end with now.
+bool isChecksum(const SensorSource& source, const std::vector<std::string_view>& lines, size_t row,
+                std::string_view stated) {
+  if (stated.size() < 32 || stated.find_first_not_of("0123456789abcdefABCDEF") != stated.npos) return false;
+  if (stated.size() != 64) return true;  // of another kind
   std::string text;
   for (size_t i = 0; i < row; ++i) text.append(lines[i]).append("\r\n");
   if (!sameWord(sha256Text(text), stated))
     source.refuse("is damaged: the lines above line " + std::to_string(row + 1) +
                   " do not have the SHA-256 that it states");
+  return true;
 }
 
 /// Places of the two angles in a row, and its number of cells. The header may name the angles in either order.
@@ -59,8 +57,7 @@ void readPixels(SensorSource& source, const std::vector<std::string_view>& lines
   size_t rows = 0, columns = 0;
   for (size_t i = header + 1; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = cellsOf(lines[i]);
-    if (isChecksum(cells[0])) checkHash(source, lines, i, cells[0]);
-    if (cells[0].empty() || isChecksum(cells[0])) continue;
+    if (cells[0].empty() || isChecksum(source, lines, i, cells[0])) continue;
     const std::string where = "line " + std::to_string(i + 1);
     if (cells.size() < 4)
       source.refuse(where + " has " + std::to_string(cells.size()) +
@@ -142,8 +139,7 @@ void readHesaiCsv(SensorSource& source) {
   for (size_t i = 0; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = cellsOf(lines[i]);
     if (cells[0].empty() && cells.size() == 1) continue;
-    if (isChecksum(cells[0])) checkHash(source, lines, i, cells[0]);
-    if (isChecksum(cells[0]) || sameWord(cells[0], "EEFF")) continue;
+    if (isChecksum(source, lines, i, cells[0]) || sameWord(cells[0], "EEFF")) continue;
     const std::string where = "line " + std::to_string(i + 1);
     if (containsWord(lines[i], "elevation")) {
       if (containsWord(lines[i], "column")) return readPixels(source, lines, i);

@@ -3,6 +3,7 @@
 // and 3.2), FT120 (minor versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so
 // forward is 90 degrees and our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's
 // decoder does, roundings included.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -133,8 +134,7 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
   const auto adjustment = [&](double azimuth) {
     const double step = (azimuth - kFirstAdjustedDeg) / 2;
     if (adjustments.empty() || !(step >= 0 && step <= kAdjustments - 1)) return 0.0;
-    const auto i = static_cast<size_t>(step);
-    if (i == kAdjustments - 1) return adjustments[i];
+    const auto i = std::min(static_cast<size_t>(step), kAdjustments - 2);
     const double part = step - static_cast<double>(i);
     return (1 - part) * adjustments[i] + part * adjustments[i + 1];
   };
@@ -245,8 +245,10 @@ void readHesaiDat(SensorSource& source) {
     source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
                   ", known are 1.3 and 1.5 (AT128), 3.1 and 3.2 (ET25), 4.1 to 4.3 (ATX) and 0 to 2 behind the dot of "
                   "others (FT120)");
-  if (!flash) bytes.checkHash();
-  if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
+  if (!flash) {
+    bytes.checkHash();
+    source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
+  }
   assumeRange(source, 200);
 }
 

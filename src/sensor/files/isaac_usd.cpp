@@ -173,7 +173,7 @@ void readRangeLists(SensorSource& source, UsdAttributes& found, double usualFar)
   }
   if (count > 1 && naming == 0)
     return source.ignore("rangesMinM and rangesMaxM, because no rangeId says which emitters have which range");
-  if (count > 1) profile["ranges"] = json::array();
+  profile["ranges"] = json::array();
   double nearest = INFINITY, farthest = 0;
   for (size_t i = 0; i < count; ++i) {
     const double from = least.empty() ? near : least[i], to = most.empty() ? far : most[i];
