@@ -36,6 +36,8 @@ TEST_CASE("beam tables: azimuth and zenith, times of one scan or a count of beam
   CHECK(timeOf(scans.sensor, 1, 1) == 0.025);
   CHECK(lists(scans.ignored, "800000"));
   CHECK(lists(scans.ignored, "the last 1 beams"));
+  CHECK_FALSE(lists(scans.assumed, "scans per second"));
+  CHECK(lists(readSensorFile(counted, "l.csv", {.beamsPerScan = 2}).assumed, "10 scans per second"));
   CHECK(readSensorFile(counted, "l.csv").sensor.patterns[0].times.empty());
 
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,1\n", "l.csv"), ContainsSubstring("line 2 has 2 cells"));
@@ -56,6 +58,7 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
   CHECK_THAT(timeOf(cut.sensor, 1, 0), WithinAbs(1e-6, 1e-15));
   CHECK_THAT(timeOf(cut.sensor, 1, 1), WithinAbs(2e-6, 1e-15));
   CHECK(lists(cut.ignored, "the scan rate"));
+  CHECK_FALSE(lists(readSensorFile(timed, "l.csv", {.beamsPerScan = 2}).assumed, "scans per second"));
 
   // Each scan of a long recording has its own start.
   std::string recording = "Time/s,Azimuth/deg,Zenith/deg\n";

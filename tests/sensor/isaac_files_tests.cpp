@@ -106,6 +106,11 @@ TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
   const std::string fine = replaced(text, "uint omni:sensor:Core:patternFiringRateHz = 3333",
                                     "float omni:sensor:Core:rotPatternFiringResDeg = 0.4");
   CHECK(readSensorFile(fine, "lidar.usda").sensor.columns == 900);
+  // The rate of patterns goes before that of older schemas.
+  const std::string older = "    uint omni:sensor:Core:reportRateBaseHz = 5000\n";
+  CHECK(readSensorFile(omniLidarWith(older), "lidar.usda").sensor.columns == 333);
+  const std::string alone = replaced(text, "    uint omni:sensor:Core:patternFiringRateHz = 3333\n", older);
+  CHECK(readSensorFile(alone, "lidar.usda").sensor.columns == 500);
   CHECK_THAT(problemOf(replaced(text, "\"ROTARY\"", "\"SPINNING\""), "lidar.usda"), ContainsSubstring("'SPINNING'"));
   CHECK_THAT(problemOf(replaced(text, "s001:azimuthDeg", "s001:azimuth"), "lidar.usda"),
              ContainsSubstring("is missing"));

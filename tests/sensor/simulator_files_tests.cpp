@@ -78,6 +78,13 @@ TEST_CASE("Isaac Sim: emitter states follow each other, in a turn or from scan t
   CHECK_THAT(elevationDeg(turning, 1), WithinAbs(-11.75, 1e-12));
   CHECK_THAT(azimuthDeg(turning, 333 + 2), WithinAbs(2 - 2 * 3600.0 / 3333, 1e-12));
   CHECK(ringOf(turning, 333) == 1);
+  const auto window = [&](size_t beam) {
+    const RangeWindow found = rangeWindowOf(turning, beam);
+    return std::pair(found.least, found.most);
+  };
+  CHECK(window(0) == std::pair(1.0, 100.0));  // of the whole lidar, as the first state names no ranges
+  CHECK(window(1) == std::pair(0.5, 200.0));
+  CHECK(window(333 + 1) == std::pair(2.0, 50.0));
   // The second emitter of the second state starts 1 cm to the left of its beam.
   const double azimuth = (-6.5 - 3600.0 / 3333) / kDegrees;
   checkOrigin(originOf(turning, 333 + 1), {-0.01 * std::sin(azimuth), 0.01 * std::cos(azimuth), 0.066});
@@ -306,8 +313,11 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK(sensor.divergenceVertical == 0.0007);
   CHECK(sensor.maxReturns == 2);
   CHECK(lists(file.assumed, "the first of the pulse rates 18750,300"));
-  CHECK(lists(file.ignored, "wavelength_nm"));
+  CHECK(file.ignored == std::vector<std::string>{"wavelength_nm"});
   CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
+  std::string swept = text;
+  swept.replace(text.find("wavelength_nm"), 13, "scanAngleMax_deg");  // of a mirror, which this head does not have
+  CHECK(readSensorFile(swept, "scanners.xml").ignored == std::vector<std::string>{"scanAngleMax_deg"});
   std::string fromZero = text;
   fromZero.replace(text.find("<channel id=\"1\""), 15, "<channel id=\"1\" rangeMin_m=\"0\"");
   const Sensor near = readSensorFile(fromZero, "scanners.xml").sensor;
@@ -387,6 +397,7 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
   }
   CHECK(sensor.divergenceHorizontal == 0.0005);
   CHECK(sensor.maxReturns == 15);
+  CHECK(file.ignored.empty());
   CHECK(lists(file.assumed, "the mirror's largest frequency, 50 Hz"));
   CHECK_THAT(sensor.scanPeriod, WithinAbs(0.02, 1e-15));
   CHECK(lists(file.assumed, "scans of 0.02 s, 1 of the mirror's periods; 50 scans a second leave no gap"));
@@ -399,6 +410,10 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
   const Sensor there = readSensorFile(heliosScanner("optics='oscillating' scanAngleMax_deg='20' scanFreqMax_Hz='125'"),
                                       "scanners.xml")
                            .sensor;  // 8 pulses there and back
+  CHECK(readSensorFile(heliosScanner("optics='oscillating' scanAngleMax_deg='20' scanFreqMax_Hz='125' "
+                                     "scanAngleEffectiveMax_deg='5'"),
+                       "scanners.xml")
+            .ignored == std::vector<std::string>{"scanAngleEffectiveMax_deg"});  // which is for polygons
   const double angles[] = {-20, -10, 0, 10, 20, 10, 0, -10};
   REQUIRE(there.beamCount() == 8);
   for (size_t beam = 0; beam < 8; ++beam) CHECK_THAT(elevationDeg(there, beam), WithinAbs(angles[beam], 1e-9));

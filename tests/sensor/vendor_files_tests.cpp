@@ -67,9 +67,16 @@ TEST_CASE("VeloView XML: degrees and centimetres, lasers that are not enabled ar
   const double e = -7.5 / kDegrees;
   checkOrigin(file.sensor.channels[0].origin, {-0.125 * std::sin(e), -0.026, 0.125 * std::cos(e)});
   CHECK_THAT(file.sensor.channels[1].elevationDeg, WithinAbs(2, 1e-12));
-  CHECK(lists(file.ignored, "1 lasers that are not enabled"));
-  CHECK(lists(file.ignored, "distCorrection_"));
+  CHECK(file.ignored == std::vector<std::string>{"1 lasers that are not enabled", "distCorrection_ of the lasers"});
   CHECK_THAT(file.sensor.rangeMax, WithinAbs(131.07, 1e-9));
+  std::string mounted = replaced(kVeloViewXml, "<item>0</item></xyz>", "<item>-0.5</item></xyz>");
+  mounted = replaced(mounted, "</position_>",
+                     "</position_><orientation_><rpy><item>0</item><item>2</item></rpy></orientation_>"
+                     "<minIntensity_/><maxIntensity_/>");
+  mounted = replaced(mounted, "<distCorrection_>120<", "<distCorrection_>0<");
+  CHECK(readSensorFile(mounted, "db.xml").ignored ==
+        std::vector<std::string>{"1 lasers that are not enabled", "position_ of the head", "orientation_ of the head",
+                                 "minIntensity_", "maxIntensity_"});
 
   CHECK_THAT(problemOf(replaced(kVeloViewXml, "-7.5", "x"), "db.xml"),
              ContainsSubstring("'vertCorrection_' is 'x'") && ContainsSubstring("line "));
@@ -101,12 +108,17 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
     CHECK(sensor.rangeMax == 170);
     CHECK(sensor.rangeAt10Percent == 90);
     CHECK(sensor.divergenceHorizontal == 5.34e-3);
+    CHECK_FALSE(lists(file.ignored, "rotation"));
     CHECK(lists(file.assumed,
                 "a largest range of 170 m, 90 m at 10 % and a divergence of 5.34 mrad, as the catalogue's "
                 "OS1-32 has them"));
   }
   CHECK(readSensorFile(kOusterNested, "os.json").sensor.maxReturns == 2);
   CHECK(lists(readSensorFile(kOusterNested, "os.json").assumed, "returns.mode=strongest-second-strongest"));
+  for (const auto& [from, to] :
+       {std::pair("[1, 0, 0, 12.5", "[1, 1e-3, 0, 12.5"), {"[1, 0, 0, 12.5", "[0.999, 0, 0, 12.5"}})
+    CHECK(lists(readSensorFile(replaced(kOusterNested, from, to), "os.json").ignored,
+                "the rotation in beam_to_lidar_transform"));
   CHECK_FALSE(lists(readSensorFile(kOusterFlat, "os.json").assumed, "echoes"));
   std::string mounted(kOusterNested);
   mounted.insert(mounted.rfind('}'),
@@ -292,6 +304,11 @@ TEST_CASE("Hesai angle correction: a flash lidar has a row per pixel") {
   CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(90 - 133.819671, 1e-9));
   CHECK_THAT(elevationDeg(sensor, 2), WithinAbs(26.71708365, 1e-9));
   CHECK(ringOf(sensor, 2) == 1);
+  const std::string hash = "429277b5377e9c57f0e3dd3b439e832c38f1b7602699cee14303f0821258959e,,,\n";  // of Python
+  CHECK(readSensorFile(text + hash, "ft.csv").sensor.beamCount() == 4);
+  CHECK(readSensorFile(text + "\n\n" + hash.substr(32), "ft.csv").sensor.beamCount() == 4);  // of another kind
+  CHECK_THAT(problemOf(replaced(text, "26.7", "26.8") + hash, "ft.csv"),
+             ContainsSubstring("is damaged: the lines above line 6 do not have the SHA-256"));
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,1,27"), "ft.csv"), ContainsSubstring("was there before"));
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "3,2,27"), "ft.csv"), ContainsSubstring("lists 4 pixels, but has 3"));
   CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,5000,27"), "ft.csv"), ContainsSubstring("expected is 1 to 4096"));
@@ -446,7 +463,11 @@ TEST_CASE("Hesai binary: AT128 has a pattern per mirror face, whose corrections 
   CHECK_THAT(azimuthDeg(sensor, 0, 1), WithinAbs(90 - (30 + 2.4), 1e-9));
   CHECK_THAT(timeOf(sensor, 2), WithinAbs(0.1 / 1200, 1e-15));  // 0.1 degrees of the head's 1200 per second
   CHECK(sensor.scanPeriod == 0.1);                              // a third of a turn
-  CHECK(readSensorFile(hesaiMirrors(), "at.dat", {.scanRate = 20}).sensor.scanPeriod == 0.05);
+  CHECK(lists(file.assumed, "10 scans per second, three to a turn"));
+  CHECK(lists(file.assumed, "1200 columns 0.1 degrees apart"));
+  const SensorFile faster = readSensorFile(hesaiMirrors(), "at.dat", {.scanRate = 20});
+  CHECK(faster.sensor.scanPeriod == 0.05);
+  CHECK_FALSE(lists(faster.assumed, "scans per second"));
   CHECK_THAT(problemOf(hesaiMirrors(), "at.dat", {.fireTimes = "times.csv"}),
              ContainsSubstring("--fire-times does not apply to this angle correction"));
   const std::string bytes = hesaiMirrors();
@@ -487,6 +508,23 @@ TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
              ContainsSubstring("channel 1 does not fire"));
 }
 
+TEST_CASE("Hesai binary: an ATX of version 4.3 corrects elevations by a table over azimuths of 20 to 158 degrees") {
+  std::string bytes("\xee\xff\x04\x03\x00\x00\x03\x00\x01", 9);  // three channels, units of 1/256 degree
+  const auto add = [&](double degrees) { put<int16_t>(bytes, static_cast<int16_t>(256 * degrees)); };
+  for (const double azimuth : {0.0, -20.0, 118.0, 0.0, 0.0, 0.0}) add(azimuth);  // even frames, odd ones
+  for (const double elevation : {1.0, 2.0, 3.0}) add(elevation);
+  for (int node = 0; node < 70; ++node) add(0.25 * (node % 4));
+  const Sensor sensor = readSensorFile(bytes + sha256(bytes), "atx.dat").sensor;
+  const auto up = [&](size_t channel, size_t column) { return elevationDeg(sensor, channel * 1200 + column); };
+  CHECK_THAT(up(0, 0), WithinAbs(1 + 0.25, 1e-9));    // at 30 degrees, node 5
+  CHECK_THAT(up(0, 5), WithinAbs(1 + 0.3125, 1e-9));  // a quarter of the way to node 6, which has 0.5
+  CHECK_THAT(up(0, 30), WithinAbs(1 + 0.625, 1e-9));  // half the way from node 6 to node 7
+  CHECK_THAT(up(1, 99), WithinAbs(2, 1e-9));          // before the table, at 19.9 degrees
+  CHECK_THAT(up(2, 90), WithinAbs(3 + 0.125, 1e-9));  // at 157 degrees, half the way to node 69, the last
+  CHECK_THAT(up(2, 100), WithinAbs(3 + 0.25, 1e-9));  // at the last node
+  CHECK_THAT(up(2, 101), WithinAbs(3, 1e-9));
+}
+
 TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
   std::string bytes("\xee\xff\x01\x00\x00\x00\x02\x03\x05", 9);  // 2 columns, 3 rows, units of 0.05 degrees
   for (const int azimuth : {40, 41, 42, 140, 141, 142}) put<int16_t>(bytes, static_cast<int16_t>(20 * azimuth));
@@ -499,7 +537,9 @@ TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
   CHECK_THAT(azimuthDeg(sensor, 5), WithinAbs(90 - 142, 1e-9));
   CHECK_THAT(elevationDeg(sensor, 4), WithinAbs(30, 1e-9));
   CHECK(ringOf(sensor, 4) == 2);
-  CHECK(readSensorFile(bytes, "ft.dat", {.scanRate = 8}).sensor.scanPeriod == 0.125);
+  const SensorFile rated = readSensorFile(bytes, "ft.dat", {.scanRate = 8});
+  CHECK(rated.sensor.scanPeriod == 0.125);
+  CHECK_FALSE(lists(rated.assumed, "1200 columns"));
   CHECK_THAT(problemOf(bytes.substr(0, 20), "ft.dat"), ContainsSubstring("ends after 20 bytes"));
 }
 
