@@ -440,6 +440,7 @@ TEST_CASE("validate refuses scans so short that the speed of what moves meanwhil
   // Without a turn what moves meanwhile is at its end when the last beam fires.
   Sensor offsets = small(), list = small();
   offsets.rotationPeriod = 0;
+  list.columns = 0;
   list.channels.clear();
   list.patterns.assign(2, {{{1, 0, 0}, {0, 1, 0}}, {}, {0, 0}});
   for (const double last : {5e-324, 9e-10, 1e-9, 0.0}) {
