@@ -72,7 +72,7 @@ def test_a_built_in_sensor_is_chosen_by_its_name(square):
     np.testing.assert_array_equal(simulator.scan(gnosphere.Pose()).ranges, other.scan(gnosphere.Pose()).ranges)
     assert simulator.add_sensor("puck:20hz") == 1
     puck = gnosphere.builtin_sensor("Puck:20Hz")
-    assert simulator.scan(gnosphere.Pose(), 1).shape == (len(puck.channels), puck.columns)
+    assert simulator.scan(gnosphere.Pose(), 1).shape[:2] == (len(puck.channels), puck.columns)
     pair = gnosphere.Simulator(scene, ["VLP-16", beams(5)], reference)
     assert pair.scan(gnosphere.Pose(), 1).beam_count() == 5
     for call in (
