@@ -103,7 +103,7 @@ Scene walkingBoxes() {
 
 }  // namespace
 
-TEST_CASE("the blocks of docs/engine.md record scans on the device of an engine") {
+TEST_CASE("the blocks of docs/engine.md record scans on the device of an engine", "[.page]") {
   needVulkan();
   const CommonApp common;
   VulkanApp& app = common.app;
@@ -125,7 +125,7 @@ TEST_CASE("the blocks of docs/engine.md record scans on the device of an engine"
   extensions.insert(extensions.end(), needed.extensions.begin(), needed.extensions.end());
 
   CHECK(logged.empty());
-  CHECK((features12.bufferDeviceAddress && features12.scalarBlockLayout && subgroupSizeControl.subgroupSizeControl));
+  CHECK((features12.bufferDeviceAddress && features12.scalarBlockLayout && subgroupSizeControl.computeFullSubgroups));
   CHECK(extensions.size() == 1 + needed.extensions.size());
 
   vulkan::AdoptedDevice adopted;
@@ -311,7 +311,7 @@ TEST_CASE("the blocks of docs/engine.md record scans on the device of an engine"
   CHECK(look(0, at, atRest).farthest > 0.5);
 }
 
-TEST_CASE("the blocks of docs/c.md, compiled as C99, scan, and record on the device of an engine") {
+TEST_CASE("the blocks of docs/c.md, compiled as C99, scan, and record on the device of an engine", "[.page]") {
   needVulkan();
   const CurrentFolder current;
   writeGlb(walkingBoxes(), "town.glb");
