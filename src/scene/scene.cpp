@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -69,9 +70,11 @@ std::vector<bool> usedVertices(const Mesh& mesh) {
 }
 
 void validate(const AlphaImage& image, const std::string& name) {
-  if (image.alpha.empty() || image.alpha.size() != size_t{image.width} * image.height)
-    fail(name + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-         " pixels need as many values, there are " + std::to_string(image.alpha.size()));
+  const uint64_t pixels = uint64_t{image.width} * image.height;
+  if (pixels > 0 && image.alpha.size() == pixels) return;
+  fail(name + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+       (pixels == 0 ? " pixels are none, and an image has at least one"
+                    : " pixels need as many values, there are " + std::to_string(image.alpha.size())));
 }
 
 namespace {

@@ -293,7 +293,9 @@ TEST_CASE("validate refuses invalid images and coordinates") {
   const Scene good = cutOut().load();
   Scene scene = good;
   scene.alphaImages[0].alpha.pop_back();
-  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("alpha image 0: 2 x 2 pixels"));
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("alpha image 0: 2 x 2 pixels need as many values"));
+  scene.alphaImages[0] = {0, 2, {}};
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("alpha image 0: 0 x 2 pixels are none"));
   scene = good;
   scene.materials[0].alphaImage = 1;
   CHECK_THROWS_WITH(validate(scene), ContainsSubstring("material 0: alpha image 1 does not exist"));
