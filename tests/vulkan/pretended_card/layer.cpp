@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Vulkan layer that makes a CPU's driver look like a discrete graphics card, so that tests take the paths of cards:
 // memory that the host does not see, memory that the host sees only after a flush or an invalidation, fresh memory that
-// is not zero, and no waiting of a whole workgroup at the barriers of its subgroups, as lavapipe does.
+// is not zero, and no waiting of a whole workgroup at the barriers of its subgroups, as lavapipe does. Lavapipe ends
+// each command before the next; cards need a barrier, without which the layer ends the program.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -15,11 +16,13 @@
 #include <utility>
 #include <vector>
 
+#include "hazards.hpp"
 #include "vulkan/spirv.hpp"
 
 namespace {
 
 using namespace gnosphere::vulkan;
+using gnosphere::test::Hazards;
 
 enum MemoryType : uint32_t { kLocal, kCached, kCoherent, kTypes };
 constexpr VkDeviceSize kAtom = 256;
@@ -38,11 +41,17 @@ struct Instance {
   std::map<std::string_view, PFN_vkVoidFunction> next;
 };
 
+struct Device {
+  VkDevice handle;
+  PFN_vkGetDeviceProcAddr find;
+};
+
 struct State {
   std::mutex mutex;
   std::map<void*, Instance> instances;
-  std::map<void*, PFN_vkGetDeviceProcAddr> devices;
+  std::map<void*, Device> devices;
   std::map<VkDeviceMemory, Memory> memories;
+  std::map<VkCommandBuffer, Hazards> commands;
 };
 
 // The state is never destroyed, because programs may destroy their devices when they end.
@@ -71,7 +80,15 @@ Function of(VkPhysicalDevice device, const char* name) {
 template <typename Function>
 Function of(VkDevice device, const char* name) {
   const std::lock_guard lock(state().mutex);
-  return reinterpret_cast<Function>(state().devices.at(keyOf(device))(device, name));
+  return reinterpret_cast<Function>(state().devices.at(keyOf(device)).find(device, name));
+}
+
+// Command buffers have the table of functions of their device.
+template <typename Function>
+Function of(VkCommandBuffer commands, const char* name) {
+  const std::lock_guard lock(state().mutex);
+  const Device& device = state().devices.at(keyOf(commands));
+  return reinterpret_cast<Function>(device.find(device.handle, name));
 }
 
 // Takes this layer off the chain of the next ones, and returns its entry.
@@ -109,7 +126,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkD
   const VkResult result = of<PFN_vkCreateDevice>(physical, "vkCreateDevice")(physical, info, callbacks, to);
   if (result != VK_SUCCESS) return result;
   const std::lock_guard lock(state().mutex);
-  state().devices[keyOf(*to)] = find;
+  state().devices[keyOf(*to)] = {*to, find};
   return result;
 }
 
@@ -263,6 +280,60 @@ VKAPI_ATTR VkResult VKAPI_CALL createModule(VkDevice device, const VkShaderModul
   return of<PFN_vkCreateShaderModule>(device, "vkCreateShaderModule")(device, &changed, callbacks, to);
 }
 
+// Ends the program if what a command did to the hazards of its command buffer was wrong.
+template <typename Change>
+void change(VkCommandBuffer commands, Change change) {
+  const std::lock_guard lock(state().mutex);
+  if (const char* wrong = change(state().commands[commands])) fail(wrong);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL begin(VkCommandBuffer commands, const VkCommandBufferBeginInfo* info) {
+  change(commands, [](Hazards& hazards) {
+    hazards = {};
+    return nullptr;
+  });
+  return of<PFN_vkBeginCommandBuffer>(commands, "vkBeginCommandBuffer")(commands, info);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL end(VkCommandBuffer commands) {
+  change(commands, [](Hazards& hazards) { return hazards.end(); });
+  return of<PFN_vkEndCommandBuffer>(commands, "vkEndCommandBuffer")(commands);
+}
+
+VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
+  change(commands, [](Hazards& hazards) { return hazards.dispatch(); });
+  of<PFN_vkCmdDispatch>(commands, "vkCmdDispatch")(commands, x, y, z);
+}
+
+VKAPI_ATTR void VKAPI_CALL dispatchIndirect(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset) {
+  change(commands, [](Hazards& hazards) { return hazards.dispatchIndirect(); });
+  of<PFN_vkCmdDispatchIndirect>(commands, "vkCmdDispatchIndirect")(commands, buffer, offset);
+}
+
+VKAPI_ATTR void VKAPI_CALL fill(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset, VkDeviceSize size,
+                                uint32_t data) {
+  change(commands, [](Hazards& hazards) { return hazards.transfer(); });
+  of<PFN_vkCmdFillBuffer>(commands, "vkCmdFillBuffer")(commands, buffer, offset, size, data);
+}
+
+VKAPI_ATTR void VKAPI_CALL copy(VkCommandBuffer commands, VkBuffer from, VkBuffer to, uint32_t count,
+                                const VkBufferCopy* regions) {
+  change(commands, [](Hazards& hazards) { return hazards.transfer(); });
+  of<PFN_vkCmdCopyBuffer>(commands, "vkCmdCopyBuffer")(commands, from, to, count, regions);
+}
+
+VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
+                                   VkDependencyFlags flags, uint32_t memories, const VkMemoryBarrier* memory,
+                                   uint32_t buffers, const VkBufferMemoryBarrier* buffer, uint32_t images,
+                                   const VkImageMemoryBarrier* image) {
+  change(commands, [&](Hazards& hazards) {
+    for (uint32_t i = 0; i < memories; ++i) hazards.barrier(from, to, memory[i]);
+    return nullptr;
+  });
+  of<PFN_vkCmdPipelineBarrier>(commands, "vkCmdPipelineBarrier")(commands, from, to, flags, memories, memory, buffers,
+                                                                 buffer, images, image);
+}
+
 template <typename Function>
 PFN_vkVoidFunction plain(Function function) {
   return reinterpret_cast<PFN_vkVoidFunction>(function);
@@ -278,7 +349,14 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL findInDevice(VkDevice device, const cha
       {"vkUnmapMemory", plain(&unmap)},
       {"vkFlushMappedMemoryRanges", plain(&flush)},
       {"vkInvalidateMappedMemoryRanges", plain(&invalidate)},
-      {"vkCreateShaderModule", plain(&createModule)}};
+      {"vkCreateShaderModule", plain(&createModule)},
+      {"vkBeginCommandBuffer", plain(&begin)},
+      {"vkEndCommandBuffer", plain(&end)},
+      {"vkCmdDispatch", plain(&dispatch)},
+      {"vkCmdDispatchIndirect", plain(&dispatchIndirect)},
+      {"vkCmdFillBuffer", plain(&fill)},
+      {"vkCmdCopyBuffer", plain(&copy)},
+      {"vkCmdPipelineBarrier", plain(&barrier)}};
   if (const auto found = own.find(name); found != own.end()) return found->second;
   return device ? of<PFN_vkVoidFunction>(device, name) : nullptr;
 }
