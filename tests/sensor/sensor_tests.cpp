@@ -187,8 +187,13 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
     CHECK(toJson(back) == json);
   }
   CHECK_THAT(toJson(sensor), ContainsSubstring("\"divergence_mrad\": [3, 100]"));
+  CHECK_THAT(toJson(sensor), ContainsSubstring("\"elevation_deg\": [-10, 10]"));
   for (const Sensor& builtin : builtinSensors()) {
     const std::string json = toJson(builtin);
+    // Long lists are broken into full lines, which fit a window.
+    const auto lines = static_cast<size_t>(std::ranges::count(json, '\n'));
+    CHECK(lines < 12 + json.size() / 70);
+    for (size_t at = 0; at < json.size(); at = json.find('\n', at) + 1) CHECK(json.find('\n', at) - at < 110);
     for (const char* key : {"divergence", "max_returns", "rotation_period", "scan_period", "origin", "time_offset"})
       CHECK(json.find(key) == json.npos);
   }
@@ -239,7 +244,9 @@ TEST_CASE("invalid lists are refused with the cause") {
   };
   CHECK_THAT(pattern(R"(}], "columns": 8})"), ContainsSubstring("'patterns' and 'columns' are alternatives"));
   CHECK_THAT(pattern(R"(, "rings": [0, 65536]}]})"), ContainsSubstring("patterns[0].rings[1]"));
-  CHECK_THAT(pattern(R"(, "rings": [0]}]})"), ContainsSubstring("rings has 1 entries, directions has 2"));
+  CHECK_THAT(pattern(R"(, "rings": [0]}]})"), ContainsSubstring("a: rings has 1 entries, directions has 2"));
+  CHECK_THAT(pattern(R"(}, {"directions": [[1, 0, 0], [0, 1, 0]], "rings": [0]}]})"),
+             ContainsSubstring("a: pattern 1: rings has 1 entries, directions has 2"));
   CHECK_THAT(pattern(R"(, "times": [0, "1"]}]})"), ContainsSubstring("patterns[0].times[1]"));
   CHECK_THAT(pattern(R"(, "range_max": [0, 1e300]}]})"), ContainsSubstring("which is no range"));
   CHECK_THAT(pattern(R"(, "width": 3, "height": 1}]})"), ContainsSubstring("does not suit 2 beams"));
@@ -500,6 +507,77 @@ TEST_CASE("validate refuses a scan that begins before the one in front of it has
   CHECK_THAT(mistake(0.4), ContainsSubstring("that of a scan, 0.5 s, is 0.4"));
   sensor.scanPeriod = 0.5;
   CHECK_NOTHROW(validate(sensor));
+}
+
+TEST_CASE("the beams of a grid as a list have the origins, times and windows of their channels") {
+  Sensor grid = small();  // 4 columns, 2 channels, 10 m
+  grid.rotationPeriod = 0.1;
+  grid.channels[1].origin = {0.5, 0, 0.25};
+  grid.channels[1].timeOffset = 0.01;
+  grid.channels[0].rangeMin = 2;
+  const BeamList list = beamsOf(grid);
+  CHECK((list.size() == 8 && list.width == 4 && list.height == 2));
+  CHECK(list.rings == std::vector<uint16_t>{0, 0, 0, 0, 1, 1, 1, 1});
+  CHECK(list.rangeMin == std::vector<float>{2, 2, 2, 2, 0, 0, 0, 0});
+  CHECK(list.rangeMax.empty());
+  REQUIRE((list.times.size() == 8 && list.origins.size() == 8));
+  for (size_t beam = 0; beam < 8; ++beam)
+    CHECK(std::abs(list.times[beam] - (0.025 * static_cast<double>(beam % 4) + (beam < 4 ? 0 : 0.01))) < 1e-15);
+  CHECK((list.origins[0].x == 0 && list.origins[0].z == 0));
+  CHECK(std::abs(list.origins[5].y + 0.5) < 1e-15);  // column 1 points to -y
+  CHECK(list.origins[5].z == 0.25);
+  grid = small();
+  grid.channels[1].rangeMax = 7;
+  const BeamList plain = beamsOf(grid);
+  CHECK((plain.times.empty() && plain.origins.empty() && plain.rangeMin.empty()));
+  CHECK(plain.rangeMax == std::vector<float>{10, 10, 10, 10, 7, 7, 7, 7});
+}
+
+TEST_CASE("the widest window of a sensor holds those of all its beams, in every pattern") {
+  const auto isWindow = [](const Sensor& sensor, double least, double most) {
+    const RangeWindow widest = widestWindow(sensor);
+    return std::abs(widest.least - least) < 1e-6 && std::abs(widest.most - most) < 1e-6;
+  };
+  Sensor grid = small();
+  grid.rangeMin = 0.5;
+  CHECK(isWindow(grid, 0.5, 10));
+  grid.channels[0].rangeMin = 0.1;
+  grid.channels[1].rangeMax = 70;
+  CHECK(isWindow(grid, 0.1, 70));
+  for (Channel& channel : grid.channels) channel.rangeMin = 2, channel.rangeMax = 3;
+  CHECK(isWindow(grid, 2, 3));
+  Sensor list{.name = "list", .rangeMin = 0.5, .rangeMax = 10};
+  list.patterns.resize(2);
+  for (BeamList& pattern : list.patterns) pattern.directions = {{1, 0, 0}, {0, 1, 0}};
+  CHECK(isWindow(list, 0.5, 10));
+  list.patterns[1].rangeMax = {4, 30};
+  list.patterns[1].rangeMin = {0.25f, 1};
+  CHECK(isWindow(list, 0.25, 30));
+  list.patterns[0].rangeMax = {3, 5};
+  list.patterns[0].rangeMin = {2, 2};
+  list.patterns[1].rangeMin = {1, 1};
+  CHECK(isWindow(list, 1, 30));
+  grid.channels.clear();
+  CHECK(isWindow(grid, 0.5, 10));
+}
+
+TEST_CASE("a scan needs the poses of its whole turn, and of beams that fire outside of it a column more") {
+  const auto isSpan = [](const Sensor& sensor, double from, double to, uint64_t frame = 0) {
+    const TimeSpan span = poseTimesOf(sensor, frame);
+    return std::abs(span.from - from) < 1e-12 && std::abs(span.to - to) < 1e-12;
+  };
+  Sensor grid = small();  // 4 columns
+  grid.rotationPeriod = 0.1;
+  CHECK(isSpan(grid, 0, 0.1));
+  grid.channels[0].timeOffset = 0.01;
+  grid.channels[1].timeOffset = -0.02;
+  CHECK(isSpan(grid, -0.02 - 0.025, 0.1 + 0.01 + 0.025));
+  Sensor list{.name = "list", .rangeMax = 10};
+  list.patterns.resize(2);
+  for (BeamList& pattern : list.patterns) pattern.directions = {{1, 0, 0}, {0, 1, 0}};
+  list.patterns[1].times = {0, 0.5};
+  CHECK(isSpan(list, 0, 0));
+  CHECK(isSpan(list, 0, 0.5, 1));
 }
 
 TEST_CASE("a sensor whose range is not set is refused, unless each laser has its own") {
