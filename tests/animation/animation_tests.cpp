@@ -486,6 +486,7 @@ TEST_CASE("an animation that does not fit its scene is refused") {
 
 TEST_CASE("an animated scene is the same after it was written and read") {
   GltfFileMaker file = skinnedFile();
+  file.json["skins"][0]["name"] = "legs";
   file.json["nodes"][2]["rotation"] = {0, 0, kHalf, kHalf};
   addChannel(file, 2, "rotation", "LINEAR", {0, 1}, Floats{0, 0, 0, 1, 0, 0, kHalf, kHalf});
   addChannel(file, 1, "translation", "STEP", {0, 0.5f}, Floats{0, 0, 0, 0, 0, 4});
@@ -514,6 +515,9 @@ TEST_CASE("an animated scene is the same after it was written and read") {
   CHECK(again.leftOut.empty());
   REQUIRE(again.animation.clips.size() == 1);
   CHECK(again.animation.clips[0].name == "clip");
+  REQUIRE(again.animation.skins.size() == 1);
+  CHECK(again.animation.skins[0].name == "legs");
+  for (const char* name : {"hip", "knee"}) CHECK(std::ranges::count(again.animation.nodes, name, &Node::name) == 1);
   REQUIRE(scene.instances.size() == 4);
   REQUIRE(again.instances.size() == 4);
   for (size_t i = 0; i < 4; ++i) {

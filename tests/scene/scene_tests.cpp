@@ -4,14 +4,17 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
 #include <random>
+#include <utility>
 #ifndef _WIN32
 #include <sys/stat.h>
 #endif
 
+#include "bits.hpp"
 #include "fuzz/readers.hpp"
 #include "problem.hpp"
 #include "scene/scene_text.hpp"
@@ -93,6 +96,42 @@ TEST_CASE("loadScene reads back the output of writeGlb bit for bit") {
     CHECK(a.className == b.className);
     CHECK(a.retro == b.retro);
   }
+}
+
+TEST_CASE("a written file states what glTF requires of it: bounds of positions, targets of views, extensions") {
+  const Folder folder;
+  const auto jsonOf = [&](const Scene& scene) {
+    writeGlb(scene, folder / "a.glb");
+    std::ifstream file(folder / "a.glb", std::ios::binary);
+    std::string bytes(std::istreambuf_iterator<char>(file), {});
+    return Json::parse(bytes.begin() + 20, bytes.begin() + 20 + at<uint32_t>(bytes, 12));
+  };
+  Scene scene = sampleScene();
+  scene.meshes[1].positions[5] = std::nanf("");
+  for (size_t i = 1; i < 12; i += 3) scene.meshes[1].positions[i] = std::numeric_limits<float>::infinity();
+  scene.meshes[0].uvs = Floats(8);
+  scene.alphaImages = {{1, 1, {7}}};
+  scene.materials[2].alphaImage = 0;
+  const Json json = jsonOf(scene);
+  const auto boundsOf = [&](size_t mesh) {
+    const Json& primitive = json["meshes"][mesh]["primitives"][0];
+    const Json& positions = json["accessors"][primitive["attributes"]["POSITION"].get<size_t>()];
+    return std::pair(positions["min"].get<Floats>(), positions["max"].get<Floats>());
+  };
+  CHECK(boundsOf(0) == std::pair(Floats{0, 0, 0}, Floats{1.1f, 1.3f, 1e30f}));
+  CHECK(boundsOf(1) == std::pair(Floats{0, 0, 0}, Floats{1.1f, 0, 1e30f}));  // of the finite ones, and 0 without any
+  size_t targets[3] = {};
+  for (const Json& view : json["bufferViews"]) {
+    const int target = view.value("target", -1);
+    ++targets[target == 34962 ? 0 : target == 34963 ? 1 : 2];
+    if (target == -1) CHECK(view == json["bufferViews"][json["images"][0]["bufferView"].get<size_t>()]);
+  }
+  CHECK((targets[0] == 3 && targets[1] == 2 && targets[2] == 1));  // attributes, indices, the image
+  CHECK(json["extensionsUsed"] == Json{"KHR_materials_transmission"});
+  scene.materials[1].transmission = 0;
+  CHECK_FALSE(jsonOf(scene).contains("extensionsUsed"));
+  for (Material& material : scene.materials) material.transmission = 0.5f;
+  CHECK(jsonOf(scene)["extensionsUsed"] == Json{"KHR_materials_transmission"});
 }
 
 TEST_CASE("the holes of cut-out materials are kept by writing and reading") {
@@ -274,6 +313,21 @@ TEST_CASE("the bounds of a scene are those of all its vertices, though few insta
       CHECK(bounds.min.*axis == least.*axis);
       CHECK(bounds.max.*axis == greatest.*axis);
     }
+  }
+}
+
+TEST_CASE("an instance whose points all overflow hides no other from the bounds of a scene") {
+  Scene scene;
+  scene.meshes.resize(1);
+  scene.meshes[0].positions = {1e8f, 1e8f, 0, 2e8f, 1e8f, 0, 1e8f, 2e8f, 1};
+  scene.meshes[0].indices = {0, 1, 2};
+  const Instance beyond{"", 0, {{1e301, -1e301, 0, 0, 1e301, -1e301, 0, 0, -1e301, 1e301, 1, 0}}}, plain{"", 0, {}};
+  for (const std::vector<Instance>& instances :
+       {std::vector{beyond, plain}, std::vector{plain, beyond}, std::vector{beyond, plain, beyond}}) {
+    scene.instances = instances;
+    const Bounds bounds = worldBounds(scene);
+    CHECK((bounds.min.x == 1e8 && bounds.min.y == 1e8 && bounds.min.z == 0));
+    CHECK((bounds.max.x == 2e8 && bounds.max.y == 2e8 && bounds.max.z == 1));
   }
 }
 
