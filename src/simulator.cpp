@@ -95,7 +95,8 @@ class Simulator::Impl {
     Unfinished<Scan> unfinished{&result};
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
-      for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
+      for (const Field field : {Field::x, Field::triangle, Field::instance})
+        ScanColumns(result).setUnknown(field, false);
       result.sensor = sensor.name;
       result.columns = sensor.width();
       result.channels = sensor.height();

@@ -353,7 +353,7 @@ CloudFile cloudOf(const CloudTable& table, const Origin& origin) {
   ScanColumns columns(scan);
   columns.setUnknown(Field::triangle, !table.find("triangle"));
   columns.setUnknown(Field::instance, !table.find("instance"));
-  if (entryCount == 0) columns.setUnknown(Field::x, !hasPoints);
+  columns.setUnknown(Field::x, !hasPoints);
   scan.triangles.resize(entryCount, kNoTriangle);
   scan.instances.resize(entryCount, kNoTriangle);
   for (const ColumnInfo& column : allColumns()) {

@@ -63,6 +63,16 @@ TEST_CASE("a cloud without owners has none, and says so") {
   Simulator simulator(scene, SensorRequest{builtinSensor("VLP-16"), Effects::none(), {}}, options);
   simulator.scanInto({}, reused);
   CHECK(reused.has(Field::triangle));
+  // So does that of a scan without points, of which there may be none at all.
+  for (const char* rows : {"range\n", "range\n1\n"}) {
+    std::ofstream(folder / "b.csv") << rows;
+    Scan ranges = readCloud(folder / "b.csv");
+    CHECK_FALSE(ranges.has(Field::x));
+    simulator.scanInto({}, ranges);
+    CHECK(ranges.has(Field::x));
+  }
+  std::ofstream(folder / "none.csv") << "x,y,z\n";
+  CHECK(readCloud(folder / "none.csv").has(Field::x));
 }
 
 TEST_CASE("every format that identifies beams reads back to the same bits") {
