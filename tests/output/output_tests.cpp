@@ -19,6 +19,7 @@
 #include "cloud_support.hpp"
 #include "output/pattern_picture.hpp"
 #include "scan/image_order.hpp"
+#include "sensor/beams.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -354,6 +355,29 @@ TEST_CASE("a cloud that cannot be written leaves no file behind") {
   CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, without an unfinished file
 }
 
+TEST_CASE("rings beyond their 16 bits are refused where they are asked for, unless the scan states its own") {
+  const Folder folder;
+  Scan scan;
+  scan.columns = 1;
+  const auto lastOf = [&](std::vector<Field> fields) {
+    CloudOptions options;
+    options.fields = std::move(fields);
+    writeCloud(scan, folder / "a.pcd", options);
+    const std::string bytes = bytesOf(folder / "a.pcd");
+    return at<uint16_t>(bytes, bytes.size() - 2);
+  };
+  scan.channels = 65536;
+  scan.ranges.assign(65536, 1);
+  CHECK(lastOf({Field::range, Field::ring}) == 65535);
+  scan.channels = 65537;
+  scan.ranges.push_back(1);
+  CHECK(lastOf({Field::range}) == 0x3f80);  // the upper half of 1
+  CHECK_THROWS_WITH(lastOf({Field::range, Field::ring}),
+                    ContainsSubstring("16 bits wide, the scan has 65537 channels; leave it out"));
+  ScanColumns(scan).fill<uint16_t>(Field::ring, 7);
+  CHECK(lastOf({Field::range, Field::ring}) == 7);
+}
+
 TEST_CASE("a picture is upright, whether channels count from the bottom or from the top") {
   const Folder folder;
   Sensor sensor = builtinSensor("VLP-16");
@@ -470,6 +494,68 @@ TEST_CASE("a beam of range 0 does not hide the other beams of its pixel") {
     return std::vector(pixels.at(0, 56), pixels.at(0, 300));
   };
   CHECK(rangeImage(0) == rangeImage(std::nanf("")));
+}
+
+TEST_CASE("a picture from above has a few rings of round distances") {
+  const Folder folder;
+  for (const auto& [distance, rings] : {std::pair(9.9f, 5), {0.95f, 5}, {99.0f, 5}, {5.5f, 5}, {13.5f, 7}}) {
+    INFO(distance << " m");
+    Scan scan = syntheticScan(builtinSensor("VLP-16"));
+    for (size_t beam = 0; beam < scan.beamCount(); ++beam) {  // all points to the right
+      const float angle = 3.14159f * static_cast<float>(beam) / static_cast<float>(scan.beamCount());
+      scan.points[3 * beam] = distance * std::cos(angle);
+      scan.points[3 * beam + 1] = -distance * std::sin(angle);
+    }
+    writePicture(scan, folder / "a.png");
+    const Pixels pixels(folder / "a.png");
+    const int side = pixels.width - 48, y = pixels.height - 24 - side / 2;
+    int crossed = 0;
+    for (int x = 24; x < 24 + side / 2 - 10; ++x)
+      crossed += pixels.at(x, y)[1] > 20 && !(pixels.at(x - 1, y)[1] > 20);  // the background has 13
+    CHECK(crossed == rings);
+  }
+}
+
+TEST_CASE("a picture of beams has a ring for each that fires, and lines at round angles around them") {
+  const Folder folder;
+  const auto picture = [&](const Sensor& sensor) {
+    writePatternPicture(sensor, folder / "a.png");
+    return Pixels(folder / "a.png");
+  };
+  Sensor sensor{.name = "one", .rangeMax = 10};
+  const auto add = [&](double azimuth, double elevation) {
+    sensor.patterns[0].directions.push_back(unitVectorAt(azimuth, elevation));
+  };
+  sensor.patterns.resize(1);
+  add(7.3, 3.1);
+  // The plot is 1480 x 1000 pixels from (90, 60) on, and 2 x 2 degrees around the beam.
+  const Pixels one = picture(sensor);
+  const auto isLine = [](const uint8_t* pixel) { return pixel[1] > 40; };  // the background has 13
+  int lines[2] = {};
+  for (int x = 90; x < 1570; ++x) lines[0] += isLine(one.at(x, 65));
+  for (int y = 60; y < 1060; ++y) lines[1] += isLine(one.at(95, y));
+  CHECK(lines[0] == 4);  // 6.5, 7, 7.5 and 8 degrees
+  CHECK(lines[1] == 4);  // 2.5, 3, 3.5 and 4 degrees
+  // The ring is 2.5 pixels from its middle to the middle of its line, which fades within a pixel on either side: in all
+  // as much as 2 pi 2.5 pixels of the middle colour of Turbo, whose green is 0.99.
+  double covered = 0;
+  for (int y = 550; y <= 570; ++y)
+    for (int x = 820; x <= 840; ++x) covered += (one.at(x, y)[1] - 13) / (0.99 * 255 - 13);
+  CHECK(std::abs(covered / (2 * 3.14159 * 2.5) - 1) < 0.06);
+  CHECK(one.at(830, 560)[1] == 13);
+
+  add(8.1, 3.3);
+  add(-20, 1);
+  sensor.maskedBeams = {1, 2};
+  CHECK(picture(sensor).rgb == one.rgb);
+  sensor.maskedBeams = {0, 1, 2};
+  CHECK(picture(sensor).width == one.width);
+  // Where many degrees are shown, the lines are more of them apart.
+  sensor.maskedBeams = {};
+  const Pixels wide = picture(sensor);
+  int across = 0;
+  for (int x = 90; x < 1570; ++x) across += isLine(wide.at(x, 65));
+  CHECK(across == 6);  // -20, -15 ... 5 degrees
 }
 
 TEST_CASE("a letter that the font of pictures lacks is a question mark") {
