@@ -561,6 +561,24 @@ TEST_CASE("the widest window of a sensor holds those of all its beams, in every 
   CHECK(isWindow(grid, 0.5, 10));
 }
 
+TEST_CASE("bounds of lasers hold their places along the azimuth of their beams, across it, upwards and in all") {
+  const auto areBounds = [](const OriginBounds& bounds, double forward, double left, double up, double distance) {
+    return std::abs(bounds.forward - forward) < 1e-12 && std::abs(bounds.left - left) < 1e-12 &&
+           std::abs(bounds.up - up) < 1e-12 && std::abs(bounds.distance - distance) < 1e-12;
+  };
+  Sensor list{.name = "list", .rangeMax = 10};
+  list.patterns.resize(2);
+  list.patterns[0].directions = list.patterns[1].directions = {{0, 1, 0}, {1, 0, 0}, {0.8, 0, 0.6}};
+  list.patterns[1].origins = {{0, 0.2, 0.5}, {0, 0.3, 0.4}, {-9, -9, -9}};
+  const std::vector<uint32_t> beams = {0, 1};
+  CHECK(areBounds(originBoundsOf(list, 0, {}, beams), 0, 0, 0, 0));
+  CHECK(areBounds(originBoundsOf(list, 1, {0, 0, 0.5}, beams), 0.2, 0.3, 0.1, std::sqrt(0.1)));
+  Sensor grid = small();
+  grid.channels[0].origin = {0.1, -0.2, 0.3};
+  grid.channels[1].origin = {-0.4, 0, 0.1};
+  CHECK(areBounds(originBoundsOf(grid, 0, {0, 0, 0.1}, {}), 0.4, 0.2, 0.2, 0.4));
+}
+
 TEST_CASE("a scan needs the poses of its whole turn, and of beams that fire outside of it a column more") {
   const auto isSpan = [](const Sensor& sensor, double from, double to, uint64_t frame = 0) {
     const TimeSpan span = poseTimesOf(sensor, frame);
