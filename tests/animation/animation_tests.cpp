@@ -439,6 +439,17 @@ TEST_CASE("a clip whose name another clip has is found by its number") {
     CHECK_THAT(problemOf([&] { clipNamed(scene, name); }), ContainsSubstring("no clip is called"));
 }
 
+TEST_CASE("copies of a mesh that several nodes deform count for what a file may unpack to") {
+  // Accessors without bytes are zeros. Of 256 MiB the mesh takes two thirds, and a copy of it more than the rest.
+  GltfFileMaker file;
+  for (int i = 0; i < 2; ++i) file.push("accessors", {{"componentType", 5126}, {"count", 3'600'000}, {"type", "VEC3"}});
+  file.mesh({{"attributes", {{"POSITION", 0}}}, {"targets", {{{"POSITION", 1}}}}});
+  file.node({{"mesh", 0}});
+  CHECK(file.load().meshes.size() == 1);
+  file.node({{"mesh", 0}});
+  CHECK_THAT(file.failure(), ContainsSubstring("mesh 0: ") && ContainsSubstring(" elements are more than a file of "));
+}
+
 TEST_CASE("an animation that does not fit its scene is refused") {
   GltfFileMaker file = skinnedFile();
   addChannel(file, 2, "rotation", "LINEAR", {0, 1}, Floats{0, 0, 0, 1, 0, 0, 0, 1});
