@@ -26,7 +26,7 @@ class ScanColumns {
 
   /// Says whether a field with a public array is unknown, which Scan::has() then denies: `triangle` or `instance`, as
   /// in a cloud without such a column, whose array has kNoTriangle in every entry; and x, which stands for the points
-  /// of a batch that was not asked for them.
+  /// of a batch that was not asked for them, and of a cloud without them.
   void setUnknown(Field field, bool unknown) { scan_.columns_[static_cast<size_t>(field)].resize(unknown ? 1 : 0); }
 
   /// Returns the memory of the values; null if the scan does not have the column, or has no entries.
