@@ -111,6 +111,14 @@ TEST_CASE("beam tables: stated firing times, units, origins, windows and pattern
   CHECK_THAT(problemOf("azimuth,elevation,range_min,range_max\n0,0,60,50\n", "b.csv"),
              ContainsSubstring("range min of beam 0 must be at most its range max, 50, is 60"));
   CHECK_THAT(problemOf("azimuth,elevation,pattern\n0,0,1\n", "b.csv"), ContainsSubstring("directions are empty"));
+  CHECK_THAT(problemOf("azimuth,elevation,pattern\n0,0,0\n1,0,0\n", "b.csv", {.beamsPerScan = 1}),
+             ContainsSubstring("has a column of patterns, so it cannot be cut into scans of 1 beams"));
+  const SensorFile both = readSensorFile("azimuth,zenith,elevation\n0,60,20\n", "b.csv");
+  CHECK_THAT(elevationDeg(both.sensor, 0), WithinAbs(30, 1e-12));
+  CHECK(lists(both.ignored, "the elevations, because there are zenith angles"));
+  for (const double rate : {-1.0, 1e-5, 2e6})
+    CHECK_THROWS_WITH(readSensorFile("azimuth,elevation\n0,0\n", "b.csv", {.scanRate = rate}),
+                      ContainsSubstring("the scan rate must be 0.0001 to 1,000,000 Hz"));
 }
 
 TEST_CASE("beam tables: the index and the ring bring back the organised cloud and its masked beams") {
@@ -226,6 +234,8 @@ TEST_CASE("NumPy arrays: mistakes") {
   CHECK_THAT(problemOf(npy("<f8", false, {0, 3}, {}), "a.npy"), ContainsSubstring("no beam"));
   CHECK_THAT(problemOf(npy("<f8", false, {1, 3}, {0, 0, 0}), "a.npy"), ContainsSubstring("beam 0 has no length"));
   CHECK_THAT(problemOf(npy("<f8", false, {1, 3}, {0, NAN, 0}), "a.npy"), ContainsSubstring("is not finite"));
+  CHECK_THAT(problemOf(npy("<f8", false, {1, 12}, {0, 0, 1, 0, 0, 0, 0, INFINITY, 0, 0, 1, 0}), "a.npy"),
+             ContainsSubstring("the origin of beam 0 is not finite"));
   CHECK_THAT(problemOf(npy("<f8", false, {1, 2}, {0, INFINITY}), "a.npy"), ContainsSubstring("not finite"));
   CHECK_THAT(problemOf(npy("<f8", false, {2, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("its shape needs 48"));
   CHECK_THAT(problemOf(npy("<c8", false, {1, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("expected are floats"));

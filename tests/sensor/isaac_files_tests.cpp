@@ -111,6 +111,9 @@ TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
   CHECK(readSensorFile(omniLidarWith(older), "lidar.usda").sensor.columns == 333);
   const std::string alone = replaced(text, "    uint omni:sensor:Core:patternFiringRateHz = 3333\n", older);
   CHECK(readSensorFile(alone, "lidar.usda").sensor.columns == 500);
+  // Channels that are counted from 0 stay; counted from 1 they are the emitters here.
+  for (const auto& [ids, ring] : {std::pair("[0, 1]", 0), {"[1, 2]", 0}, {"[1, 0]", 1}, {"[4, 7]", 3}})
+    CHECK(ringOf(readSensorFile(replaced(text, "[1, 2]", ids), "lidar.usda").sensor, 0) == static_cast<uint32_t>(ring));
   CHECK_THAT(problemOf(replaced(text, "\"ROTARY\"", "\"SPINNING\""), "lidar.usda"), ContainsSubstring("'SPINNING'"));
   CHECK_THAT(problemOf(replaced(text, "s001:azimuthDeg", "s001:azimuth"), "lidar.usda"),
              ContainsSubstring("is missing"));
@@ -140,6 +143,20 @@ TEST_CASE("Isaac Sim: lists of ranges go before the nearest and the farthest ran
   const SensorFile assumed = readSensorFile(unstated, "lidar.usda");
   CHECK(window(assumed, 1) == std::pair(0.5, 200.0));
   CHECK(lists(assumed.assumed, "a largest range of 200 m"));
+  // Emitters of a state without rangeId keep the ranges of the whole lidar, and so does the lidar then.
+  std::string state =
+      "    float[] omni:sensor:Core:emitterState:s002:azimuthDeg = [1, 2]\n"
+      "    float[] omni:sensor:Core:emitterState:s002:elevationDeg = [3, 4]\n";
+  const SensorFile mixed = read(least + most + id + "[1, 0]\n" + state);
+  REQUIRE(mixed.sensor.patterns.size() == 1);
+  const auto mixedWindow = [&](size_t beam) {
+    const RangeWindow found = rangeWindowOf(mixed.sensor, beam);
+    return std::pair(found.least, found.most);
+  };
+  CHECK(mixedWindow(0) == std::pair(0.0, 80.0));
+  CHECK(mixedWindow(333) == std::pair(0.5, 30.0));
+  CHECK((mixedWindow(1).first == 0.3f && mixedWindow(1).second == 120));
+  CHECK((mixed.sensor.rangeMin == 0.3 && mixed.sensor.rangeMax == 120));
   // A single range needs no rangeId, and neither do the ranges of the whole lidar.
   const SensorFile one = read(core + "rangesMinM = [2]\n" + core + "rangesMaxM = [40]\n");
   CHECK(window(one, 1) == std::pair(2.0, 40.0));

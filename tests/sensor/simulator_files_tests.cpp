@@ -44,6 +44,28 @@ TEST_CASE("Isaac Sim: a rotary profile is a grid at exact firing times") {
   CHECK_THAT(azimuthDeg(readSensorFile(turned, "i.json").sensor, 10), WithinAbs(6.5 + 36000.0 / 3333, 1e-12));
 }
 
+TEST_CASE("Isaac Sim: a rotary profile whose channels are numbered otherwise than its emitters is a list with rings") {
+  const Sensor grid = readSensorFile(kIsaacRotary, "i.json").sensor;
+  const auto withChannels = [](const std::string& ids) {
+    return readSensorFile(replaced(kIsaacRotary, "\"bank\"", "\"channelId\": " + ids + ", \"bank\""), "i.json").sensor;
+  };
+  CHECK(withChannels("[0, 1]").isGrid());
+  const Sensor list = withChannels("[5, 0]");
+  REQUIRE((!list.isGrid() && list.beamCount() == grid.beamCount()));
+  CHECK((list.width() == 333 && list.height() == 2));
+  CHECK(list.scanPeriod == grid.scanPeriod);
+  for (const size_t beam : {0, 10, 332, 333, 500}) {
+    INFO(beam);
+    CHECK(ringOf(list, beam) == (beam < 333 ? 5 : 0));
+    CHECK_THAT(std::remainder(azimuthDeg(list, beam) - azimuthDeg(grid, beam), 360), WithinAbs(0, 1e-9));
+    CHECK_THAT(elevationDeg(list, beam), WithinAbs(elevationDeg(grid, beam), 1e-9));
+    CHECK_THAT(timeOf(list, beam), WithinAbs(timeOf(grid, beam), 1e-12));
+    checkOrigin(originOf(list, beam), originOf(grid, beam));
+    CHECK(rangeWindowOf(list, beam).least == rangeWindowOf(grid, beam).least);
+    CHECK(rangeWindowOf(list, beam).most == rangeWindowOf(grid, beam).most);
+  }
+}
+
 TEST_CASE("Isaac Sim: the range of the weakest target is that of one of 10 %, because power falls with its square") {
   const auto reach = [](const std::string& stated) {
     return readSensorFile(replaced(kIsaacRotary, "\"wavelengthNm\"", stated + "\"wavelengthNm\""), "i.json");
@@ -131,6 +153,17 @@ TEST_CASE("Isaac Sim: mistakes are named with their keys") {
   CHECK_THAT(edited("\"numberOfEmitters\": 2", "\"numberOfEmitters\": 2.5"),
              ContainsSubstring("'numberOfEmitters' is 2.5"));
   CHECK_THAT(edited("\"emitterStateCount\": 1", "\"emitterStateCount\": 9"), ContainsSubstring("has 1 entries"));
+  CHECK_THAT(edited("\"emitterStateCount\": 1,\n  \"emitterStates\": [",
+                    "\"emitterStates\": [{\"azimuthDeg\": [1], \"elevationDeg\": [2]}, "),
+             ContainsSubstring("emitterStates[0]: 'azimuthDeg' has 1 entries, 'numberOfEmitters' is 2"));
+  CHECK_THAT(edited("\"numberOfEmitters\": 2, \"emitterStateCount\": 1,\n  \"emitterStates\": [",
+                    "\"emitterStates\": [{\"azimuthDeg\": [1], \"elevationDeg\": [2]}, "),
+             ContainsSubstring("emitterStates[1] has 2 emitters, emitterStates[0] 1"));
+  CHECK_THAT(problemOf(R"({"profile": {"scanType": "rotary", "farRangeM": 9, "emitterStates": [7]}})", "i.json"),
+             ContainsSubstring("emitterStates[0]: is no object"));
+  CHECK_THAT(problemOf(R"({"profile": {"emitterStates": [{"azimuthDeg": [], "elevationDeg": []}]}})", "i.json"),
+             ContainsSubstring("emitterStates[0]: there is no emitter"));
+  CHECK_THAT(problemOf(R"({"profile": 7})", "i.json"), ContainsSubstring("'profile' is missing, or no object"));
   CHECK_THAT(edited("\"rangeId\": [0, 1]", "\"rangeId\": [0, 2]"), ContainsSubstring("'ranges' has 2 entries"));
   CHECK_THAT(edited("\"bank\"", "\"channelId\": [0, 65536], \"bank\""), ContainsSubstring("no ring from 0 to 65535"));
   for (const char* ranges : {"7", "[7, 8]"})
@@ -183,6 +216,12 @@ TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of
   CHECK_THAT(problemOf(text, "model.sdf", {.mode = "back"}), ContainsSubstring("no lidar 'back', but front, round"));
   CHECK_THAT(problemOf(replaced(text, "<samples>5", "<samples>x"), "model.sdf"), ContainsSubstring("<samples> is 'x'"));
   CHECK_THAT(problemOf(replaced(text, "<max>10.5</max>", ""), "model.sdf"), ContainsSubstring("<max> of <range>"));
+  CHECK_THAT(problemOf("<sdf><sensor name='a' type='camera'/><lidar/></sdf>", "model.sdf"),
+             ContainsSubstring("has no <sensor> with <lidar> or <ray>, as SDF has"));
+  CHECK_THAT(problemOf("<sdf><sensor name='a'><lidar><scan/></lidar></sensor></sdf>", "model.sdf"),
+             ContainsSubstring("<horizontal> of <scan> is missing"));
+  CHECK_THAT(problemOf(replaced(text, "<samples>3", "<samples>65536"), "model.sdf"),
+             ContainsSubstring("has more than 65535 vertical samples"));
   CHECK_THAT(problemOf(replaced(text, "<resolution>1<", "<resolution>0.1<"), "model.sdf"),
              ContainsSubstring("<samples> times <resolution> is 0, expected is 1 to 1000000"));
   CHECK_THAT(problemOf(replaced(text, "<max_angle>0.78", "<max_angle>-0.79"), "model.sdf"),
@@ -223,6 +262,9 @@ TEST_CASE("SDF: of almost a whole turn every sample is a beam, as in Gazebo") {
   }
   CHECK(readSensorFile(sdfWith(anglesOf(360, -3.1416, 3.1416)), "model.sdf").sensor.columns == 359);
   CHECK_THAT(problemOf(sdfWith(anglesOf(9, -180, 180)), "model.sdf"), ContainsSubstring("in radians"));
+  const std::string tall = "<vertical>" + anglesOf(20000, -1, 1) + "</vertical>";
+  CHECK_THAT(problemOf(replaced(sdfWith(anglesOf(501, -3.14, 3.14)), "</scan>", tall + "</scan>"), "model.sdf"),
+             ContainsSubstring("has more than 10000000 beams that are not evenly spaced"));
 }
 
 TEST_CASE("SDF: a missing number of samples is that of SDF, and masks of visibility are told") {
@@ -331,6 +373,10 @@ TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points fo
   CHECK_THAT(
       problemOf(text, "scanners.xml", {.columns = 9}),
       ContainsSubstring("'vlp16' has as many columns as pulses in a turn; --columns is for those with a mirror"));
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "vlp16:0"}),
+             ContainsSubstring("the pulse rate of --mode vlp16:0 is not more than 0"));
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "vlp16:19"}),
+             ContainsSubstring("'pulseFreqs_Hz' gives 0 columns in a turn"));
   CHECK_THAT(problemOf("<document><assets/></document>", "scene.xml"),
              ContainsSubstring("is XML of <document>, not of a lidar"));
 
@@ -458,6 +504,8 @@ TEST_CASE("HELIOS++: a mirror that sweeps lines is a list of its period, or of a
                                "10 to 50"));
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.columns = 200}),
              ContainsSubstring("--columns 200 make 5 periods of the mirror in a second"));
+  CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.mode = "s:49"}),
+             ContainsSubstring("49 pulses a second and 50 periods of the mirror make 0 pulses in a period"));
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.scanRate = 60}),
              ContainsSubstring("--rate 60: a scan has at least one period of the mirror, 0.02 s"));
   CHECK_THAT(problemOf(heliosScanner(polygon), "s.xml", {.mode = "s:4e7", .scanRate = 1}),
@@ -494,6 +542,8 @@ TEST_CASE("HELIOS++: a head on a tripod turns while its mirror sweeps lines") {
   CHECK(lists(slow.assumed, "that all beams fire at once: a turn takes 40 s, and that of a sensor at most 10 s"));
   CHECK_THAT(problemOf(text, "scanners.xml", {.columns = 1000}),
              ContainsSubstring("those of the scanner 's' are 0 to 10"));
+  CHECK_THAT(problemOf(text, "scanners.xml", {.scanRate = 11}),
+             ContainsSubstring("'scanFreqMax_Hz' gives 0 columns in a turn"));
   CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "s:2000000"}),
              ContainsSubstring("pulses in a line, which are channels; at most 65535 are read"));
 }
@@ -529,6 +579,13 @@ TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is
              ContainsSubstring("'channels' is 1.5"));
   CHECK_THAT(problemOf(R"([{"type": "sensor.lidar.ray_cast", "rotation_frequency": "x"}])", "o.json"),
              ContainsSubstring("'rotation_frequency' is 'x'"));
+  for (const auto& [attribute, told] :
+       {std::pair(R"("rotation_frequency": 0)", "'rotation_frequency' is 0, expected is above 0"),
+        {R"("points_per_second": 100)", "'points_per_second' gives 0 columns in a turn"},
+        {R"("horizontal_fov": 361)", "'horizontal_fov' is 361, expected is above 0, up to 360"},
+        {R"("horizontal_fov": 0)", "'horizontal_fov' is 0"}})
+    CHECK_THAT(problemOf(std::string(R"({"type": "sensor.lidar.ray_cast", )") + attribute + "}", "o.json"),
+               ContainsSubstring(told));
 }
 
 TEST_CASE("CARLA: what is an effect is told, zeros that are not CARLA's defaults among it") {

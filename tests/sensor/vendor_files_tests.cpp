@@ -83,6 +83,19 @@ TEST_CASE("VeloView XML: degrees and centimetres, lasers that are not enabled ar
   CHECK_THAT(problemOf("<boost_serialization/>", "db.xml"), ContainsSubstring("boost_serialization/DB/points_"));
   CHECK_THAT(problemOf(replaced(kVeloViewXml, "<points_><count>3", "<points_><count>4"), "db.xml"),
              ContainsSubstring("'count' is 4, but 3 lasers follow"));
+  CHECK_THAT(problemOf(replaced(kVeloViewXml, "<vertCorrection_>5</vertCorrection_>", ""), "db.xml"),
+             !ContainsSubstring("vertCorrection_"));  // of the laser that is not enabled
+  CHECK_THAT(problemOf(replaced(kVeloViewXml, "<vertCorrection_>2</vertCorrection_>", ""), "db.xml"),
+             ContainsSubstring("line 9: 'vertCorrection_' is missing"));
+  CHECK_THAT(problemOf(replaced(kVeloViewXml, "<id_>2</id_>", "<id_>0</id_>"), "db.xml"),
+             ContainsSubstring("line 11: there are two lasers with this 'id_'"));
+  CHECK_THAT(problemOf(replaced(kVeloViewXml, "</points_>", "<item/></points_>"), "db.xml"),
+             ContainsSubstring("line 14: 'px' is missing"));
+  const SensorFile all = readSensorFile(
+      replaced(kVeloViewXml, "<item>0</item><item>1</item></enabled_>", "<item>1</item><item>1</item></enabled_>"),
+      "db.xml");
+  CHECK(all.sensor.channels.size() == 3);
+  CHECK_FALSE(lists(all.ignored, "enabled"));
   CHECK_THAT(problemOf("<a/>", "db.xml"), ContainsSubstring("is XML of <a>, not of a lidar"));
   CHECK_THAT(problemOf("<a", "db.xml"), ContainsSubstring("is not XML"));
 }
@@ -253,6 +266,12 @@ TEST_CASE("Ouster metadata: mistakes are named with their keys") {
   };
   CHECK_THAT(edited("[4, -4]", "[4]"), ContainsSubstring("has 1 entries, 'beam_azimuth_angles' 2"));
   CHECK_THAT(edited("[4, -4]", "[]"), ContainsSubstring("'beam_altitude_angles' is empty"));
+  CHECK_THAT(edited("[4, -4]", "[4, {}]"), ContainsSubstring("'beam_altitude_angles' has an object at place 1"));
+  CHECK_THAT(edited("\"pixels_per_column\": 2", "\"pixels_per_column\": \"2\""),
+             ContainsSubstring("'pixels_per_column' is \"2\", expected is a number"));
+  std::string many = "[0.5";
+  for (int i = 0; i < 65535; ++i) many += ", 0.5";
+  CHECK_THAT(edited("[4, -4]", many + "]"), ContainsSubstring("has more than 65535 entries"));
   CHECK_THAT(edited("[4, -4]", "[0, 0]"), ContainsSubstring("all 'beam_altitude_angles' are 0"));
   CHECK_THAT(edited("[4, -4]", "[4, \"x\"]"), ContainsSubstring("'beam_altitude_angles' has \"x\" at place 1"));
   CHECK_THAT(edited("[4, -4]", "[4, [[[]]]]"), ContainsSubstring("has a list at place 1"));
@@ -333,6 +352,10 @@ TEST_CASE("RoboSense's angles are clockwise, and rings are numbered from below")
   CHECK(file.sensor.azimuthSpanDeg == -360);
   CHECK_THAT(problemOf("2.31,-0.03\n47,32,-0,67\n", "angle.csv"), ContainsSubstring("line 2 has 4 cells"));
   CHECK_THAT(problemOf("2.31,-0.03\nx,1\n", "angle.csv"), ContainsSubstring("line 2, vertical angle is 'x'"));
+  CHECK(readSensorFile("+2.31,-0.03\n", "angle.csv").sensor.channels.at(0).elevationDeg == 2.31);
+  std::string many;
+  for (int i = 0; i < 1025; ++i) many += "0.5,1\n";
+  CHECK_THAT(problemOf(many, "angle.csv"), ContainsSubstring("has more than 1024 lasers"));
 }
 
 TEST_CASE("Hesai angle correction: mistakes are named with their lines") {
@@ -439,6 +462,8 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,2\n"), ContainsSubstring("channel 2 of the angle correction"));
     CHECK_THROWS_WITH(read("Channel,fire time(us)\n3,2\n"), ContainsSubstring("line 2: the channel is 3"));
     CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,x\n"), ContainsSubstring("line 2, time is 'x'"));
+    CHECK_THROWS_WITH(read("Channel,fire time(us)\n1\n"), ContainsSubstring("line 2 has 1 cells, expected are more"));
+    CHECK(read("Channel,fire time(us)\n1,2\n\n2,3\n0123456789abcdef,\n").sensor.channels.size() == 2);
     CHECK_THROWS_WITH(read("nothing\n"), ContainsSubstring("is no file of Hesai's firing times"));
     CHECK_THROWS_WITH(read(""), ContainsSubstring("is empty"));
     CHECK_THAT(problemOf("Channel,fire time(us)\n1,2\n", "times.csv"), ContainsSubstring("--fire-times"));
@@ -506,6 +531,29 @@ TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
   put(folder / "times.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,-,500\n2,0,7000\n");
   CHECK_THAT(problemOf(bytes, "atx.dat", {.fireTimes = folder / "times.csv"}),
              ContainsSubstring("channel 1 does not fire"));
+}
+
+TEST_CASE("Hesai binary: an ATX of version 4.1 fires alike in all frames, an ET25 of version 3.1 has no table") {
+  std::string atx("\xee\xff\x04\x01\x00\x00\x02\x00\x01", 9);  // two channels, units of 1/256 degree
+  for (const double degrees : {4.0, 1.0, 2.5, -7.5}) put<int16_t>(atx, static_cast<int16_t>(256 * degrees));
+  const Sensor alike = readSensorFile(atx + sha256(atx), "atx.dat").sensor;
+  REQUIRE(alike.patterns.size() == 1);
+  CHECK_THAT(azimuthDeg(alike, 0), WithinAbs(90 - (30 + 4.0), 1e-9));
+  CHECK_THAT(elevationDeg(alike, 1200), WithinAbs(-7.5, 1e-9));
+
+  // With mirrors and lasers at 0 the azimuth is that of the column, and the elevation that of the laser.
+  const auto et = [](char version, const std::string& more) {
+    std::string bytes("\xee\xff\x03\x01\x00\x00\x01\x01\x00\x01", 10);
+    bytes[3] = version;
+    for (const int degrees : {0, 0, 0, 0, 3}) put<int16_t>(bytes, static_cast<int16_t>(256 * degrees));
+    bytes += more;
+    return bytes + sha256(bytes);
+  };
+  const Sensor plain = readSensorFile(et(1, ""), "et.dat").sensor;
+  CHECK_THAT(azimuthDeg(plain, 900), WithinAbs(-30, 1e-9));
+  CHECK_THAT(elevationDeg(plain, 900), WithinAbs(3, 1e-9));
+  CHECK_THAT(problemOf(et(2, std::string("\x00\x19", 2)), "et.dat"),
+             ContainsSubstring("states adjustments that are 0 degrees apart"));
 }
 
 TEST_CASE("Hesai binary: an ATX of version 4.3 corrects elevations by a table over azimuths of 20 to 158 degrees") {

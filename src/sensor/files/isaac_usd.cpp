@@ -74,8 +74,7 @@ json valueOf(const SensorSource& source, std::string_view text, const std::strin
   if (text.starts_with('"') || text.starts_with('\''))
     return std::string(trimmed(text, std::string_view(text.data(), 1)));
   if (!text.starts_with('[')) return text.find_first_of("({@<") == 0 ? json() : one(text);
-  text.remove_prefix(1);
-  if (text.ends_with(']')) text.remove_suffix(1);
+  text = text.substr(1, text.size() - 2);
   if (text.find_first_of("(\"'@<") != text.npos) return {};
   json list = json::array();
   for (const std::string_view cell : cellsOf(text))
