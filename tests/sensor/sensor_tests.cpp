@@ -6,8 +6,11 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
@@ -215,6 +218,9 @@ TEST_CASE("JSON keeps sectors, range windows, masked beams and lists") {
   CHECK(back.channels[1].rangeMin == 0.1);
   CHECK(back.channels[0].rangeMax == 7);
   CHECK(toJson(back) == toJson(grid));
+  grid.name = "caf\xe9";
+  CHECK_THAT(test::problemOf([&] { toJson(grid); }, ErrorCode::invalidArgument),
+             ContainsSubstring("the sensor's name is not UTF-8, JSON cannot hold it"));
 
   Sensor list;
   list.name = "list";
@@ -251,6 +257,8 @@ TEST_CASE("invalid lists are refused with the cause") {
   CHECK_THAT(pattern(R"(, "range_max": [0, 1e300]}]})"), ContainsSubstring("which is no range"));
   CHECK_THAT(pattern(R"(, "width": 3, "height": 1}]})"), ContainsSubstring("does not suit 2 beams"));
   CHECK_THAT(pattern(R"(, "ring": []}]})"), ContainsSubstring("unknown key 'ring' in patterns[0]"));
+  CHECK_THAT(pattern(R"(}, 7]})"), ContainsSubstring("'patterns[1]' must be an object"));
+  CHECK_THAT(pattern(R"(, "origins": 7}]})"), ContainsSubstring("'patterns[0].origins' must be a list of [x, y, z]"));
   CHECK_THAT(pattern(R"(}], "masked_beams": [2]})"), ContainsSubstring("masked beam 2 does not exist"));
   CHECK_THAT(pattern(R"(}], "near_hits": "block"})"), ContainsSubstring("'near_hits' must be"));
   CHECK_THAT(problemOf(R"({"name": "a", "range": {"max": 5}, "patterns": []})"),
@@ -404,6 +412,62 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
   CHECK_THAT(more(R"("elevation_deg": [1], "time_offset": [-2])"), ContainsSubstring("-1..1 s, is -2"));
   CHECK_THAT(more(R"("elevation_deg": [1], "time_offset": ["0"])"), ContainsSubstring("'time_offset[0]'"));
   CHECK_THAT(more(R"("channels": [], "origin": [])"), ContainsSubstring("keep one"));
+  CHECK_THAT(more(R"("channels": 7)"), ContainsSubstring("'channels' must be a list"));
+  CHECK_THAT(more(R"("channels": [7])"), ContainsSubstring("'channels[0]' must be an object"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "time_offset": 7)"),
+             ContainsSubstring("'time_offset' must be a list, one entry per channel"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "masked_beams": 7)"),
+             ContainsSubstring("'masked_beams' must be a list of whole numbers"));
+  CHECK_THAT(problemOf(R"({"name": 7, "range": {"max": 5}})"), ContainsSubstring("'name' must be a text"));
+  CHECK_THAT(problemOf(R"({"name": "a", "range": [0, 5]})"), ContainsSubstring("'range' must be an object with 'min'"));
+}
+
+TEST_CASE("validate names what is wrong with a grid or a list") {
+  Sensor list{.name = "list", .rangeMax = 10};
+  list.patterns.resize(2);
+  for (BeamList& pattern : list.patterns) pattern.directions = {{1, 0, 0}, {0, 1, 0}};
+  CHECK_NOTHROW(validate(list));
+  struct Mistake {
+    std::function<void(Sensor&)> make;
+    const char* told;
+  };
+  const auto check = [](const Sensor& good, const std::vector<Mistake>& mistakes) {
+    for (const Mistake& mistake : mistakes) {
+      Sensor sensor = good;
+      mistake.make(sensor);
+      CHECK_THAT(test::problemOf([&] { validate(sensor); }, ErrorCode::invalidArgument),
+                 ContainsSubstring(mistake.told));
+    }
+  };
+  check(small(),
+        {
+            {[](Sensor& s) { s.channels[1].rangeMin = -1; },
+             "small: range of channel 1 must be finite and at least 0, is -1"},
+            {[](Sensor& s) { s.channels[0].rangeMax = 1e39; },
+             "range of channel 0 must be finite and at least 0, is 1e+39"},
+            {[](Sensor& s) { s.azimuthStartDeg = -361; }, "azimuth start must be within -360..360 degrees, is -361"},
+            {[](Sensor& s) { s.azimuthStartDeg = NAN; }, "azimuth start must be within -360..360 degrees, is nan"},
+            {[](Sensor& s) { s.azimuthSpanDeg = 361; },
+             "azimuth span must be within -360..360 degrees and not 0, is 361"},
+            {[](Sensor& s) { s.azimuthSpanDeg = 0; }, "azimuth span must be within -360..360 degrees and not 0, is 0"},
+            {[](Sensor& s) { s.azimuthSpanDeg = NAN; },
+             "azimuth span must be within -360..360 degrees and not 0, is nan"},
+            {[](Sensor& s) { s.rangeAt10Percent = -1; }, "range at 10 % must be finite and at least 0"},
+            {[](Sensor& s) { s.rangeAt10Percent = INFINITY; }, "range at 10 % must be finite and at least 0"},
+            {[](Sensor& s) { s.maxReturns = 0; }, "max returns must be within 1..15, is 0"},
+            {[](Sensor& s) { s.maxReturns = 16; }, "max returns must be within 1..15, is 16"},
+        });
+  check(list, {
+                  {[](Sensor& s) { s.patterns[1].directions.pop_back(); },
+                   "pattern 1: has 1 beams, pattern 0 has 2; all patterns"},
+                  {[](Sensor& s) { s.columns = 2; },
+                   "columns and channels belong to a grid, patterns to a list of beams; keep one"},
+                  {[](Sensor& s) { s.channels.resize(1); }, "columns and channels belong to a grid"},
+                  {[](Sensor& s) { s.patterns[1].width = 2, s.patterns[1].height = 1; },
+                   "pattern 1: its organised cloud has another"},
+                  {[](Sensor& s) { s.patterns[0].width = 2, s.patterns[0].height = 1; },
+                   "pattern 1: its organised cloud has another"},
+              });
 }
 
 TEST_CASE("validate refuses invalid sensors") {
