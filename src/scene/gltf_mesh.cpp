@@ -147,6 +147,8 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, bool skinne
   size_t vertexCount = 0;
   const GltfTexture* texture = textureOf(primitive);
   const std::string uvName = texture ? "TEXCOORD_" + std::to_string(texture->texCoord) : "";
+  const auto uvs = primitive.attributes.find(uvName);
+  if (uvs != primitive.attributes.end()) run.vertices.uvs = uvs->second;
   if (texture) run.vertices.material = primitive.material;
   run.vertices.follow = follow_.follow(primitive, skinned, who);
   const auto compression = primitive.extensions.find("KHR_draco_mesh_compression");
@@ -166,8 +168,6 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, bool skinne
     mesh.indices.insert(mesh.indices.end(), draco.indices.begin(), draco.indices.end());
   } else {
     run.vertices.positions = position->second;
-    const auto uvs = primitive.attributes.find(uvName);
-    if (uvs != primitive.attributes.end()) run.vertices.uvs = uvs->second;
     vertexCount = arrays_.count(position->second, who);
     const auto indices = primitive.attributes.find(kIndicesAttribute);
     if (indices != primitive.attributes.end() && primitive.mode == TINYGLTF_MODE_TRIANGLES) {
@@ -264,7 +264,7 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
       else
         mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
       if (run.vertices.material >= 0)
-        appendUvs(mesh, run.vertices, draco ? draco->uvs : uvsOf(run.vertices, count, who));
+        appendUvs(mesh, run.vertices, draco && !draco->uvs.empty() ? draco->uvs : uvsOf(run.vertices, count, who));
       follow_.append(mesh, run.vertices.follow, draco, nullptr, count, who);
     }
     if (found->second == 0) continue;

@@ -4,11 +4,13 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
 
+#include <array>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
+#include "scene/readers.hpp"
 #include "scene_text.hpp"
 
 using namespace gnosphere;
@@ -181,7 +183,9 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
   // Vertices follow joint 1 by x / 4 and joint 0 by the rest.
   const int joints = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_UINT8),
             weights = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_FLOAT32);
+  const int uvs = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32);
   const uint8_t kJoints[4] = {0, 1, 0, 0};
+  const auto uvOf = [](const float* position) { return std::array<float, 2>{position[0] / 4, position[1] / 8}; };
   for (size_t t = 0; t < indices.size() / 3; ++t) {
     float shares[3][4] = {};
     for (size_t k = 0; k < 3; ++k) {
@@ -191,6 +195,9 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
     const draco::FaceIndex face(static_cast<uint32_t>(t));
     builder.SetAttributeValuesForFace(joints, face, kJoints, kJoints, kJoints);
     builder.SetAttributeValuesForFace(weights, face, shares[0], shares[1], shares[2]);
+    std::array<float, 2> corners[3];
+    for (size_t k = 0; k < 3; ++k) corners[k] = uvOf(&positions[3 * indices[3 * t + k]]);
+    builder.SetAttributeValuesForFace(uvs, face, corners[0].data(), corners[1].data(), corners[2].data());
   }
   const auto mesh = builder.Finalize();
   draco::Encoder encoder;
@@ -234,6 +241,32 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
   for (size_t i = 0; i < indices.size(); ++i)
     CHECK(std::abs(deformed[3 * bent.indices[i] + 2] -
                    (positions[3 * indices[i] + 2] + 2 * positions[3 * indices[i]])) < 1e-5);
+
+  const auto attributesOf = [](GltfFileMaker& maker) -> Json& {
+    return maker.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  };
+  attributesOf(skinned).erase("WEIGHTS_0");
+  CHECK_THAT(skinned.failure(), ContainsSubstring("its Draco data has no WEIGHTS_0"));
+  attributesOf(skinned).erase("POSITION");
+  CHECK_THAT(skinned.failure(), ContainsSubstring("its Draco data has no POSITION"));
+
+  // Texture coordinates are in the Draco data, or else in an accessor of their own.
+  GltfFileMaker cutOut = file;
+  cutOut.json["materials"] =
+      Json::parse(R"([{"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])");
+  cutOut.json["textures"] = Json::parse(R"([{"source": 0}])");
+  cutOut.json["images"] = {{{"uri", "data:image/png;base64," + base64(bytesOf(pngOf({1, 2, {0, 255}})))}}};
+  const std::vector<float> plain(2 * read.vertexCount(), 0.25f);
+  const int accessor = cutOut.accessor(plain, "VEC2");
+  Json& leaf = cutOut.json["meshes"][0]["primitives"][0];
+  leaf["material"] = 0;
+  leaf["attributes"]["TEXCOORD_0"] = accessor;
+  CHECK(cutOut.load().meshes.at(0).uvs == plain);
+  attributesOf(cutOut)["TEXCOORD_0"] = mesh->attribute(uvs)->unique_id();
+  const Mesh textured = cutOut.load().meshes.at(0);
+  REQUIRE(textured.uvs.size() == 2 * textured.vertexCount());
+  for (size_t vertex = 0; vertex < textured.vertexCount(); ++vertex)
+    for (size_t c = 0; c < 2; ++c) CHECK(textured.uvs[2 * vertex + c] == uvOf(&textured.positions[3 * vertex])[c]);
 
   file.json["bufferViews"][0]["byteLength"] = buffer.size() / 2;
   CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is invalid"));
