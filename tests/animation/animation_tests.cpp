@@ -345,6 +345,15 @@ TEST_CASE("mistakes in skins and animations are told with their place") {
   refused(
       file, [](Json& j) { j["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = 0; }, "joints is not VEC4");
   refused(
+      file, [](Json& j) { j["skins"][0]["joints"] = Json::array(); },
+      "node 0 'strip': its skin has 0 joints; it must have 1 to 65535");
+  refused(
+      file,
+      [](Json& j) {
+        j["nodes"][1]["scale"] = {1e200, 1, 1}, j["nodes"][2]["scale"] = {1e200, 1, 1};
+      },
+      "a joint is not at a finite place");
+  refused(
       file,
       [](Json& j) {
         Json& attributes = j["meshes"][0]["primitives"][0]["attributes"];
@@ -371,6 +380,17 @@ TEST_CASE("mistakes in skins and animations are told with their place") {
   GltfFileMaker backwards = skinnedFile();
   addChannel(backwards, 1, "translation", "LINEAR", {1, 0}, Floats(6));
   CHECK_THAT(backwards.failure(), ContainsSubstring("its times do not ascend"));
+  GltfFileMaker few = skinnedFile();
+  few.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = few.accessor(Floats(20, 1), "VEC4");
+  CHECK_THAT(few.failure(), ContainsSubstring("has weights for 5 vertices, there are 6"));
+  GltfFileMaker odd = skinnedFile();
+  odd.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = odd.accessor(Floats(24, 0.5f), "VEC4");
+  CHECK_THAT(odd.failure(), ContainsSubstring("a joint of JOINTS_0 is 0.5"));
+  GltfFileMaker bound = skinnedFile();
+  bound.json["skins"][0]["inverseBindMatrices"] = bound.accessor(Floats(32, NAN), "MAT4");
+  CHECK_THAT(bound.failure(), ContainsSubstring("an inverse bind matrix is not finite"));
+  bound.json["skins"][0]["inverseBindMatrices"] = 0;
+  CHECK_THAT(bound.failure(), ContainsSubstring("accessor 0 must have 16 components"));
   GltfFileMaker negative = skinnedFile();
   negative.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = negative.accessor(Floats(24, -1), "VEC4");
   CHECK_THAT(negative.failure(), ContainsSubstring("a weight of WEIGHTS_0 is -1"));
@@ -487,6 +507,11 @@ TEST_CASE("an animation that does not fit its scene is refused") {
   refused([](Scene& s) { s.animation.nodes[s.animation.instances[0].node].morphWeights = {1}; },
           "its node has 1 morph weights, its mesh has 0 targets");
   refused([](Scene& s) { s.animation.clips[0].duration = -1; }, "its duration is not 0 or more");
+  refused(
+      [](Scene& s) {
+        s.animation.clips[0].tracks[0] = {2, Track::Property::morphWeights, Track::Interpolation::step, {0}, {1}};
+      },
+      "node 2 ('knee') places no mesh with morph targets");
   refused(
       [](Scene& s) {
         s.instances.push_back(s.instances[0]);

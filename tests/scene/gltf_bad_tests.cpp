@@ -122,6 +122,10 @@ TEST_CASE("properties of a wrong type or size are errors that name them") {
   CHECK_THAT(failure("/bufferViews/0/byteLength", "x"), ContainsSubstring("bufferViews[0]: byteLength must be"));
   CHECK_THAT(failure("/nodes/0/mesh", "tri"), ContainsSubstring("nodes[0]: mesh must be a whole number"));
   CHECK_THAT(failure("/nodes/0/matrix", {1, 2}), ContainsSubstring("nodes[0]: matrix must be 16 numbers"));
+  CHECK_THAT(failure("/nodes/0/translation", {1, 2, "3"}),
+             ContainsSubstring("nodes[0]: translation must be 3 numbers"));
+  CHECK_THAT(failure("/nodes/0/children", {1.5}), ContainsSubstring("nodes[0]: children must be"));
+  CHECK_THAT(failure("/meshes/0/primitives/0/attributes", 7), ContainsSubstring("attributes must be an object"));
   CHECK_THAT(failure("/materials/0/doubleSided", "yes"),
              ContainsSubstring("materials[0]: doubleSided must be true or false"));
   CHECK_THAT(failure("/nodes/0", 3), ContainsSubstring("nodes[0] must be an object"));
@@ -146,6 +150,8 @@ TEST_CASE("a node cycle, a node with two parents and a scene with a child node a
   file.json["nodes"] = {{{"children", {1}}}, {{"mesh", 0}}};
   file.json["scenes"] = {{{"nodes", {0, 1}}}};
   CHECK_THAT(file.failure(), ContainsSubstring("node 1 is not a root, it is a child of node 0"));
+  file.json["scenes"] = {{{"nodes", {0, 0}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("scene 0: node 0 is listed twice"));
 }
 
 TEST_CASE("a transform that is not finite is an error") {

@@ -132,6 +132,16 @@ TEST_CASE("strips and fans become triangles with glTF's winding") {
   CHECK(file.load().meshes.at(0).indices.empty());
 }
 
+TEST_CASE("a primitive without positions has no surface") {
+  GltfFileMaker file = triangleFile();
+  Json& primitives = file.json["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["attributes"] = {{"_NUMBER", 0}};
+  const Scene scene = file.load();
+  CHECK(scene.uniqueTriangleCount() == 1);
+  validate(scene);
+}
+
 TEST_CASE("triangles without indices use their vertices in order, and points and lines are told as left out") {
   GltfFileMaker file;
   const int positions = file.accessor(kSquare, "VEC3");

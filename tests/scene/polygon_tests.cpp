@@ -264,6 +264,18 @@ TEST_CASE("an MTL material may be as smooth as a mirror") {
   CHECK(materialOf("").roughness == static_cast<float>(std::sqrt(2 / 3.0)));
 }
 
+TEST_CASE("the first of the materials of a name counts, and a library may have none or be named twice") {
+  const Folder folder;
+  put(folder / "none.mtl", "# nothing\nKd 1 0 0\n");
+  put(folder / "a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd red.png\nnewmtl red\nKd 0 1 0\n");
+  const Scene scene = loadScene(put(
+      folder / "a.obj", "mtllib none.mtl a.mtl\nmtllib ./a.mtl\n" + std::string(kSquareObj) + "usemtl red\nf 1 2 3\n"));
+  REQUIRE(scene.materials.size() == 1);
+  CHECK(scene.materials[0].baseColor == std::array<float, 4>{1, 0, 0, 1});
+  REQUIRE(scene.leftOut.size() == 1);
+  CHECK(scene.leftOut[0].starts_with("1 "));  // a texture
+}
+
 TEST_CASE("lines and points of OBJ are told as left out") {
   const Scene scene = loadText("a.obj", std::string(kSquareObj) + "l 1 2 3\n l 1 2\np 4\nf 1 2 3\n#l 1 2\n");
   CHECK(scene.uniqueTriangleCount() == 1);
@@ -459,6 +471,14 @@ TEST_CASE("properties of the faces of PLY are told as left out") {
         std::vector<std::string>{"1 properties of faces: 'label'", "1 properties of faces: 'texcoord'"});
 }
 
+TEST_CASE("faces of two corners are no triangles, and elements of PLY may have no properties") {
+  std::string header = plyHeader("ascii", "float", "int", 3, 3);
+  header.insert(header.find("element vertex"), "element nothing 5\n");
+  const Scene scene = loadText("a.ply", header + "0 0 0\n1 0 0\n1 1 0\n2 0 1\n3 0 1 2\n0\n");
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
+  validate(scene);
+}
+
 TEST_CASE("PLY of points is a scene without triangles") {
   const Scene scene = loadText("a.ply",
                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
@@ -485,6 +505,8 @@ TEST_CASE("invalid PLY is an error") {
              ContainsSubstring("a list longer than the file"));
   CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"),
              ContainsSubstring("have no y"));
+  CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty int label\nend_header\n1\n"),
+             ContainsSubstring("the faces of the PLY file have no list vertex_indices"));
   CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + "0 0 0\n1 0 0\n"),
              ContainsSubstring("cut off in its vertices"));
   CHECK_THAT(loadFailure("a.ply", plyHeader("binary_little_endian", "float", "int") + std::string(47, '\0')),

@@ -130,6 +130,8 @@ TEST_CASE("a written file states what glTF requires of it: bounds of positions, 
   CHECK(json["extensionsUsed"] == Json{"KHR_materials_transmission"});
   scene.materials[1].transmission = 0;
   CHECK_FALSE(jsonOf(scene).contains("extensionsUsed"));
+  scene.meshes[0].parts = {{0, 0, 1}, {0, 3, 0}};
+  CHECK(jsonOf(scene)["meshes"][0]["primitives"].size() == 1);  // glTF has no primitive without triangles
   for (Material& material : scene.materials) material.transmission = 0.5f;
   CHECK(jsonOf(scene)["extensionsUsed"] == Json{"KHR_materials_transmission"});
 }
@@ -203,6 +205,10 @@ TEST_CASE("a failed writeGlb gives the reason and leaves no file") {
   CHECK_THAT(problemOf([&] { writeGlb(sampleScene(), folder / "taken.glb"); }, ErrorCode::file),
              ContainsSubstring("taken.glb"));
   CHECK(folder.fileCount() == 1);  // the folder
+  Scene far = sampleScene();
+  far.meshes[1].origin.x = far.instances[0].transform.rows[0] = 1e200;
+  CHECK_THAT(problemOf([&] { writeGlb(far, folder / "far.glb"); }),
+             ContainsSubstring("the origin of mesh 1 moves an instance of it beyond finite numbers"));
   Scene bad = sampleScene();
   bad.meshes[0].indices[0] = 99;
   CHECK_THROWS_AS(writeGlb(bad, folder / "bad.glb"), Error);
@@ -217,6 +223,11 @@ TEST_CASE("an origin that is not finite and an instance of no mesh are errors th
   scene.instances[1].mesh = 7;
   CHECK_THAT(problemOf([&] { scene.placedTriangleCount(); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
   CHECK_THAT(problemOf([&] { worldBounds(scene); }), ContainsSubstring("instance 1: mesh 7 does not exist"));
+  scene.instances[1].mesh = kNoMesh;  // as that of an instance which was removed from a simulator
+  CHECK(scene.placedTriangleCount() == 6);
+  scene = sampleScene();
+  scene.instances[2].transform.rows[7] = INFINITY;
+  CHECK_THAT(problemOf([&] { validate(scene); }), ContainsSubstring("instance 2: its transform is not finite"));
 }
 
 TEST_CASE("meshes whose numbers do not fit each other are errors that name them") {
