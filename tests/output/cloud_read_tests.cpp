@@ -3,7 +3,9 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "base/npy.hpp"
 #include "cloud_support.hpp"
@@ -187,6 +189,14 @@ TEST_CASE("PCL's binary_compressed is decompressed") {
   CHECK_THAT(problemOf(folder / "b.pcd"), ContainsSubstring("length"));
   put(folder / "c.pcd", header + word(12) + word(36) + stream.substr(0, 9));
   CHECK_THAT(problemOf(folder / "c.pcd"), ContainsSubstring("cut short"));
+  put(folder / "c.pcd", header + word(12) + word(35) + stream);
+  CHECK_THAT(problemOf(folder / "c.pcd"), ContainsSubstring("compressed data does not have the stated length"));
+  for (const auto& [size, packed] : {std::pair(36u, std::string("\x05\x00\x00", 3)),            // six literals
+                                     std::pair(36u, std::string("\x00\x00\xe0", 3)),            // no length
+                                     std::pair(4'000'000'000u, std::string("\x00\x00", 2))}) {  // far too few
+    put(folder / "c.pcd", header + word(static_cast<uint32_t>(packed.size())) + word(size) + packed);
+    CHECK_THAT(problemOf(folder / "c.pcd"), ContainsSubstring("compressed data is cut short"));
+  }
   put(folder / "d.pcd", header + word(2) + word(36) + std::string("\x20\x09", 2));
   CHECK_THAT(problemOf(folder / "d.pcd"), ContainsSubstring("before its start"));
   // Two numbers a point of a histogram, then the three x, all as literals.
@@ -224,6 +234,21 @@ TEST_CASE("a number that is not whole is refused in a whole field, in text and i
   put(folder / "a.npy", npyHeaderOf("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('class', '<f4')]", "(1,)") +
                             std::string(reinterpret_cast<const char*>(row), sizeof(row)));
   CHECK_THAT(problemOf(folder / "a.npy"), ContainsSubstring("point 0: 'class' is not a whole number"));
+}
+
+TEST_CASE("a number that is too large for its field is refused in binary, too") {
+  const Folder folder;
+  const auto cloud = [](uint32_t id) {
+    std::string row(16, '\0');
+    std::memcpy(&row[12], &id, 4);
+    return "VERSION 0.7\nFIELDS x y z class\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n"
+           "DATA binary\n" +
+           row;
+  };
+  put(folder / "a.pcd", cloud(65535));
+  CHECK(valuesOf<uint16_t>(readCloud(folder / "a.pcd"), Field::classId) == std::vector<uint16_t>{65535});
+  put(folder / "a.pcd", cloud(65536));
+  CHECK_THAT(problemOf(folder / "a.pcd"), ContainsSubstring("point 0: 'class' is 65536, more than the field holds"));
 }
 
 TEST_CASE("a cloud cut short at any byte is refused") {

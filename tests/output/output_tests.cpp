@@ -496,6 +496,22 @@ TEST_CASE("a beam of range 0 does not hide the other beams of its pixel") {
   CHECK(rangeImage(0) == rangeImage(std::nanf("")));
 }
 
+TEST_CASE("a scan without hits has a picture of its misses alone") {
+  const Folder folder;
+  Scan scan = syntheticScan(builtinSensor("VLP-16"));
+  writePicture(scan, folder / "hits.png");
+  for (std::vector<float>* values : {&scan.points, &scan.ranges})
+    std::fill(values->begin(), values->end(), std::nanf(""));
+  writePicture(scan, folder / "none.png");
+  const Pixels hits(folder / "hits.png"), none(folder / "none.png");
+  CHECK((none.width == hits.width && none.height == hits.height));
+  const auto brightest = [](const Pixels& pixels) {  // in the part of the range image
+    return *std::max_element(pixels.at(0, 64), pixels.at(0, 264));
+  };
+  CHECK(brightest(hits) > 150);
+  CHECK(brightest(none) < 60);
+}
+
 TEST_CASE("a picture from above has a few rings of round distances") {
   const Folder folder;
   for (const auto& [distance, rings] : {std::pair(9.9f, 5), {0.95f, 5}, {99.0f, 5}, {5.5f, 5}, {13.5f, 7}}) {

@@ -344,6 +344,10 @@ TEST_CASE("a layout or a buffer that does not do is refused, and nothing is writ
              ContainsSubstring("u32 does not hold every value of 'x'"));
   CHECK_THAT(problem({{Field::ring, 0, 0, ValueType::u8}}, 16), ContainsSubstring("u8 does not hold every value"));
   CHECK_THAT(problem({}, 16), ContainsSubstring("the record layout: has no values"));
+  RecordLayout::Value column{Field::x, 0, 0};
+  column.stride = 4;
+  CHECK_THAT(problem({column}, 16),
+             Equals("the record layout: columns are for results that stay on a device; a Scan has Scan::column()"));
   CHECK(bytes == std::vector<std::byte>(96, std::byte{0xee}));
 }
 
