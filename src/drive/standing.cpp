@@ -53,7 +53,6 @@ Pose uprightPoseOf(const Transform& transform, const Bounds& bounds) {
 void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const Instance&)>& category,
                   StandingActors& standing) {
   constexpr double kSteps = 1e9;  // of the numbers in the matrix of a model, so that equal cars share one
-  const size_t before = standing.actors.size();
   struct Shape {
     Scene model;
     Bounds bounds;
@@ -88,7 +87,7 @@ void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const 
     actor.trajectory = Trajectory({{0, pose}});
   }
   scene.instances = std::move(rest);
-  if (standing.actors.size() > before) scene.animation = {};
+  scene.animation = {};
 }
 
 }  // namespace gnosphere::drive

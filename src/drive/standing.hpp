@@ -17,7 +17,7 @@ struct StandingActors {
 };
 
 /// Takes the instances for which `category` gives an index into Drive::classes out of a scene, which loses its
-/// animation by that, and adds an actor for each of them. Its frame is upright, and has the x axis along the longer of
+/// animation, too, and adds an actor for each of them. Its frame is upright, and has the x axis along the longer of
 /// the two sides of its mesh that are level, so that a box has the length of its car.
 void takeStanding(Scene& scene, const std::function<std::optional<size_t>(const Instance&)>& category,
                   StandingActors& standing);
