@@ -86,7 +86,8 @@ struct Bend {
 
   /// Returns where it looks from a direction on, so many seconds of the turn later.
   Direction turned(const Direction& from, double seconds) const {
-    return {from.yaw + angle.yaw / (before + after) * seconds, from.pitch + angle.pitch / (before + after) * seconds};
+    const double share = seconds / (before + after);
+    return {from.yaw + angle.yaw * share, from.pitch + angle.pitch * share};
   }
 };
 
@@ -103,8 +104,8 @@ Bend bendAt(const std::vector<Segment>& segments, size_t stamp) {
   const auto share = [&](const Segment& segment) {
     return segment.moves ? std::clamp(segment.duration / 2, 0.0, kLongestBend) : 0.0;
   };
-  Bend bend = {angle, share(before), share(after), before.along};
-  if (bend.before > 0) bend.there = bend.turned(before.along, bend.before);
+  Bend bend = {angle, share(before), share(after), {}};
+  bend.there = bend.turned(before.along, bend.before);
   return bend;
 }
 

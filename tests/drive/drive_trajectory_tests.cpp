@@ -78,6 +78,19 @@ TEST_CASE("every kind of trajectory file is read as its makers define it") {
   CHECK(kitti[1].time == 0.1);
   checkPose(kitti[0].pose, {0, 0, 0}, {});
   checkPose(kitti[1].pose, {2, -1, -3}, {0, 0, kHalf, kHalf});
+  // Turns by 150 degrees about each of our axes, which are the camera's z, -x and -y.
+  times.times = put(folder / "three.txt", "0\n0.1\n0.2\n");
+  const auto large = read("large.txt",
+                          "-0.86602540378443865 -0.5 0 0 0.5 -0.86602540378443865 0 0 0 0 1 0\n"
+                          "1 0 0 0 0 -0.86602540378443865 0.5 0 0 -0.5 -0.86602540378443865 0\n"
+                          "-0.86602540378443865 0 -0.5 0 0 1 0 0 0.5 0 -0.86602540378443865 0\n",
+                          "kitti", times);
+  const double sine = std::sin(M_PI * 75 / 180), cosine = std::cos(M_PI * 75 / 180);
+  REQUIRE(large.size() == 3);
+  checkPose(large[0].pose, {0, 0, 0}, {sine, 0, 0, cosine});
+  checkPose(large[1].pose, {0, 0, 0}, {0, sine, 0, cosine});
+  checkPose(large[2].pose, {0, 0, 0}, {0, 0, sine, cosine});
+  times.times = folder / "times.txt";
 
   // CARLA's y points to the right: a vehicle that drives to larger y turns right.
   const auto carla = read("ego.csv", "0,0,1,0.05\n0,1,1,0.1\n0,2,1,0.15\n0,2,1,0.2\n0,2,1,0.25\n", "carla");
@@ -219,6 +232,12 @@ TEST_CASE("an actor looks along its way between waypoints, turns around them, an
   Json given = {waypoint(0, 0, 0, 0), waypoint(2, 10, 0, 0), waypoint(4, 20, 0, 0)};
   given[2]["yaw_deg"] = 40;
   CHECK_THAT(yawOf(given)(3), WithinAbs(20, 1e-9));
+  // Behind a bend it does so from where it looks in the middle of the bend, -45 degrees.
+  given = {waypoint(0, -20, -5, 0), waypoint(2, 0, -5, 0), waypoint(4, 0, -25, 0)};
+  given[2]["yaw_deg"] = -135;
+  const auto behind = yawOf(given);
+  for (const auto& [time, yaw] : {std::pair(1.75, -22.5), {2.0, -45.0}, {2.5, -67.5}, {3.0, -90.0}, {4.0, -135.0}})
+    CHECK_THAT(behind(time), WithinAbs(yaw, 1e-9));
 
   // Waypoints are cut before the vehicle is turned along what is left, and those that are turned count once.
   const auto ego = [&](Json trajectory) {
