@@ -194,6 +194,14 @@ TEST_CASE("all mistakes are told at once") {
   json["sensors"][0]["offset"] = -1;
   checkRefused(json,
                {"rat: is an unknown word", "actors[0].class: is missing", "sensors[0].offset: must be at least 0"});
+  // The first eight are told, and the number of the others.
+  json = smallDrive();
+  for (const char* word : {"rat1", "rat2", "rat3", "rat4", "rat5", "rat6", "rat7", "rat8"}) json[word] = 3;
+  const DriveFolder folder;
+  CHECK_THROWS_WITH(folder.read(json),
+                    ContainsSubstring("rat8: is an unknown word") && !ContainsSubstring(" more mis"));
+  json["rat9"] = json["rat10"] = 3;
+  CHECK_THROWS_WITH(folder.read(json), ContainsSubstring("; and 2 more mistakes"));
   json = smallDrive();
   json["actors"][0]["class"] = "cat";
   json["sensors"][1]["sensor"] = "none";
