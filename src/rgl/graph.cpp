@@ -239,11 +239,9 @@ RGL_API rgl_status_t rgl_graph_get_result_data(rgl_node_t node, rgl_field_t fiel
     const PointsNode& points = resultsOf(node);
     const rgl_field_t wanted = fieldOf(field);
     const auto column = points.cloud().columns.find(wanted);
-    if (column == points.cloud().columns.end()) {
-      if (points.has(wanted) && points.cloud().count == 0) return;
+    if (column == points.cloud().columns.end())
       throw Failure(RGL_INVALID_PIPELINE, std::string("the field ") + nameOf(wanted) + " is not in the results of " +
                                               points.name() + "; a yield or format node behind it asks for it");
-    }
     if (points.cloud().count > 0) std::memcpy(data, column->second.bytes->data(), column->second.bytes->size());
   });
 }

@@ -65,7 +65,7 @@ void SceneState::clear() {
   entities.clear();
   time.reset();
   timeBefore.reset();
-  if (simulator_) removeUnused();
+  removeUnused();
 }
 
 Simulator& SceneState::start() {
