@@ -49,7 +49,23 @@ TEST_CASE("RGL: a tape makes the calls again") {
   OK(rgl_tape_record_end());
   const std::string calls = bytesOf(path + ".yaml"), info = calls.substr(calls.find("rgl_get_extension_info"));
   CHECK(info.substr(0, info.find('\n')).ends_with("a: [0, 1]}"));  // the result, which RGL compares
-  OK(rgl_tape_play(path.c_str()));
+  // A result of another size is warned of: there are 160 rays.
+  const auto warningsOf = [&](const std::string& told) {
+    put(path + ".yaml", told);
+    OK(rgl_configure_logging(RGL_LOG_LEVEL_WARN, (folder / "log").c_str(), false));
+    const rgl_status_t played = rgl_tape_play(path.c_str());
+    OK(rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false));
+    CHECK(played == RGL_SUCCESS);
+    return bytesOf(folder / "log");
+  };
+  CHECK(warningsOf(calls).find("the tape had a result") == calls.npos);
+  const size_t size = calls.find(", 160, 4]}", calls.find("rgl_graph_get_result_size"));
+  REQUIRE(size != calls.npos);
+  for (const auto& [other, words] : {std::pair(", 161, 4]}", "161 x 4"), {", 160, 8]}", "160 x 8"}}) {
+    const std::string warnings = warningsOf(std::string(calls).replace(size, 10, other));
+    CHECK(warnings.find("the tape had a result of " + std::string(words) + " bytes, now it has 160 x 4") !=
+          warnings.npos);
+  }
   std::ofstream(folder / "bad.yaml") << "- rgl_get_version_info: {t: 0, a: [0, 14, 0]}\n";
   std::ofstream(folder / "bad.bin") << "";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "0.16.3"));

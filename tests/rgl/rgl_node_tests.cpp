@@ -45,6 +45,20 @@ TEST_CASE("RGL: noise has its mean and deviation, and is the same again with the
   CHECK(draw("4294967303") != first);  // 7 + 2^32
   CHECK(draw(nullptr) != first);
   OK(rgl_cleanup());
+  // A seed that is no number is warned of, and a number is not.
+  const Folder folder;
+  const std::string log = (folder / "log").string();
+  for (const auto& [seed, isNumber] :
+       {std::pair("7", true), {"0x7", true}, {"7a", false}, {"", false}, {"-7", false}}) {
+    OK(rgl_configure_logging(RGL_LOG_LEVEL_WARN, (log + seed).c_str(), false));
+    setenv("GNOSPHERE_RGL_SEED", seed, 1);
+    rgl_node_t noise = nullptr;
+    OK(rgl_node_gaussian_noise_distance(&noise, 0.5f, 0.01f, 0.002f));
+    OK(rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false));
+    CHECK((bytesOf(log + seed).find("GNOSPHERE_RGL_SEED is '") == std::string::npos) == isNumber);
+  }
+  unsetenv("GNOSPHERE_RGL_SEED");
+  OK(rgl_cleanup());
 }
 
 /// Of a closed extension, as AWSIM declares it.
@@ -376,6 +390,25 @@ TEST_CASE("RGL: an object that is not measured goes on at its speed in m/s, unti
   CHECK(predicted[0] == Approx(11));
   CHECK(places(1590, 0).size() == 1);
   CHECK(places(1610, 0).empty());
+  // Detections within 2 m, 0.1, 0.1 and 1 m/s of another are one object, in their middle; each limit parts two.
+  uint64_t milliseconds = 10'000;
+  const auto objectsOf = [&](const std::vector<Row>& rows) {
+    OK(rgl_scene_set_time(nullptr, 1'000'000 * (milliseconds += 1000)));  // so the objects of before are over
+    OK(rgl_node_points_from_array(&array, rows.data(), static_cast<int32_t>(rows.size()), fields, 6));
+    OK(rgl_graph_run(array));
+    int32_t count = 0;
+    OK(rgl_graph_get_result_size(objects, RGL_FIELD_XYZ_VEC3_F32, &count, nullptr));
+    std::vector<rgl_vec3f> points(count);
+    OK(rgl_graph_get_result_data(objects, RGL_FIELD_XYZ_VEC3_F32, points.data()));
+    return points;
+  };
+  const Row one = {{{50, 0, 0}}, 50};
+  const auto chain = objectsOf({one, {{{53, 0, 0}}, 53, 0.125f, 0, 1.25f}, {{{51, 0, 0}}, 51.5f, 0.05f, -0.05f, 0.5f}});
+  REQUIRE(chain.size() == 1);
+  CHECK(chain[0].value[0] == 51.5f);
+  for (const Row& apart : {Row{{{53, 0, 0}}, 53}, Row{{{51, 9, 0}}, 50, 0.2f}, Row{{{51, 0, 9}}, 50, 0, -0.2f},
+                           Row{{{51, 0, 1}}, 50, 0, 0, -1.5f}})
+    CHECK(objectsOf({one, apart}).size() == 2);
   // Classes of objects are accepted, although no result has them.
   const int32_t entity = 1;
   rgl_radar_object_class_t kind = RGL_RADAR_CLASS_UNKNOWN;

@@ -193,6 +193,15 @@ TEST_CASE("RGL: rays far apart, scaled, mirrored and without a direction") {
   OK(rgl_graph_node_add_child(range, lidar.pose));
   lidar.run();
   CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32)[0] == 0);
+  // What it meets at 2 m is 1 m away for it, whether the axes have one scale or three.
+  const rgl_vec2f farther = {{0, 1.25f}};
+  OK(rgl_node_rays_set_range(&range, &farther, 1));
+  for (const float scale : {2.f, 3.f}) {
+    lidar.move({{{-scale, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}}});
+    lidar.run();
+    CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32)[0] == 1);
+    CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 2);
+  }
   OK(rgl_cleanup());
 }
 
@@ -306,6 +315,7 @@ TEST_CASE("RGL: the strongest return of a wide beam is that of its brightest sam
   const auto check = [&](rgl_return_mode_t mode, const std::vector<std::pair<double, double>>& returns) {
     OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, mode));
     lidar.run();
+    OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, mode));  // which changes nothing
     const auto distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
     const auto intensities = lidar.get<float>(RGL_FIELD_INTENSITY_F32);
     REQUIRE(distances.size() == returns.size());
@@ -320,6 +330,10 @@ TEST_CASE("RGL: the strongest return of a wide beam is that of its brightest sam
   check(RGL_RETURN_LAST, {wall(0.3)});
   check(RGL_RETURN_STRONGEST, {wall(0.1)});
   check(RGL_RETURN_FIRST_STRONGEST, {{5, 10}, wall(0.1)});
+  check(RGL_RETURN_LAST_STRONGEST, {wall(0.3), wall(0.1)});
+  OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_FIRST));
+  CHECK(failed(rgl_graph_get_result_size(lidar.yield, RGL_FIELD_DISTANCE_F32, nullptr, nullptr), RGL_INVALID_PIPELINE,
+               "hasn't been run"));
   check(RGL_RETURN_LAST_STRONGEST, {wall(0.3), wall(0.1)});
   CHECK(failed(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_UNKNOWN), RGL_INVALID_ARGUMENT,
                "return_mode != RGL_RETURN_UNKNOWN"));
