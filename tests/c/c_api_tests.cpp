@@ -153,6 +153,19 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   CHECK(comparison.missed + comparison.false_hits + comparison.wrong_owner + comparison.wrong_range == 0);
 
   CHECK(gno_scan_destroy(read) == GNO_OK);
+  gno_cloud_options cloud = gno_cloud_options_init();
+  const gno_field columns[] = {GNO_FIELD_RANGE, GNO_FIELD_BEAM};
+  cloud.fields = columns;
+  cloud.field_count = 2;
+  cloud.ascii = 1;
+  REQUIRE(wanted.counters.hits < wanted.ranges.size());
+  for (const size_t points : {wanted.ranges.size(), wanted.counters.hits}) {
+    cloud.compact = points == wanted.counters.hits;
+    REQUIRE(gno_scan_write(scan, (folder / "cloud.pcd").string().c_str(), &cloud) == GNO_OK);
+    const std::string text = test::bytesOf(folder / "cloud.pcd");
+    CHECK(text.find("\nFIELDS range beam\n") != text.npos);
+    CHECK(text.find("\nPOINTS " + std::to_string(points) + "\nDATA ascii\n") != text.npos);
+  }
   CHECK(gno_scan_destroy(scan) == GNO_OK);
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
