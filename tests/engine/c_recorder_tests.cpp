@@ -160,6 +160,7 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
   REQUIRE(gno_layout_bytes_for(&columns, 120, &columnBytes) == GNO_OK);
   CHECK(columnBytes == 8 * 120);
   const RecorderInC c(app, {{first, &rows}, {second, &columns}}, 2);
+  const RecorderInC other(app, {{first, &rows}}, 1);  // with memory of its own, although the device is the same
   CHECK(c.adopted.enabled.missing_count == 0);
   CHECK(c.adopted.enabled.extension_count == app.adopted().enabled.extensions.size());
 
