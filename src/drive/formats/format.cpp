@@ -114,18 +114,10 @@ std::string dateText(int64_t nanoseconds) {
   return text;
 }
 
-void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout) {
-  size_t most = scan.ranges.size();
-  if (layout.compact) most -= static_cast<size_t>(std::ranges::count_if(scan.ranges, [](float r) { return r != r; }));
-  const size_t start = bytes.size();
-  bytes.resize(start + most * layout.stride);
-  const size_t count = pack(scan, layout, std::as_writable_bytes(std::span(bytes).subspan(start)));
-  bytes.resize(start + count * layout.stride);
-}
-
 std::string packedRows(const Scan& scan, const RecordLayout& layout) {
-  std::string rows;
-  appendRows(rows, scan, layout);
+  const auto returns = static_cast<size_t>(std::ranges::count_if(scan.ranges, [](float r) { return r == r; }));
+  std::string rows(returns * layout.stride, '\0');
+  rows.resize(pack(scan, layout, std::as_writable_bytes(std::span(rows))) * layout.stride);
   return rows;
 }
 

@@ -106,9 +106,8 @@ std::string numberText(const char* format, uint64_t number);
 int64_t unixNanoseconds(const Drive& drive, double time);
 /// Returns a time as text such as "2011-09-26 13:02:25.951199337", in UTC.
 std::string dateText(int64_t nanoseconds);
-/// The rows of the returns of a scan.
+/// The rows of the returns of a scan, by a layout that is compact.
 std::string packedRows(const Scan& scan, const RecordLayout& layout);
-void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout);
 /// Returns the factor on a sensor's intensities by which a diffuse white surface gets this greatest value.
 float intensityFactor(const RigSensor& sensor, float greatest);
 /// Returns the rows of kittiLayout(), in which a diffuse white surface has the intensity 1.

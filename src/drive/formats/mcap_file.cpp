@@ -234,7 +234,6 @@ void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>&
   const uint64_t summaryStart = offset;
   std::string groups;
   const auto group = [&](Opcode opcode, const std::string& records) {
-    if (records.empty()) return;
     std::string content;
     append(content, static_cast<uint8_t>(opcode));
     append(content, offset);
