@@ -104,15 +104,15 @@ void configureLog(rgl_log_level_t level, const char* file, bool standardOutput) 
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_get_version_info(int32_t* out_major, int32_t* out_minor, int32_t* out_patch) {
-  return callUnrecorded([&] {
+  Version told{};
+  return call(__func__, taped(told.major, told.minor, told.patch), [&] {
     RGL_CHECK(out_major != nullptr);
     RGL_CHECK(out_minor != nullptr);
     RGL_CHECK(out_patch != nullptr);
-    const Version told = version();
+    told = version();
     *out_major = told.major;
     *out_minor = told.minor;
     *out_patch = told.patch;
-    if (tape().recording()) tape().record("rgl_get_version_info", *out_major, *out_minor, *out_patch);
   });
 }
 
