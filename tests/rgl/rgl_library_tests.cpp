@@ -2,20 +2,25 @@
 // Duties of libgnosphere_rgl as a library to its caller: tapes, statuses with a sentence, threads, levels of the
 // interface.
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <rgl/api/extensions/pcl.h>
 #include <rgl/api/extensions/ros2.h>
 #include <rgl/api/extensions/tape.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <clocale>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <locale>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "folder.hpp"
 #include "rgl/plugin.hpp"
@@ -42,13 +47,15 @@ TEST_CASE("RGL: a tape makes the calls again") {
     lidar.run();
     int32_t available = 0;
     OK(rgl_get_extension_info(RGL_EXTENSION_PCL, &available));
+    OK(rgl_get_version_info(&available, &available, &available));
     (void)lidar.get<float>(RGL_FIELD_DISTANCE_F32);
     OK(rgl_graph_write_pcd_file(lidar.yield, pcd.c_str()));
   }
   OK(rgl_cleanup());
   OK(rgl_tape_record_end());
   const std::string calls = bytesOf(path + ".yaml"), info = calls.substr(calls.find("rgl_get_extension_info"));
-  CHECK(info.substr(0, info.find('\n')).ends_with("a: [0, 1]}"));  // the result, which RGL compares
+  CHECK(info.substr(0, info.find('\n')).ends_with("a: [0, 1]}"));                   // the result, which RGL compares
+  CHECK(info.substr(info.find('\n') + 1).starts_with("- rgl_get_version_info: "));  // beside that of the beginning
   // A result of another size is warned of: there are 160 rays.
   const auto warningsOf = [&](const std::string& told) {
     put(path + ".yaml", told);
@@ -201,6 +208,29 @@ TEST_CASE("RGL: a tape that is played writes no file that it names, and says so 
   CHECK(told.find("left out") == told.rfind("left out"));
 }
 
+TEST_CASE("RGL: the log has the sentences of failures alone, and goes where it is wanted") {
+  const Folder folder;
+  const std::string file = (folder / "log").string(), output = (folder / "output").string();
+  const auto logged = [&](bool standardOutput) {
+    std::fflush(stdout);
+    const int before = dup(STDOUT_FILENO), to = open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);
+    dup2(to, STDOUT_FILENO);
+    rgl_configure_logging(RGL_LOG_LEVEL_ERROR, file.c_str(), standardOutput);
+    rgl_cleanup();
+    rgl_graph_run(nullptr);
+    rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false);
+    std::fflush(stdout);
+    dup2(before, STDOUT_FILENO);
+    for (const int each : {before, to}) close(each);
+    return std::pair(bytesOf(file), bytesOf(output));
+  };
+  const auto [inFile, besides] = logged(false);
+  CHECK(inFile.starts_with("[RGL] [error] "));
+  CHECK(std::count(inFile.begin(), inFile.end(), '\n') == 1);
+  CHECK(besides.empty());
+  CHECK(logged(true) == std::pair(inFile, inFile));
+}
+
 TEST_CASE("RGL: other threads make their calls while a tape is played") {
   const Folder folder;
   const std::string path = (folder / "tape").string();
@@ -249,6 +279,12 @@ TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence
   OK(rgl_graph_node_get_priority(raytrace, &priority));
   CHECK(priority == 3);
   CHECK(failed(rgl_graph_node_set_priority(raytrace, 2), RGL_INVALID_PIPELINE, "cannot set priority"));
+  rgl_node_t rays = nullptr;
+  const rgl_mat3x4f ray = matrix(0, 0, 0);
+  OK(rgl_node_rays_from_mat3x4f(&rays, &ray, 1));
+  OK(rgl_graph_node_add_child(rays, raytrace));
+  OK(rgl_graph_node_get_priority(rays, &priority));
+  CHECK(priority == 3);  // of the child that it has got
   bool alive = true;
   OK(rgl_graph_destroy(yield));
   OK(rgl_node_is_alive(raytrace, &alive));
