@@ -81,6 +81,23 @@ TEST_CASE("a frame is made again if its part of a bag, a trace or a cloud has ot
   checkSameFiles(folder / "whole", folder / "out");
 }
 
+TEST_CASE("frames whose manifests are damaged are missing for a run that makes others") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(smallDrive());
+  drive::RunOptions most = optionsFor(folder / "out"), last = most;
+  most.endFrame = last.firstFrame = 9;
+  drive::run(drive, most);
+  for (const char* frame : {"000003", "000005"})
+    put(folder / "out/manifest/frames" / (frame + std::string(".json")), "7");
+  const drive::RunReport report = drive::run(drive, last);
+  CHECK(!report.finished);
+  CHECK(report.missing == 2);
+  CHECK(report.firstMissing == 3);
+  const drive::RunReport whole = drive::run(drive, optionsFor(folder / "out"));
+  CHECK(whole.finished);
+  CHECK(whole.kept == 8);
+}
+
 TEST_CASE("a part of a bag that nobody has written as such is refused, with the way out") {
   const DriveFolder folder;
   const drive::Drive drive = folder.read(driveWith({{{"format", "mcap"}}}));

@@ -207,6 +207,16 @@ TEST_CASE("every member of an image with holes changes the fingerprint of a driv
   CHECK(changes());
 }
 
+TEST_CASE("the matrix of a node changes the fingerprint of a drive") {
+  drive::Drive drive;
+  Node& node = drive.scenes.emplace_back().animation.nodes.emplace_back();
+  std::set<std::string> fingerprints = {drive::fingerprintOf(drive, "")};
+  node.matrix = Transform{};
+  CHECK(fingerprints.insert(drive::fingerprintOf(drive, "")).second);
+  node.matrix->rows[3] = 2;
+  CHECK(fingerprints.insert(drive::fingerprintOf(drive, "")).second);
+}
+
 TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
   const DriveFolder& folder = made();
   const std::string drive = "out/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/";

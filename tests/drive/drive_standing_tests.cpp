@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cpu_time.hpp"
+#include "drive/standing.hpp"
 #include "drive_support.hpp"
 #include "support.hpp"
 
@@ -46,6 +47,41 @@ TEST_CASE("actors that a scene has had share a model if they differ by their pla
   const drive::Drive drive = folder.read(json);
   REQUIRE(drive.actors.size() == 3);
   CHECK(drive.models.size() == 2);  // with that of the drive file
+}
+
+TEST_CASE("the model of an actor that a scene has had has the materials of its mesh and their images, each once") {
+  Scene scene;
+  for (const uint8_t alpha : std::vector<uint8_t>{10, 20, 30}) scene.alphaImages.push_back({1, 1, {alpha}});
+  for (const uint32_t image : {2u, kNoImage, 0u, 2u}) {
+    scene.materials.emplace_back().alphaImage = image;
+    scene.materials.back().name = "material " + std::to_string(scene.materials.size() - 1);
+  }
+  scene.meshes.resize(2);
+  scene.meshes[1].positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  for (const uint32_t material : {3u, 1u, 0u, 3u, 2u}) {
+    Mesh& mesh = scene.meshes[1];
+    mesh.parts.push_back({static_cast<uint32_t>(mesh.parts.size()), 1, material});
+    for (const uint32_t corner : {0u, 1u, 2u}) mesh.indices.push_back(corner);
+  }
+  scene.instances = {{"car", 1, {}, 10}};
+  drive::StandingActors standing;
+  drive::takeStanding(
+      scene, [](const Instance&) { return std::optional<size_t>(0); }, standing);
+  REQUIRE(standing.models.size() == 1);
+  const Scene& model = standing.models[0];
+  REQUIRE(model.materials.size() == 4);
+  const std::pair<const char*, uint32_t> expected[] = {
+      {"material 3", 0}, {"material 1", kNoImage}, {"material 0", 0}, {"material 2", 1}};
+  for (size_t i = 0; i < 4; ++i) {
+    CHECK(model.materials[i].name == expected[i].first);
+    CHECK(model.materials[i].alphaImage == expected[i].second);
+  }
+  REQUIRE(model.alphaImages.size() == 2);
+  CHECK(model.alphaImages[0].alpha == std::vector<uint8_t>{30});
+  CHECK(model.alphaImages[1].alpha == std::vector<uint8_t>{10});
+  const uint32_t parts[] = {0, 1, 2, 0, 3};
+  for (size_t i = 0; i < 5; ++i) CHECK(model.meshes[0].parts[i].material == parts[i]);
+  CHECK(scene.instances.empty());
 }
 
 TEST_CASE("thousands of instances of one name become actors with names of their own in little time") {
