@@ -35,12 +35,12 @@ SensorPath::SensorPath(const Sensor& sensor, const RecordedScan& recorded) : rec
   first_ = times.first;
   last_ = times.last;
   // Between two stamps that are less than a quarter turn from the middle pose nothing is farther from it than they are.
+  // From a sixth of a turn on eachBeamThrough() follows every beam.
   const Pose between = at(middle());
   for (const SensorMotion::Stamp& stamp : recorded.motion.stamps) {
     shift_ = std::max(shift_, lengthOf(stamp.pose.position - between.position));
     turn_ = std::max(turn_, angleBetween(stamp.pose.orientation, between.orientation));
   }
-  if (turn_ > M_PI / 2) turn_ = M_PI;
 }
 
 const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
@@ -62,7 +62,7 @@ const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
 }
 
 SensorMotion BoxFinder::motionOf(const RecordedScan& recorded, const Box& box) const {
-  if (!recorded.actorsMove || recorded.duration <= 0) return {};
+  if (!recorded.actorsMove) return {};
   const double begin = recorded.planned.time, end = recorded.endOfMotion();
   const auto placeAt = [&](double time) { return box.inWorld.position + (time - box.time) * box.velocity; };
   return {{{0, {placeAt(begin), drive_.actors[box.actor].trajectory.at(begin).orientation}},

@@ -67,7 +67,7 @@ class SensorPath {
   double middle() const { return 0.5 * (first_ + last_); }    ///< seconds after the start of the scan
   double halfSpan() const { return 0.5 * (last_ - first_); }  ///< seconds from there to the first and the last beam
   double shift() const { return shift_; }  ///< metres that the sensor is at most from its middle pose
-  double turn() const { return turn_; }    ///< radians that it is at most turned from there
+  double turn() const { return turn_; }    ///< radians that it is at most turned from there at its stamps
 
  private:
   const RecordedScan& recorded_;
