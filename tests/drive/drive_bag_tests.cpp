@@ -270,6 +270,8 @@ TEST_CASE("MCAP: a flat sensor has laser scans beside its clouds") {
                        !ContainsSubstring("/top/scan"));
   const std::vector<std::string> scans = messagesOf(mcap, 5), clouds = messagesOf(mcap, 4);
   REQUIRE(scans.size() == 5);
+  const std::string counted = text.substr(text.find("message_count: ", text.find("name: /side/scan")));
+  CHECK(counted.starts_with("message_count: 5\n"));
   REQUIRE(clouds.size() == 5);
   const std::string& cdr = scans[2];
   CHECK(at<int32_t>(cdr, 4) == 1700000000);

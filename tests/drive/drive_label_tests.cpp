@@ -411,6 +411,17 @@ TEST_CASE("nuScenes: the points of a sample lie in its boxes, although the vehic
       }
     }
     CHECK(notes == 12);
+    // Points that the format has compensated are where the simulator puts them.
+    for (const Json& data : table("sample_data")) {
+      const std::string file = "/nuscenes/" + data["filename"].get<std::string>();
+      const std::string points = folder.get(out + file), fired = folder.get("fired" + file);
+      REQUIRE(points.size() == fired.size());
+      float most = 0;
+      for (size_t i = 0; i < points.size(); i += 20)
+        for (size_t k = i; k < i + 12; k += 4)
+          most = std::max(most, std::abs(at<float>(points, k) - at<float>(fired, k)));
+      CHECK(most < 1e-3);
+    }
   }
 }
 

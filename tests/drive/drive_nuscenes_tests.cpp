@@ -250,6 +250,14 @@ TEST_CASE("nuScenes: with lidarseg every point of a key frame has the index of i
     }
   }
   CHECK(found == std::set<uint8_t>{0, 1, 2});
+  // The labels need no other output that asks for classes.
+  json["outputs"].erase(1);
+  REQUIRE(folder.run(json, "alone").finished);
+  const Json own = Json::parse(folder.get("alone/nuscenes/v1.0-drive/lidarseg.json"));
+  REQUIRE(own.size() == 2);
+  for (size_t i = 0; i < 2; ++i)
+    CHECK(folder.get("alone/nuscenes/" + own[i]["filename"].get<std::string>()) ==
+          folder.get("out/nuscenes/" + labels[i]["filename"].get<std::string>()));
 }
 
 TEST_CASE("nuScenes: annotations have the attributes that nuScenes has for their categories") {
