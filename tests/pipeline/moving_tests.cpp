@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene that was changed is scanned like a new scene with the same content.
 #include <algorithm>
+#include <array>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <set>
 
+#include "base/vector.hpp"
 #include "support.hpp"
 
 namespace gnosphere::test {
@@ -224,6 +227,36 @@ TEST_CASE("vertices that move into range are hit", "[second-driver]") {
   simulator.setPositions(0, near.positions);
   CHECK(simulator.scan({}).counters.hits > 0);
   CHECK(sameBytes(simulator.scan({}), scanOf(sceneOf(near), sensor, {}, vulkanOptions())));
+}
+
+TEST_CASE("hits have the normals of their triangles when others of the mesh lose their area, and have it again") {
+  needVulkan();
+  const Mesh mesh = ball(12, 20, 3, {8, 0, 0});
+  std::vector<float> bent = mesh.positions;
+  for (size_t corner = 0; corner < mesh.indices.size(); corner += 21)  // of each seventh triangle two corners meet
+    std::copy_n(&bent[3 * size_t{mesh.indices[corner]}], 3, &bent[3 * size_t{mesh.indices[corner + 1]}]);
+  Simulator simulator(sceneOf(mesh), {{gridSensor(360, 24, -25, 25), Effects::none(), {Field::normal}}},
+                      vulkanOptions());
+  for (const std::vector<float>& positions : {mesh.positions, bent, mesh.positions}) {
+    simulator.setPositions(0, positions);
+    const Scan scan = simulator.scan({});
+    CHECK((scan.counters.degenerate >= mesh.indices.size() / 21) == (positions == bent));
+    size_t wrong = 0, hits = 0;
+    for (size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+      if (!scan.hit(beam)) continue;
+      ++hits;
+      std::array<Vec3, 3> corners;
+      for (size_t k = 0; k < 3; ++k) {
+        const float* p = &positions[3 * size_t{mesh.indices[3 * size_t{scan.triangles[beam]} + k]}];
+        corners[k] = {p[0], p[1], p[2]};
+      }
+      const Vec3 area = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      const auto part = [&](uint32_t axis) { return double{scan.column<float>(Field::normal, axis)[beam]}; };
+      wrong += !(std::abs(dot(area, {part(0), part(1), part(2)})) > (1 - 1e-5) * lengthOf(area));
+    }
+    CHECK(hits > 200);
+    CHECK(wrong == 0);
+  }
 }
 
 TEST_CASE("an invalid change is refused and has no effect") {
