@@ -8,6 +8,8 @@
 #include <system_error>
 #include <vector>
 #ifndef _WIN32
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #endif
@@ -65,6 +67,24 @@ int endOf(int signal, const Work& work) {
 }
 
 }  // namespace
+
+TEST_CASE("an unfinished file is no device, pipe or link") {
+  const test::Folder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe", link = folder.path() / "link";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  REQUIRE(reader >= 0);
+  for (const std::filesystem::path& file : {std::filesystem::path("/dev/null"), pipe}) {
+    errno = 0;
+    CHECK(!os::openPart(file, true));
+    CHECK(errno == ENXIO);
+  }
+  ::close(reader);
+  CHECK(!os::openPart(pipe, false));  // which would wait for another reader
+  std::filesystem::create_symlink("elsewhere", link);
+  CHECK(!os::openPart(link, true));
+  CHECK(!std::filesystem::exists(folder.path() / "elsewhere"));
+}
 
 TEST_CASE("signals that end a program remove its unfinished files if it wishes, and no others") {
   const test::Folder folder;
