@@ -7,6 +7,7 @@
 #include <clocale>
 #include <cmath>
 #include <thread>
+#include <vector>
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
@@ -43,6 +44,20 @@ TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory
   CHECK_FALSE(way.covers(3.01));
   CHECK(way.movesWithin(2.9, 9));
   CHECK_FALSE(way.movesWithin(3, 9));
+}
+
+TEST_CASE("the times at which a way changes are its stamps, and where the turns around them begin and end") {
+  using Times = std::vector<double>;
+  const std::vector<drive::Trajectory::Stamp> stamps = {
+      {0, {{0, 0, 0}, {}}}, {2, {{10, 0, 0}, {}}}, {4, {{10, 10, 0}, {}}}, {6, {{20, 10, 0}, {}}}};
+  const drive::Trajectory given(stamps), along = drive::Trajectory::alongWay(stamps),
+                                         mixed = drive::Trajectory::alongWay(stamps, {false, true});
+  CHECK(given.timesWithin(0, 6) == Times{2, 4});
+  CHECK(along.timesWithin(0, 6) == Times{1.5, 2, 2.5, 3.5, 4, 4.5});
+  CHECK(along.timesWithin(-1, 1.8) == Times{0, 1.5});
+  CHECK(along.timesWithin(2.2, 3.6) == Times{2.5, 3.5});
+  CHECK(along.timesWithin(2.5, 3.5).empty());
+  CHECK(mixed.timesWithin(0, 6) == Times{2, 4, 4.5});  // next to a pose with a turn of its own it turns all the way
 }
 
 TEST_CASE("every kind of trajectory file is read as its makers define it") {
