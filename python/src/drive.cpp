@@ -84,7 +84,7 @@ void bindDrive(nb::module_& parent) {
           },
           "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
           "verify"_a = false, "simulator"_a = newOptions(), "progress"_a = nb::none())
-      .def_rw("out", &RunOptions::out, "The folder of the data set.")
+      .def_rw("out", &RunOptions::out, "The folder of the data set; if empty, the current one.")
       .def_rw("first_frame", &RunOptions::firstFrame, "The first frame that is made.")
       .def_rw("end_frame", &RunOptions::endFrame, "The frame after the last one.")
       .def_rw("shard", &RunOptions::shard, "Only frames whose number modulo shard_count is this are made.")

@@ -81,7 +81,7 @@ def test_training_data(tmp_path):
     assert set(np.concatenate([cloud["class_id"] for cloud in clouds])) == {0, 1}
 
 
-def test_dataset(folder, tmp_path):
+def test_dataset(folder, tmp_path, monkeypatch):
     drive = folder / "drive.json"
     printed = example(tmp_path, "dataset", drive, "out", 2)
     assert printed.endswith("2 of 2 frames\ntown: 0 of 2 frames were there, 10 files were made\n")
@@ -91,6 +91,10 @@ def test_dataset(folder, tmp_path):
     made = {path.relative_to(tmp_path / "out"): path.read_bytes() for path in (tmp_path / "out").rglob("*.bin")}
     assert len(made) > 1
     assert made == {path.relative_to(tmp_path / "cli"): path.read_bytes() for path in (tmp_path / "cli").rglob("*.bin")}
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert drives.run(drives.read_drive(drive), drives.RunOptions("", end_frame=1)).files > 0
+    assert list((tmp_path / "here").rglob("*.bin"))
     for options, sentence in (
         (drives.RunOptions(tmp_path / "out", shard_count=0), "no shard 0 of 0"),
         (drives.RunOptions(tmp_path / "out", shard=2, shard_count=2), "no shard 2 of 2"),

@@ -85,7 +85,7 @@ void Manifest::checkDrive() const {
 }
 
 void Manifest::begin(const std::string& madeBy) const {
-  makeFolder(out_);
+  if (!out_.empty()) makeFolder(out_);  // an empty path is the current folder
   makeFolder(fileIn(out_, "manifest/frames"));
   const auto putOnce = [&](const std::string& path, const std::string& text) {
     const fs::path file = placeIn(out_, pathOf(path));

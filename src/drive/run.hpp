@@ -11,7 +11,7 @@
 namespace gnosphere::drive {
 
 struct RunOptions {
-  std::filesystem::path out;
+  std::filesystem::path out;                       ///< the folder of the data set; if empty, the current one
   uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
   uint64_t shard = 0, shardCount = 1;              ///< frames whose number modulo shardCount is shard
   bool verify = false;                             ///< whether complete files are read and their hashes compared
