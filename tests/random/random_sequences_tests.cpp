@@ -192,8 +192,8 @@ class Sequence {
     sensors_.remove(index);
   }
 
-  /// What a simulator is made of that has the same indices. An instance of an empty mesh is what remains of one that
-  /// was removed.
+  /// Returns a scene from which a new simulator gets the same indices. An instance that was removed is one of an empty
+  /// mesh there.
   Scene scene() const {
     Scene result;
     for (const auto& material : materials_.all()) result.materials.push_back(material.value_or(Material()));

@@ -193,7 +193,7 @@ TEST_CASE("RGL: rays far apart, scaled, mirrored and without a direction") {
   OK(rgl_graph_node_add_child(range, lidar.pose));
   lidar.run();
   CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32)[0] == 0);
-  // What it meets at 2 m is 1 m away for it, whether the axes have one scale or three.
+  // A hit 2 m away is 1 m away in the units of the lidar, whether its axes have one scale or three.
   const rgl_vec2f farther = {{0, 1.25f}};
   OK(rgl_node_rays_set_range(&range, &farther, 1));
   for (const float scale : {2.f, 3.f}) {
