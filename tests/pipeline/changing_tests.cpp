@@ -17,6 +17,7 @@ namespace {
 /// Whether two scans are the same, also in the fields that these tests ask for.
 bool sameFields(const Scan& a, const Scan& b) {
   return sameBytes(a, b) && sameBytes(valuesOf<float>(a, Field::intensity), valuesOf<float>(b, Field::intensity)) &&
+         sameBytes(valuesOf<float>(a, Field::normal), valuesOf<float>(b, Field::normal)) &&
          sameBytes(valuesOf<uint16_t>(a, Field::classId), valuesOf<uint16_t>(b, Field::classId)) &&
          sameBytes(valuesOf<uint8_t>(a, Field::label), valuesOf<uint8_t>(b, Field::label));
 }
@@ -133,6 +134,30 @@ TEST_CASE("a mesh in place of a larger and of a smaller one leaves the others as
   model.requireFresh({});
 }
 
+TEST_CASE("a sensor that asks for surfaces finds those of meshes that lie in another order than they are numbered") {
+  needVulkan();
+  Scene scene = sceneOf(ball(6, 8, 1, {6, 0, 0}));
+  for (const Mesh& mesh : {ball(10, 12, 1, {0, 6, 0}), ball(8, 8, 1, {-6, 0, 0}), ball(6, 8, 1, {0, -6, 0})}) {
+    scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), {}});
+    scene.meshes.push_back(mesh);
+  }
+  const Sensor sensor = gridSensor(360, 16, -20, 20);
+  Simulator simulator(scene, bare(sensor), vulkanOptions());
+  for (const size_t index : {2, 0}) {
+    simulator.removeInstance(index);
+    simulator.removeMesh(index);
+  }
+  for (const Mesh& mesh : {ball(8, 8, 1.5, {6, 0, 0}), ball(6, 8, 1.5, {-6, 0, 0})}) {
+    const auto index = static_cast<uint32_t>(simulator.addMesh(mesh));
+    scene.meshes[index] = mesh;
+    REQUIRE(simulator.addInstance(index, {}) == index);
+  }
+  const SensorRequest request = {sensor, Effects::none(), {Field::normal}};
+  const Scan scan = simulator.scan({}, simulator.addSensor(request));
+  CHECK(sameFields(scan, Simulator(scene, request, vulkanOptions()).scan({})));
+  for (uint32_t instance = 0; instance < 4; ++instance) CHECK(std::ranges::count(scan.instances, instance) > 0);
+}
+
 TEST_CASE("glass that is added lets light through from the next scan on, and its removal ends that") {
   needVulkan();
   for (const DeviceChoice& device : {DeviceChoice(), DeviceChoice(DeviceChoice::Kind::reference)}) {
@@ -213,7 +238,7 @@ TEST_CASE("a scene that is added scans as the joined scene does, and a wrong pla
   added.instances.push_back({"", 1, translation(0, 7, 0), 4});  // beside the first pane, where both are seen
   added.instances.push_back({"", 2, translation(1, -7, 0), 6});
   const Transform place = {{0, 1, 0, 1, -1, 0, 0, 0, 0, 0, 1, 0.5}};
-  const SensorRequest request = {gridSensor(180, 12, -10, 10), {}, {Field::intensity, Field::classId}};
+  const SensorRequest request = {gridSensor(180, 12, -10, 10), {}, {Field::intensity, Field::classId, Field::normal}};
   Simulator simulator(scene, request, vulkanOptions());
   const Scan before = simulator.scan({});
   Transform nowhere = place;
