@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "folder.hpp"
 #include "rgl/plugin.hpp"
