@@ -56,7 +56,8 @@ void dropFunctions(SimulatorOptions& options);
 /// Gives options that will be an object of Python, or part of one, references of their own to their functions.
 void ownFunctions(SimulatorOptions& options);
 
-/// A SensorRequest, or a Sensor, which stands for a request of this sensor alone, or the name of a built-in one.
+/// An argument of Python that stands for a SensorRequest: a request, a Sensor, which is then the sensor of a request
+/// without other settings, or the name of a built-in sensor.
 struct RequestLike {
   std::variant<SensorRequest, std::string> given;
 };

@@ -35,7 +35,7 @@ SensorPath::SensorPath(const Sensor& sensor, const RecordedScan& recorded) : rec
   first_ = times.first;
   last_ = times.last;
   // Between two stamps that are less than a quarter turn from the middle pose nothing is farther from it than they are.
-  // From a sixth of a turn on eachBeamThrough() follows every beam.
+  // If the sensor turns by a sixth of a turn or more, eachBeamThrough() follows every beam.
   const Pose between = at(middle());
   for (const SensorMotion::Stamp& stamp : recorded.motion.stamps) {
     shift_ = std::max(shift_, lengthOf(stamp.pose.position - between.position));

@@ -53,7 +53,7 @@ std::string durationText(const Drive& drive, const fs::path& manifest, const std
   }
 }
 
-/// Returns what manifest/drive.json says of a drive.
+/// Returns the text of manifest/drive.json for a drive.
 std::string textOf(const Drive& drive) {
   return jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
          "\n";

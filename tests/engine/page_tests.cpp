@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The blocks of docs/engine.md, word for word and in their order, with what an engine has around them, and those of
-// docs/c.md, which c/page.c has. tests/docs/check_page compares them with the pages.
+// docs/c.md, which c/page.c has. tests/docs/check_page compares the blocks with the pages.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

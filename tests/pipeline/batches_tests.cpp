@@ -121,7 +121,7 @@ bool sameView(const Batch& batch, size_t view, const Scan& scan) {
   return same;
 }
 
-// The blocks of docs/batches.md; tests/docs/check_page compares them with the page.
+// The blocks of docs/batches.md. tests/docs/check_page compares the blocks with the page.
 
 /// The ranges that a head sees from many poses, in one array: beam b of view v is entry v * beams + b.
 void rangesFrom(Simulator& simulator, const std::vector<Pose>& poses, Batch& batch) {

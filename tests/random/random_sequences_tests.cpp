@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One simulator whose materials, meshes, instances and sensors come, change and go in an order drawn at random. A model
-// of its scene is kept beside it. Each scan must have the bytes of one by a simulator made of that model.
+// of its scene is kept beside the simulator. Each scan must have the bytes of a scan by a new simulator of that model.
 #include <algorithm>
 #include <optional>
 #include <span>

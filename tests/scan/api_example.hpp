@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The examples of docs/api.md: everything below the using directive is the text of its C++ blocks, in their order.
-// tests/docs/check_page compares them.
+// tests/docs/check_page compares the examples with the page.
 #pragma once
 
 #include <cmath>

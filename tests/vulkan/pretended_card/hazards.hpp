@@ -10,7 +10,7 @@ namespace gnosphere::test {
 
 class Hazards {
  public:
-  /// Notes that a kernel is dispatched. Returns why that is wrong, or nullptr, as the next functions do.
+  /// Notes that a kernel is dispatched. This function and the next ones return why a call is wrong, or nullptr.
   const char* dispatch() {
     if (unseenBy_[kKernel] & kKernels) return "a kernel is dispatched without a barrier after the kernel before it";
     if (unseenBy_[kTransfer] & kKernels) return "a kernel is dispatched without a barrier after a fill or a copy";
